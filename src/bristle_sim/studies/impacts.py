@@ -7,7 +7,7 @@ pendulums are signed as in the dissertation, negative approaching; in the scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,8 +31,8 @@ it is a thousandth of that, but near the stick threshold the limit itself is app
 class Impacts:
     """One impact of a chain on a surface, computed by every contact law.
 
-    ``law`` is the requested one; ``refusals`` say why another one has no result. A duration of the contact resolved in time, s,
-    may have been requested; ``timing`` says in words for a film how long that contact takes.
+    ``law`` is the requested one; ``refusals`` say why another one has no result. ``timing`` says for a film why the contact
+    resolved in time lasts so long.
     """
 
     chain: Chain
@@ -44,17 +44,25 @@ class Impacts:
     timing: str = ""
 
 
-NORMAL_COMPRESSIVE, NORMAL_FINAL = IMPACT["normal_compressive_impulse"], IMPACT["normal_final_impulse"]
-
 AT_REST = 1e-13
 """A rate after an impact counts as zero below this fraction of the fastest one before it."""
 
-ROUNDING = 1e-15
+HEIGHT_ROUNDING = 1e-15
 """Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
 two such positions."""
 
-MOST = 1e-3
+MOST_WIDENED = 1e-3
 """Largest allowance for magnified rounding, relative."""
+
+
+IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
+
+RODS = {
+    "final_rate_1": ("rate of the first rod after", "rad/s"),
+    "final_rate_2": ("rate of the second rod after", "rad/s"),
+    "kinetic_energy_ratio": ("kinetic energy after over before", "1"),
+}
+"""A double pendulum's own quantities: label and unit."""
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
@@ -81,17 +89,17 @@ def oblique_impact(
     theory = monofilament_impact(
         bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma, *_coefficients(surface)
     )
-    hidden = ROUNDING * (1.0 + hub.radius / bristle.length)
+    hidden = HEIGHT_ROUNDING * (1.0 + hub.radius / bristle.length)
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), hidden / math.sin(gamma))
-    rows = []
+    found = []
     for name, simulated in contact_quantities(impacts.strikes[contact.law].contact).items():
         expected = None if name == "rebound_ratio" and rate == 0.0 else float(getattr(theory, name))
         least = {"final_bristle_rate": AT_REST * rate, "rebound_ratio": AT_REST}.get(name, 0.0)
-        rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
+        rounding = HEIGHT_ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
         if name == "tangential_compressive_work":
             rounding = hidden / math.cos(gamma)
-        rows.append(_row(name, *IMPACT[name], simulated, expected, _widened(tolerance, rounding), least))
-    return _report(impacts, rows, lambda one: one.contact.rates_after[0], "bristle")
+        found.append(_row(name, IMPACT[name], (simulated, expected), _widened(tolerance, rounding), least))
+    return _report(impacts, found, lambda one: one.contact.rates_after[0], "bristle")
 
 
 def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
@@ -99,68 +107,55 @@ def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact
     gamma = math.radians(pendulum.impact_angle_deg)
     chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
     impacts = _all_laws(chain, surface, contact, settings)
-    found = impacts.strikes[contact.law].contact
-    ratio = -found.rates_after[0] / pendulum.rate if pendulum.rate else None
-    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), ROUNDING / math.sin(gamma))
+    one = impacts.strikes[contact.law].contact
+    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma))
     theory = _single_theory(pendulum, gamma, surface)
     # A rate after the impact has the rounding of the one before it.
-    widened = _widened(tolerance, ROUNDING / max(abs(theory[0] or 0.0), AT_REST))
-    compressive = None if found.compressive_impulse is None else found.compressive_impulse[0]
-    rows = [
-        _row("rebound_ratio", *IMPACT["rebound_ratio"], ratio, theory[0], widened, AT_REST),
-        _row("normal_compressive_impulse", *NORMAL_COMPRESSIVE, compressive, theory[1], tolerance),
-        _row("normal_final_impulse", *NORMAL_FINAL, found.impulse[0], theory[2], tolerance),
-    ]
-    return _report(impacts, rows, lambda one: -one.contact.rates_after[0], "pendulum")
+    widened = _widened(tolerance, HEIGHT_ROUNDING / max(abs(theory[0] or 0.0), AT_REST))
+    simulated = (
+        -one.rates_after[0] / pendulum.rate if pendulum.rate else None,
+        None if one.compressive_impulse is None else one.compressive_impulse[0],
+        one.impulse[0],
+    )
+    names, limits = ("rebound_ratio", *IMPULSES), ((widened, AT_REST), (tolerance, 0.0), (tolerance, 0.0))
+    sides = zip(names, zip(simulated, theory, strict=True), limits, strict=True)
+    found = [_row(name, IMPACT[name], pair, *limit) for name, pair, limit in sides]
+    return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
 
 
-def _single_theory(
-    pendulum: SinglePendulum, gamma: float, surface: Surface
-) -> tuple[float | None, float | None, float | None]:
-    """The pendulum's own formulas; with two coefficients of friction, the bristle's with a hub of no radius."""
-    if surface.restitution_friction is None or pendulum.rate >= 0.0:
-        own = single_pendulum_impact(
-            pendulum.mass, pendulum.length, gamma, pendulum.rate, surface.friction, surface.restitution
-        )
-        ratio = own.rebound_ratio if pendulum.rate else None
-        return ratio, own.normal_compressive_impulse, own.normal_final_impulse
-    speed = (min(-pendulum.rate, 1e6), max(-pendulum.rate / 1e6, 1.0))
-    bristle = monofilament_impact(pendulum.mass, pendulum.length, 0.0, *speed, gamma, *_coefficients(surface))
-    values = (bristle.rebound_ratio, bristle.normal_compressive_impulse, bristle.normal_final_impulse)
-    return float(values[0]), float(values[1]), float(values[2])
+def _single_theory(pendulum: SinglePendulum, gamma: float, surface: Surface) -> list[float | None]:
+    """Return the pendulum's own formulas; with two coefficients of friction, the bristle's with a hub of no radius."""
+    rod, rate = (pendulum.mass, pendulum.length), pendulum.rate
+    if surface.restitution_friction is None or rate >= 0.0:
+        own = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
+        return [own.rebound_ratio if rate else None, own.normal_compressive_impulse, own.normal_final_impulse]
+    speed = (min(-rate, 1e6), max(-rate / 1e6, 1.0))
+    bristle = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
+    return [float(getattr(bristle, name)) for name in ("rebound_ratio", *IMPULSES)]
 
 
 def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
     """Simulate Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
-    impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
-    angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
-    theory = double_pendulum_impact(
-        pendulum.mass,
-        pendulum.mass_ratio,
-        pendulum.length,
-        *angles,
-        pendulum.rate_1,
-        pendulum.rate_2,
-        *_coefficients(surface),
-    )
-    found = impacts.strikes[contact.law]
-    impulse = found.contact.compressive_impulse
+    impacts, own = _all_laws(double_chain(pendulum), surface, contact, settings), pendulum
+    angles, rates = (math.radians(own.angle_1_deg), math.radians(own.angle_2_deg)), (own.rate_1, own.rate_2)
+    theory = double_pendulum_impact(own.mass, own.mass_ratio, own.length, *angles, *rates, *_coefficients(surface))
+    one = impacts.strikes[contact.law]
     # Friction magnifies the rounding of a rod's angle, by itself where the rod lies along the surface.
     mu, (along, across) = surface.friction, (abs(math.cos(angles[1])), abs(math.sin(angles[1])))
-    magnified = max(pendulum.mass_ratio, mu / max(across + mu * along, AT_REST))
-    within = _tolerance(contact, settings, surface, None, ROUNDING * magnified)
-    slowest = AT_REST * max(abs(pendulum.rate_1), abs(pendulum.rate_2))
-    compressive = (impulse[0] if impulse else None, theory.normal_compressive_impulse)
-    energies = found.kinetic_energy_ratio, theory.kinetic_energy_ratio if found.kinetic_energy_before else None
-    after = found.contact.rates_after
-    rows = [
-        _row("final_rate_1", "rate of the first rod after", "rad/s", -after[0], theory.final_rate_1, within, slowest),
-        _row("final_rate_2", "rate of the second rod after", "rad/s", -after[1], theory.final_rate_2, within, slowest),
-        _row("normal_compressive_impulse", *NORMAL_COMPRESSIVE, *compressive, within),
-        _row("normal_final_impulse", *NORMAL_FINAL, found.contact.impulse[0], theory.normal_final_impulse, within),
-        _row("kinetic_energy_ratio", "kinetic energy after over before", "1", *energies, within, AT_REST**2),
-    ]
-    return _report(impacts, rows, lambda one: -one.contact.rates_after[1], "second rod")
+    magnified = max(own.mass_ratio, mu / max(across + mu * along, AT_REST))
+    within = _tolerance(contact, settings, surface, None, HEIGHT_ROUNDING * magnified)
+    slowest, compressive = AT_REST * max(map(abs, rates)), one.contact.compressive_impulse
+    energies = (one.kinetic_energy_ratio, theory.kinetic_energy_ratio if one.kinetic_energy_before else None)
+    sides = {
+        "final_rate_1": (-one.contact.rates_after[0], theory.final_rate_1),
+        "final_rate_2": (-one.contact.rates_after[1], theory.final_rate_2),
+        "normal_compressive_impulse": (compressive[0] if compressive else None, theory.normal_compressive_impulse),
+        "normal_final_impulse": (one.contact.impulse[0], theory.normal_final_impulse),
+        "kinetic_energy_ratio": energies,
+    }
+    least = {"final_rate_1": slowest, "final_rate_2": slowest, "kinetic_energy_ratio": AT_REST**2}
+    found = [_row(name, (IMPACT | RODS)[name], pair, within, least.get(name, 0.0)) for name, pair in sides.items()]
+    return _report(impacts, found, lambda one: -one.contact.rates_after[1], "second rod")
 
 
 def _coefficients(surface: Surface) -> tuple[float, float, float]:
@@ -168,17 +163,11 @@ def _coefficients(surface: Surface) -> tuple[float, float, float]:
 
 
 def _row(
-    name: str,
-    label: str,
-    unit: str,
-    simulated: float | None,
-    theory: float | None,
-    tolerance: float | None,
-    least: float = 0.0,
+    name: str, words: tuple[str, str], sides: tuple[float | None, float | None], within: float | None, least: float
 ) -> Quantity:
-    """Return a quantity, either side of which is zero where it is no more than the least."""
-    first, second = (0.0 if each is not None and abs(each) <= least else each for each in (simulated, theory))
-    return Quantity(name, unit, first, second, tolerance=tolerance, label=label)
+    """Return a quantity of a label and unit, either side of which is zero where it is no more than the least."""
+    first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
+    return Quantity(name, words[1], first, second, tolerance=within, label=words[0])
 
 
 def _tolerance(
@@ -199,19 +188,18 @@ def _tolerance(
 
 def _widened(tolerance: float | None, rounding: float) -> float | None:
     """Return a tolerance with rounding that the law does not cause."""
-    return None if tolerance is None else tolerance + min(rounding, MOST)
+    return None if tolerance is None else tolerance + min(rounding, MOST_WIDENED)
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
     """Simulate the strike by the requested law, and by the others where they have a result."""
-    strikes, refusals = {}, {}
+    strikes, refusals = dict[str, ChainStrike](), dict[str, str]()
     for law in LAWS:
-        if law == contact.law:
-            strikes[law] = strike(chain, surface, contact, settings)
-            continue
         try:
-            strikes[law] = strike(chain, surface, Contact(law), settings)
+            strikes[law] = strike(chain, surface, contact if law == contact.law else Contact(law), settings)
         except ValueError as error:
+            if law == contact.law:
+                raise
             refusals[law] = str(error)
     return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration)
 
@@ -219,42 +207,32 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
     """Return the report; ``rate`` is that of the rod that turns, rad/s."""
     requested = impacts.strikes[impacts.law]
-    laws = [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]
-    return Report(
-        outcome=outcome_of(requested.contact),
-        quantities=tuple(rows),
-        phases=requested.contact.phases,
-        events=(("strike", requested.contact.time),),
-        steps=requested.steps,
-        wall_s=requested.wall_s,
-        remarks=tuple(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
-        tables=(_compared_laws(laws),),
-        extra={"laws": laws},
-        subject=impacts,
-        answer=_answer(requested, rows, rate(requested), turning),
-    )
-
-
-def _answer(requested: ChainStrike, rows: list[Quantity], rate: float, turning: str) -> str:
-    if not requested.contact.impulse[0]:
-        return "There is no impact: the tip does not approach the surface."
-    words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(requested.contact.outcome, "sticks")
-    impulse = amount(requested.contact.impulse[0], "N s")
-    return (
-        f"{agreement(rows)}: the tip {words}, its normal impulse is {impulse}, and the {turning} then turns at"
-        f" {amount(rate, 'rad/s')}."
-    )
-
-
-def _compared_laws(laws: Sequence[dict[str, Any]]) -> Table:
-    """Return the table of every law's rate, impulses, works and energy ratio, in SI units."""
+    one, turned = requested.contact, rate(requested)
+    laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]
     head = ("law", "rate after, rad/s", "p_n, N s", "p_t, N s", "work n, J", "work t, J", "energy ratio")
     forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
     cells = (
-        ["-" if value is None else format(value, form) for value, form in zip(law.values(), forms, strict=True)]
+        tuple("-" if value is None else format(value, form) for value, form in zip(law.values(), forms, strict=True))
         for law in laws
     )
-    return Table("the contact laws compared", head, tuple(map(tuple, cells)))
+    words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(one.outcome, "sticks")
+    impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}"
+    answer = (
+        f"{agreement(rows)}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
+    )
+    return Report(
+        outcome=outcome_of(one),
+        quantities=tuple(rows),
+        phases=one.phases,
+        events=(("strike", one.time),),
+        steps=requested.steps,
+        wall_s=requested.wall_s,
+        remarks=tuple(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
+        tables=(Table("the contact laws compared", head, tuple(cells)),),
+        extra={"laws": laws},
+        subject=impacts,
+        answer=answer if one.impulse[0] else "There is no impact: the tip does not approach the surface.",
+    )
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
