@@ -10,10 +10,11 @@ predicts the others.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -45,11 +46,13 @@ MEASURED_SPHERES = {"restitution": VELOCITY_RATIO, "spin": SPIN, "rebound_angle"
 
 MASS, HALF_AXES, GYRATION = 0.0364, (0.035, 0.025), 0.0192  # kg, m, m: the data set's own description
 
-RESAMPLES = (
-    200  # of the fitted half, for the confidence of the fit: its limits are then good to some 5 % of their width
-)
+RESAMPLES = 200
+"""Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width."""
 
-GRID = 31  # values of mu and of e* at which the misfit is taken; the fit is refined between them
+GRID = 31
+"""Values of mu and of e* at which resampled halves are fitted, about the fit."""
+
+Law = Callable[..., Impact]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +65,7 @@ class Spheres:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """The impacts of the file: states (..., 3) before and after, K (..., 2, 2), contact Jacobian (..., 2, 3), lever of each.
+    """The impacts of the file: states (..., 3) before and after, contact Jacobian (..., 2, 3) and K (..., 2, 2) of each.
 
     Velocities are (v_x, v_y, angular velocity), the latter clockwise as in the file.
     """
@@ -72,22 +75,22 @@ class Ellipse:
     jacobian: Array
     inverse_mass: Array
 
-    @property
-    def approach(self) -> Array:
-        """Velocity (v_n, v_t) of the point of contact before the impacts, m/s."""
-        return np.asarray(np.einsum("kij,kj->ki", self.jacobian, self.before))
-
-    def part(self, chosen: Any) -> Ellipse:
+    def part(self, chosen: slice) -> Ellipse:
         """Return some of the impacts."""
         return Ellipse(self.before[chosen], self.after[chosen], self.jacobian[chosen], self.inverse_mass[chosen])
 
-    def moved(self, impulse: Array) -> Array:
-        """Return the state after impulses (normal, tangential), shape (..., 2)."""
-        return np.asarray(self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA)
+    def predicted(self, law: Law, friction: float, restitution: float, **compliance: float) -> Impact:
+        """Return the impacts by a law, from the velocity of the point of contact before."""
+        approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
+        return law(self.inverse_mass, approach, friction, restitution, **compliance)
 
-    def misfit(self, impulse: Array) -> Array:
-        """Return |v predicted - v measured|/|v measured| of each impact in the norm of the kinetic energy."""
-        return _norm(self.moved(impulse) - self.after) / _norm(self.after)
+    def misfit(self, hit: Impact | Array) -> Array:
+        """Return |v predicted - v measured|/|v measured| of each impact, or impulse, in the norm of the kinetic energy."""
+        impulse = (
+            hit if isinstance(hit, np.ndarray) else np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
+        )
+        missed = self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
+        return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
 
     def best_impulse(self) -> Array:
         """Return the impulse at the point that comes nearest to the measured state, in the same norm."""
@@ -96,10 +99,6 @@ class Ellipse:
 
 
 INERTIA = np.array([MASS, MASS, MASS * GYRATION**2])
-
-
-def _norm(velocity: Array) -> Array:
-    return np.asarray(np.sqrt((velocity**2 * INERTIA).sum(axis=-1)))
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
@@ -162,19 +161,6 @@ def read_ellipse(path: str) -> Ellipse:
     return Ellipse(states[:, 3:6], states[:, 9:12], jacobian, inverse_mass)
 
 
-Law = Callable[..., Impact]
-
-
-def predicted(law: Law, ellipse: Ellipse, friction: Any, restitution: Any, **compliance: float) -> Impact:
-    """Return the impacts by a law."""
-    return law(ellipse.inverse_mass, ellipse.approach, friction, restitution, **compliance)
-
-
-def impulse_of(hit: Impact) -> Array:
-    """Return the impulses, shape (..., 2)."""
-    return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
-
-
 @dataclass(frozen=True, slots=True)
 class Fit:
     """A law fitted on one half of the impacts: mu, e*, and the mean misfit of its predictions of the other half."""
@@ -192,89 +178,87 @@ def fitted(law: Law, train: Ellipse, test: Ellipse, **compliance: float) -> Fit:
 
     def mean(at: Array) -> float:
         friction, restitution = float(abs(at[0])), float(np.clip(at[1], 0.0, 1.0))
-        hit = predicted(law, train, friction, restitution, **compliance)
-        return float(train.misfit(impulse_of(hit)).mean())
+        return float(train.misfit(train.predicted(law, friction, restitution, **compliance)).mean())
 
     starts = [np.array([mu, e]) for mu in (0.05, 0.15, 0.25, 0.4) for e in (0.3, 0.5, 0.7)]
     best = minimize(mean, min(starts, key=mean), method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-7}).x
     friction, restitution = float(abs(best[0])), float(np.clip(best[1], 0.0, 1.0))
-    hit = predicted(law, test, friction, restitution, **compliance)
-    return Fit(law, compliance, friction, restitution, float(test.misfit(impulse_of(hit)).mean()))
+    error = test.misfit(test.predicted(law, friction, restitution, **compliance)).mean()
+    return Fit(law, compliance, friction, restitution, float(error))
 
 
 def confidence(train: Ellipse, fit: Fit) -> Array:
     """Return the limits of 95 % of mu and e*, shape (2, 2), from fits to resampled halves, on a grid about the fit."""
-    friction, restitution = np.meshgrid(
-        fit.friction * np.linspace(0.7, 1.3, GRID), fit.restitution * np.linspace(0.8, 1.2, GRID), indexing="ij"
-    )
-    table = np.stack([
-        train.misfit(impulse_of(predicted(fit.law, train, mu, e, **fit.compliance)))
-        for mu, e in zip(friction.ravel(), np.minimum(restitution.ravel(), 1.0), strict=True)
-    ])  # fmt: skip
-    rng = np.random.default_rng(0)
+    about = (fit.friction * np.linspace(0.7, 1.3, GRID), fit.restitution * np.linspace(0.8, 1.2, GRID))
+    pairs = np.array([each.ravel() for each in np.meshgrid(*about, indexing="ij")])
+    hits = (train.predicted(fit.law, mu, min(e, 1.0), **fit.compliance) for mu, e in pairs.T)
+    table, rng = np.stack([train.misfit(hit) for hit in hits]), np.random.default_rng(0)
     count = table.shape[1]
     best = [np.argmin(table[:, rng.integers(0, count, count)].mean(axis=1)) for _ in range(RESAMPLES)]
-    return np.array([np.quantile(each.ravel()[best], (0.025, 0.975)) for each in (friction, restitution)])
+    return np.asarray(np.quantile(pairs[:, best], (0.025, 0.975), axis=1).T)
 
 
 def measured_impacts(measured: Measured) -> Report:
     """Predict the spheres, and the ellipse where there is a file with its impacts."""
-    compliant, rigid = spheres(measured.tangential_compliance), spheres(0.0)
-    units = {"restitution": "1", "spin": "rad/s", "rebound_angle": "deg"}
+    squared, units = measured.tangential_compliance, {"restitution": "1", "spin": "rad/s", "rebound_angle": "deg"}
+    compliant, rigid = spheres(squared), spheres(0.0)
     quantities = [
         Quantity(f"{prefix}{name}_error{'_deg' if unit == 'deg' else ''}", unit, each.errors[name])
         for prefix, each in (("", compliant), ("rigid_", rigid))
         for name, unit in units.items()
     ]
-    ratios = [(f"{nu:g}", elastic_compliance(nu)) for nu in (0.23, 0.3)]
-    cells = [(name, squared, spheres(squared).errors) for name, squared in ratios]
-    rows = (
-        (f"nu = {name}", f"{squared:.3f}", f"{e['restitution']:.4f}", f"{e['spin']:.1f}", f"{e['rebound_angle']:.3f}")
-        for name, squared, e in cells
-    )
+    rows = []
+    for nu in (0.23, 0.3):
+        errors = spheres(elastic_compliance(nu)).errors
+        shown = f"{errors['restitution']:.4f}", f"{errors['spin']:.1f}", f"{errors['rebound_angle']:.3f}"
+        rows.append((f"nu = {nu:g}", f"{elastic_compliance(nu):.3f}", *shown))
     head = ("spheres, elastic constants", "eta^2", "velocity ratio", "spin, rad/s", "rebound, deg")
-    tables = [Table("Root mean square errors", head, tuple(rows))]
+    tables = (Table("Root mean square errors", head, tuple(rows)),)
     answer = (
-        f"Spheres on glass: with eta^2 = {measured.tangential_compliance:.4g} the law misses the measured velocity ratio by "
+        f"Spheres on glass: with eta^2 = {squared:.4g} the law misses the measured velocity ratio by "
         f"{compliant.errors['restitution']:.3f}, spin by {compliant.errors['spin']:.0f} rad/s and rebound angle by "
         f"{compliant.errors['rebound_angle']:.2f}°; a rigid surface by {rigid.errors['restitution']:.3f}, "
         f"{rigid.errors['spin']:.0f} rad/s and {rigid.errors['rebound_angle']:.2f}°."
     )
-    if measured.data is None:
-        return Report(None, tuple(quantities), tables=tuple(tables), subject=(compliant, rigid, None), answer=answer)
-    ellipse = read_ellipse(measured.data)
+    found = Report(None, tuple(quantities), tables=tables, subject=(compliant, rigid, None), answer=answer)
+    return found if measured.data is None else _with_ellipse(found, read_ellipse(measured.data), squared)
+
+
+def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Report:
+    """Add the laws fitted on every second impact of the ellipse, and their predictions of the others."""
     train, test = ellipse.part(slice(0, None, 2)), ellipse.part(slice(1, None, 2))
-    fits = {"energetic": fitted(energetic_impact, train, test), "poisson": fitted(poisson_impact, train, test)}
-    fits["newton"] = fitted(newton_impact, train, test)
-    squared = measured.tangential_compliance
-    fits["compliant"] = fitted(energetic_impact, train, test, tangential_compliance=squared)
+    laws: dict[str, Law] = {"energetic": energetic_impact, "poisson": poisson_impact, "newton": newton_impact}
+    fits = {name: fitted(law, train, test) for name, law in laws.items()}
+    fits["compliant"] = fitted(energetic_impact, train, test, tangential_compliance=compliance)
     own, limits = fits["energetic"], confidence(train, fits["energetic"])
-    best = float(test.misfit(test.best_impulse()).mean())
-    quantities += [Quantity("impacts", "1", float(len(ellipse.before)))]
-    quantities += [Quantity(f"{name}_error", "1", fit.error) for name, fit in fits.items()]
-    quantities += [Quantity("best_impulse_error", "1", best), Quantity("friction", "1", own.friction)]
-    quantities += [Quantity("restitution", "1", own.restitution)]
-    hit = predicted(own.law, test, own.friction, own.restitution)
-    tables += [_motions(hit), _over_lever(test, hit)]
+    values = {"impacts": float(len(ellipse.before)), **{f"{name}_error": fit.error for name, fit in fits.items()}}
+    values |= {"best_impulse_error": float(test.misfit(test.best_impulse()).mean())}
+    values |= {"friction": own.friction, "restitution": own.restitution}
+    hit = test.predicted(own.law, own.friction, own.restitution)
     remarks = (
         f"Friction {limits[0, 0]:.3f} to {limits[0, 1]:.3f} and restitution {limits[1, 0]:.3f} to {limits[1, 1]:.3f} in"
         f" 95 of 100 of {RESAMPLES} resampled halves.",
         "The arms are those of the ellipse at its angle, which runs clockwise; the tangential Jacobian's last entry then has"
         " the other sign than in the file.",
     )
-    answer += (
+    answer = (
         f" Ellipse: the energetic law leaves {own.error:.3f} of the outgoing velocity, with compliance"
-        f" {fits['compliant'].error:.3f}, the best point impulse {best:.3f}."
+        f" {fits['compliant'].error:.3f}, the best point impulse {values['best_impulse_error']:.3f}."
     )
-    subject = (compliant, rigid, (test, fits))
-    return Report(None, tuple(quantities), remarks=remarks, tables=tuple(tables), subject=subject, answer=answer)
+    return dataclasses.replace(
+        spheres,
+        quantities=(*spheres.quantities, *(Quantity(name, "1", value) for name, value in values.items())),
+        remarks=remarks,
+        tables=(*spheres.tables, _motions(hit), _over_lever(test, hit)),
+        subject=(*spheres.subject[:2], (test, fits)),
+        answer=spheres.answer + answer,
+    )
 
 
 def _motions(hit: Impact) -> Table:
     """Return the fractions of the impacts that end in slip, stick and reverse slip."""
     last = np.where(hit.phase_impulse[:, 3] > 0.0, hit.phase_slip[:, 3], hit.phase_slip[:, 2])
-    sense = hit.phase_slip[:, 0]
-    reverse = float(np.mean((last != 0.0) & (last == -sense)))
+    reverse = float(np.mean((last != 0.0) & (last == -hit.phase_slip[:, 0])))
     stuck = float(np.mean(last == 0.0))
     cells = (("slip", 1.0 - reverse - stuck), ("stick", stuck), ("reverse slip", reverse))
     return Table("The ellipse's impacts end in", ("motion", "fraction"), tuple((k, f"{v:.3f}") for k, v in cells))
@@ -282,10 +266,9 @@ def _motions(hit: Impact) -> Table:
 
 def _over_lever(test: Ellipse, hit: Impact) -> Table:
     """Return the mean misfit in quarters of the lever between the centre and the normal through the point of contact."""
-    lever, misfit = -test.jacobian[:, 0, 2], test.misfit(impulse_of(hit))
+    lever, misfit = -test.jacobian[:, 0, 2], test.misfit(hit)
     edges = np.quantile(lever, (0.0, 0.25, 0.5, 0.75, 1.0))
     quarter = np.clip(np.searchsorted(edges, lever, side="right") - 1, 0, 3)
-    rows = (
-        (f"{1e3 * edges[i]:.1f} to {1e3 * edges[i + 1]:.1f}", f"{misfit[quarter == i].mean():.3f}") for i in range(4)
-    )
+    means = (f"{misfit[quarter == i].mean():.3f}" for i in range(4))
+    rows = zip((f"{1e3 * low:.1f} to {1e3 * high:.1f}" for low, high in pairwise(edges)), means, strict=True)
     return Table("Error over the lever", ("lever, mm", "mean error"), tuple(rows))
