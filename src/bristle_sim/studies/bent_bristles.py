@@ -8,7 +8,6 @@ the stiffness that would keep the rigid bristle in touch for the contact's durat
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,7 +26,6 @@ from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
-
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
 RETRACTS = 0.05
@@ -111,18 +109,20 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
     knee = abs(tool.bristle.knee_angle_deg)
-    bristles = {shape: dataclasses.replace(tool.bristle, knee_angle_deg=sign * knee) for shape, sign in SHAPES.items()}
-    tools = {shape: dataclasses.replace(tool, bristle=bristle) for shape, bristle in bristles.items()}
+    tools = {shape: tool.replace(knee_angle_deg=sign * knee) for shape, sign in SHAPES.items()}
     runs = {shape: simulate(each, settings) for shape, each in tools.items()}
-    contacts = {shape: run.first_contact("workpart") for shape, run in runs.items()}
+    slides, quantities, events = dict[str, Slide | None](), list[Quantity](), list[tuple[str, float]]()
     for shape, run in runs.items():
-        if contacts[shape] is None:
+        contact = run.first_contact("workpart")
+        if contact is None:
             require_result(run, settings)
-    slides = {shape: None if contact is None else slide_of(contact) for shape, contact in contacts.items()}
-    events = [(f"{shape} strike", contact.time) for shape, contact in contacts.items() if contact is not None]
+        else:
+            events.append((f"{shape} strike", contact.time))
+        slides[shape] = None if contact is None else slide_of(contact)
+        quantities += _rows(shape, contact, slides[shape])
     return Report(
         outcome=None,
-        quantities=tuple(row for shape in SHAPES for row in _rows(shape, contacts[shape], slides[shape])),
+        quantities=tuple(quantities),
         events=tuple(sorted(events, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
@@ -143,29 +143,29 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
     parts = [f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm" for shape, slide in sliding.items()]
     parts += [f"the {NAMES[shape]} tip retracts at once" for shape in struck if shape not in sliding]
     parts += [f"the {NAMES[shape]} one never strikes" for shape in slides if shape not in struck]
-    first = min(struck, key=lambda shape: struck[shape].ending_time)
+    first, soonest = min(struck.items(), key=lambda each: each[1].ending_time)
     ending = ""
-    if (soonest := struck[first]).ending is not None:
-        ending = f" {NAMES[first].capitalize()} slip {soonest.ending} first, {amount(soonest.ending_time, 's')} after the touch."
+    if soonest.ending is not None:
+        after = amount(soonest.ending_time, "s")
+        ending = f" {NAMES[first].capitalize()} slip {soonest.ending} first, {after} after the touch."
     words = ", ".join(parts)
     return f"{words[0].upper()}{words[1:]}; in the high-speed film only the forward bent one retracts at once.{ending}"
 
 
 def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> list[Quantity]:
+    name = NAMES[shape]
     if contact is None or slide is None:
-        return [Quantity(f"{shape}_forward_slide", "m", None, label=f"{NAMES[shape]}: slide forward")]
-    values = {
-        "forward_slide": ("slide forward", "m", slide.forward),
-        "slide_in_touch": ("slide in the whole contact", "m", slide.total),
-        "time_in_touch": ("time in touch", "s", slide.duration),
-        "tip_speed_along_before": ("tip speed along, before", "m/s", contact.velocity_before[1]),
-        "tip_speed_along_after": ("tip speed along, after", "m/s", contact.velocity_after[1]),
-        "tip_speed_away_after": ("tip speed away, after", "m/s", contact.velocity_after[0]),
-    }
-    return [
-        Quantity(f"{shape}_{name}", unit, value, label=f"{NAMES[shape]}: {label}")
-        for name, (label, unit, value) in values.items()
-    ]
+        return [Quantity(f"{shape}_forward_slide", "m", None, label=f"{name}: slide forward")]
+    before, after = contact.velocity_before, contact.velocity_after
+    values = (
+        ("forward_slide", "slide forward", "m", slide.forward),
+        ("slide_in_touch", "slide in the whole contact", "m", slide.total),
+        ("time_in_touch", "time in touch", "s", slide.duration),
+        ("tip_speed_along_before", "tip speed along, before", "m/s", before[1]),
+        ("tip_speed_along_after", "tip speed along, after", "m/s", after[1]),
+        ("tip_speed_away_after", "tip speed away, after", "m/s", after[0]),
+    )
+    return [Quantity(f"{shape}_{key}", unit, value, label=f"{name}: {label}") for key, label, unit, value in values]
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

@@ -72,7 +72,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         ValueError: if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
     run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
-    contact = run.first_contact("workpart")
+    contact, cost, reached = run.first_contact("workpart"), run.cost, f"{1e3 * run.time[-1]:.4f} ms"
     if contact is None:
         require_result(run, settings)
     if with_reference:
@@ -91,16 +91,28 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
 
-    printed = _printed() if tool == Tool() else {}
+    places = {
+        "release_retraction_deg": "eq. 2.2: retraction angle at release",
+        "relative_speed_at_contact": "fig. 4.2: rate before the impact",
+        "tip_speed_at_contact": "eq. 4.3: speed of the tip",
+    }
+    printed = {name: printed_number(place) for name, place in places.items()} if tool == Tool() else {}
     found = rows(QUANTITIES, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
     invariants = invariant_rows(tool, settings, run)
+    notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
+    estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
     return Report(
         outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
         quantities=(*found, *(each for each in invariants if each.ok is False)),
         phases=contact.phases if contact is not None else (),
         **ran(run),
-        remarks=(invariants_in_words(invariants), *_remarks(run)),
+        remarks=(
+            invariants_in_words(invariants),
+            f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
+            f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
+            *([f"given up at {reached}; {run.stop_advice}; what happened before holds"] * run.stop_reason.gives_up),
+        ),
         extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
         answer=_answer(tool, run, found),
@@ -154,14 +166,6 @@ def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     }
 
 
-def _printed() -> dict[str, float]:
-    return {
-        "release_retraction_deg": printed_number("eq. 2.2: retraction angle at release"),
-        "relative_speed_at_contact": printed_number("fig. 4.2: rate before the impact"),
-        "tip_speed_at_contact": printed_number("eq. 4.3: speed of the tip"),
-    }
-
-
 def _formulas(tool: Tool) -> dict[str, float | None]:
     """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
     bristle, hub, bar, part = tool.bristle, tool.hub, tool.bar, tool.workpart
@@ -175,30 +179,13 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
         return {}
     release = (math.pi / 2.0 - math.atan2(bar.horizontal, bar.vertical) + cue.tip_lag) / hub.speed
     rate = cue.highest_relative_speed + hub.speed
-    values: dict[str, float | None] = {
-        "release_time": release,
-        "release_retraction_deg": math.degrees(retraction),
-        "largest_retraction_deg": math.degrees(retraction),
-        "contact_time": release + cue.cue_time,
-        "lag_deg_at_contact": 0.0,
-        "relative_speed_at_contact": cue.highest_relative_speed,
-        "tip_speed_at_contact": bristle.length * rate + hub.radius * hub.speed,
-    }
+    tip_speed = bristle.length * rate + hub.radius * hub.speed
+    retractions = [math.degrees(retraction)] * 2
+    chain = (release, *retractions, release + cue.cue_time, 0.0, cue.highest_relative_speed, tip_speed)
+    values: dict[str, float | None] = dict(zip(QUANTITIES, chain, strict=False))
     if not cue.impact_angle > 0.0:
         return values
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
     return values | {name: float(getattr(impact, name)) for name in IMPACT}
-
-
-def _remarks(run: Trajectory) -> tuple[str, ...]:
-    cost, notable = run.cost, run.notable_events
-    estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in notable[:8])
-    lines = (
-        f"events: {events}{', ...' if len(notable) > 8 else ''}",
-        f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
-    )
-    given_up = f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds"
-    return (*lines, given_up) if run.stop_reason.gives_up else lines
