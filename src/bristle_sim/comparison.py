@@ -19,15 +19,10 @@ SIDES = ("simulated", "theory", "reference", "printed")
 class Quantity:
     """One number by simulation, theory, reference and print; None where one of them does not know it.
 
-    Attributes:
-        name, unit: what it is; unit "1" for pure numbers.
-        simulated: from the pymunk scene.
-        theory: from a closed form.
-        reference: from the independent solution.
-        printed: in the dissertation.
-        tolerance: largest relative difference that agrees (absolute where the other side is 0), or None where a
-            difference is a finding rather than an error.
-        label: what a table calls it, with its symbol; by default the name in words.
+    The unit of a pure number is "1". Simulated values are from the pymunk scene, theory from a closed form, reference from
+    the independent solution, printed from the dissertation. ``tolerance`` is the largest relative difference that agrees
+    (absolute where the other side is 0), or None where a difference is a finding rather than an error. ``label`` is the
+    table's name of it, with its symbol; by default the name in words.
     """
 
     name: str
@@ -64,8 +59,6 @@ class Quantity:
         """Whether the difference is within the tolerance, which NaN never is; None without a tolerance or another value."""
         if self.tolerance is None or self.judge is None:
             return None
-        if self.simulated is None:
-            return False
         difference = self.relative_difference if self.judge else self.simulated
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
@@ -116,13 +109,11 @@ class Report:
 
     Attributes:
         outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where the question is not about an impact.
-        quantities: the comparison.
         phases: of the impact, in order.
         events: (name, time in s), in order.
-        wall_s, steps: cost of the simulation.
         remarks: sentences a reader of the table should know.
         tables: further tables, beside that of the quantities.
-        extra: what a scenario adds to the JSON.
+        extra: parts of the JSON that no other scenario has.
         subject: the objects that pictures are drawn from.
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
     """
@@ -189,7 +180,15 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
 def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
     """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
     head = ["quantity", "unit", *SIDES, "difference from", "within", "ok"]
-    lines = [head, *(_cells(each, digits) for each in quantities)]
+    lines = [head]
+    for each in quantities:
+        values = [getattr(each, side) for side in SIDES]
+        unit, factor = readable_unit(each.unit, values)
+        numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
+        difference = _relative(each.relative_difference, "+")
+        difference += "" if difference == "-" else f" {each.judge_name}"
+        tail = (difference, _relative(each.tolerance), {True: "yes", False: "NO", None: "-"}[each.ok])
+        lines.append([each.label, "-" if unit == "1" else unit, *numbers, *tail])
     kept = [i for i, title in enumerate(head) if title in head[:3] or any(line[i] != "-" for line in lines[1:])]
     return [[line[i] for i in kept if head[i] not in left_out] for line in lines]
 
@@ -202,16 +201,6 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
         aligned = [f"{part:>{width}}" if i in right else f"{part:<{width}}" for i, (part, width) in enumerate(padded)]
         lines.append("  ".join(aligned).rstrip())
     return lines
-
-
-def _cells(each: Quantity, digits: int) -> list[str]:
-    values = [getattr(each, side) for side in SIDES]
-    unit, factor = readable_unit(each.unit, values)
-    numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
-    difference = _relative(each.relative_difference, "+")
-    difference += "" if difference == "-" else f" {each.judge_name}"
-    ok = {True: "yes", False: "NO", None: "-"}[each.ok]
-    return [each.label, "-" if unit == "1" else unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
 def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
@@ -228,7 +217,7 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
 
 def _relative(value: float | None, sign: str = "") -> str:
-    """A relative number in per cent, or as a power of ten where it is small and as a multiple where it is large."""
+    """Return a relative number in per cent, or as a power of ten where it is small and as a multiple where it is large."""
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"
     if 1e-4 <= abs(value) < 10.0:
