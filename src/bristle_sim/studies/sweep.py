@@ -93,21 +93,19 @@ def sweep(
         target = Path(store) / f"{same}-{digest[:16]}.zarr"
         target.mkdir(parents=True, exist_ok=True)
     results = SweepStore(target, grid, units)
-    for other in target.parent.glob(f"{same}-*.zarr") if store is not None and not results.shapes else ():
-        results.adopt(other)
-    for _ in range(ROUNDS):
-        missing = np.flatnonzero(results.missing())
-        if not missing.size:
-            break
-        try:
+    if store is not None and not results.shapes:
+        for other in target.parent.glob(f"{same}-*.zarr"):
+            results.adopt(other)
+    try:
+        for _ in range(ROUNDS):
+            if not (missing := np.flatnonzero(results.missing())).size:
+                found = results.dataset()
+                return found.load() if store is None else found
             _write(results, evaluated(function, _points(grid, missing), workers), missing.size, progress)
-        except KeyboardInterrupt:
-            told = "" if store is None else f"the points that are finished are kept in {store}; the same call goes on"
-            raise KeyboardInterrupt(told) from None
-    else:
-        raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
-    found = results.dataset()
-    return found.load() if store is None else found
+    except KeyboardInterrupt:
+        kept = "" if store is None else f"the points that are finished are kept in {store}; the same call goes on"
+        raise KeyboardInterrupt(kept) from None
+    raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
 
 
 def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:
@@ -131,46 +129,40 @@ def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: 
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
-    """The parameters as coordinates that span the grid."""
+    """Return the parameters as coordinates that span the grid; numbers beside words stay numbers, which NumPy makes words."""
+
+    def typed(values: Any) -> Any:
+        if isinstance(values, tuple) and len(values) > 1:
+            return (values[0], typed(values[1]), *values[2:])
+        words = isinstance(values, list) and np.asarray(values).dtype.kind == "U"
+        return np.array(values, dtype=object) if words else values
+
     try:
         given = getattr(space, "variables", space)
-        grid = xr.Dataset(coords={name: _typed(values) for name, values in given.items()})
+        grid = xr.Dataset(coords={name: typed(values) for name, values in given.items()})
     except (TypeError, ValueError) as error:
         raise ValueError(f"space: must be coordinates as xarray.Dataset takes them ({error})") from error
     for name, values in grid.coords.items():
         check_name("space: its parameter", str(name))
         if name == FAILURE:
             raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
-        if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
-            grid = grid.assign_coords({name: values.astype(object)})
-        elif values.dtype.kind not in "biuf" and not all(
-            isinstance(each, str | int | float) for each in values.values.flat
-        ):
+        plain = values.dtype.kind in "biufUT" or all(isinstance(each, str | int | float) for each in values.values.flat)
+        if not plain:
             raise ValueError(f"space: {name} must hold numbers or words; functools.partial binds other arguments")
         if values.size == 0:
             raise ValueError(f"space: {name} must hold at least one value")
+        if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
+            grid = grid.assign_coords({name: values.astype(object)})
     return grid
 
 
-def _typed(values: Any) -> Any:
-    """Return coordinates in which numbers beside words stay numbers, which NumPy turns into words."""
-    if isinstance(values, tuple) and len(values) > 1:
-        return (values[0], _typed(values[1]), *values[2:])
-    return (
-        np.array(values, dtype=object) if isinstance(values, list) and np.asarray(values).dtype.kind == "U" else values
-    )
-
-
 def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
-    """Number and arguments of points, the last dimension running fastest."""
+    """Yield number and arguments of points, the last dimension running fastest."""
     dimensions = list(grid.sizes)
-    parameters = [
-        (str(name), coordinate.values, [dimensions.index(each) for each in coordinate.dims])
-        for name, coordinate in grid.coords.items()
-    ]
+    parameters = {str(name): (each.values, [*map(dimensions.index, each.dims)]) for name, each in grid.coords.items()}
     for number in numbers:
         index = np.unravel_index(number, tuple(grid.sizes.values())) if dimensions else ()
-        yield int(number), {name: values.item(*(index[axis] for axis in axes)) for name, values, axes in parameters}
+        yield int(number), {name: at.item(*(index[axis] for axis in axes)) for name, (at, axes) in parameters.items()}
 
 
 def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool | None) -> None:

@@ -6,7 +6,6 @@ Worker processes import this module and not those that label and store results.
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
 import os
 import time
@@ -112,7 +111,10 @@ def evaluated(
                     yield from found
         except (Exception, CancelledError) as error:
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            if not _is_loss(error):
+            # loky reports tasks that it cannot receive by another class of error than lost workers.
+            loky = isinstance(error, BrokenProcessPool) and not isinstance(error, TerminatedWorkerError)
+            lost_worker = isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
+            if loky or not lost_worker:
                 words = f"function = {name_of(function)}: must be picklable, to be sent to the workers ({reason})"
                 raise ValueError(words) from error
             lost += 1
@@ -125,13 +127,6 @@ def evaluated(
             under_way.clear()
 
 
-def _is_loss(error: BaseException) -> bool:
-    """Whether an error is the loss of a worker; loky reports tasks that it cannot receive by another class of error."""
-    if isinstance(error, BrokenProcessPool):
-        return isinstance(error, TerminatedWorkerError)
-    return isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
-
-
 def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callable[..., Any]]:
     """Return joblib's scheduler for processes, for the active backend or for threads that wait for an executor, and their call."""
     # joblib's own backend for Dask would wait for ever for points that the cluster has given up.
@@ -141,10 +136,10 @@ def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callabl
     if not isinstance(executor, Executor):
         return joblib.Parallel(workers, **options), evaluate_points
     number = sum(client.ncores().values()) if client else getattr(executor, "_max_workers", None) or os.cpu_count()
-    call = functools.partial(_evaluate_remotely, executor, {"pure": False} if client else {})
+    pure: dict[str, Any] = {"pure": False} if client else {}
+
+    def call(*arguments: Any) -> Any:
+        """Wait for the points that an executor evaluates; Dask must not take points as known that have cost it a worker."""
+        return executor.submit(evaluate_points, *arguments, **pure).result()
+
     return joblib.Parallel(2 * int(number or 1), backend="threading", **options), call
-
-
-def _evaluate_remotely(executor: Executor, options: dict[str, Any], *arguments: Any) -> Any:
-    """Wait for the points that an executor evaluates; Dask must not take points as known that have cost it a worker."""
-    return executor.submit(evaluate_points, *arguments, **options).result()

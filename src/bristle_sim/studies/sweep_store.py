@@ -111,16 +111,19 @@ class SweepStore:
             places = {name: other.indexes[name].get_indexer(self.grid.indexes[name]) for name in self.grid.sizes}
             shared = other.isel({name: at[at >= 0] for name, at in places.items()}).transpose(*places, ...).load()
             ours = np.ix_(*(np.flatnonzero(at >= 0) for at in places.values()))
-            numbers = np.ravel_multi_index(np.broadcast_arrays(*ours), self.shape).ravel()
+            numbers = np.ravel_multi_index(np.broadcast_arrays(*ours), self.shape).ravel().tolist()
             values = {
-                str(name): each.values.reshape(numbers.size, *each.shape[len(places) :])
+                str(name): each.values.reshape(len(numbers), *each.shape[len(places) :])
                 for name, each in shared.data_vars.items()
             }
+            finished = np.flatnonzero(~np.any([_unwritten(each, 1) for each in values.values()], axis=0)).tolist()
             reasons = values.pop(FAILURE)
-            unwritten = [_unwritten(each, 1) for each in (reasons, *values.values())]
-            finished = np.flatnonzero(~np.any(unwritten, axis=0)).tolist()
-            outcomes = [({name: each[i] for name, each in values.items()}, str(reasons[i])) for i in finished]
-            self.write([((int(numbers[i]), {}), each) for i, each in zip(finished, outcomes, strict=True)])
+            self.write(
+                [
+                    ((numbers[i], {}), ({name: each[i] for name, each in values.items()}, str(reasons[i])))
+                    for i in finished
+                ]
+            )
 
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
         """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
