@@ -87,8 +87,7 @@ class Point:
 class Effect:
     """What was added to a scene, what it cost (CPU s) and how that compares with the first row of its kind.
 
-    ``what`` is ``engine step``, ``pass``, ``strike``, or ``links`` or ``bristles``, whose number the effect is; ``holds``
-    counts what the scene has; ``steps`` are engine steps taken.
+    ``what`` is ``engine step``, or ``links`` or ``bristles``, whose number the effect is; ``holds`` counts what the scene has.
     """
 
     what: str
@@ -96,7 +95,6 @@ class Effect:
     cpu_s: float
     ratio: float
     holds: str
-    steps: int | None = None
 
 
 def plain(record: Point | Effect) -> dict[str, Any]:

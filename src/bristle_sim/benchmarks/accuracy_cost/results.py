@@ -90,11 +90,9 @@ def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
         if each.ours is not None and each.peer is not None:
             verdict = f"{each.ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
         yield f"  {each.case:<16} {each.target:.0e}  {verdict}"
-    yield from ("", f"{'what':<12}{'effect':<40}{'CPU us':>9}{'ratio':>7}{'steps':>7}")
+    yield from ("", f"{'what':<12}{'effect':<24}{'CPU us':>12}{'ratio':>8}  scene")
     for row in measured.effects:
-        steps = "" if row.steps is None else row.steps
-        yield f"{row.what:<12}{row.effect:<40}{1e6 * row.cpu_s:9.2f}{row.ratio:7.2f}{steps:>7}"
-        yield f"{'':<14}{row.holds}"
+        yield f"{row.what:<12}{row.effect:<24}{1e6 * row.cpu_s:12.2f}{row.ratio:8.2f}  {row.holds}"
     yield from ("", f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}")
     yield f"times: {machine['clock']}"
     yield "versions: " + ", ".join(f"{name} {version}" for name, version in machine["versions"].items())

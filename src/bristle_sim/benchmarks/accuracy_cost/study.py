@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost import cases, own_methods, peers, scipy_methods
-from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
+from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, measure, package_of, plain, thinned
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
@@ -109,8 +109,7 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
                 attempts += _offered(name, offer, case, measured.missing)
         measured.points += tuple(measure(case, attempts if effort.effort == "full" else thinned(attempts, 2), effort))
         measured.cases += (case,)
-    struck = next(case for case in measured.cases if isinstance(case, StrikeCase))
-    measured.effects = tuple(effects(struck, effort))
+    measured.effects = tuple(effects(effort))
 
 
 def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
