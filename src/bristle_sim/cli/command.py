@@ -33,35 +33,28 @@ HELP = f"""for example
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the scenario that the first argument names, or list all; return the exit status."""
+    """Run the scenario or the command that the first argument names, or list all; return the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    first = given[0] if given else ""
+    name, known = first.removesuffix(".py"), scripts()
     try:
-        return _answer(given)
-    except OSError as error:
+        if first == "--version":
+            say(f"{PROGRAM} {bristle_sim.__version__}")
+        elif first in ("", "-h", "--help"):
+            say("\n\n".join([overview(), *([HELP] if first else [])]))
+        elif first in COMMANDS:
+            return _command(first, given[1:])
+        elif name in known:
+            return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
+        elif name.startswith("-"):
+            raise ValueError(f"{name}: must come after the name of a scenario; {PROGRAM} alone lists them")
+        else:
+            advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
+            raise ValueError(f"unknown scenario {first!r}; {advice}")
+    except (ValueError, OSError) as error:
         tell(f"{PROGRAM}: error: {error}")
         return BAD_INPUT
-
-
-def _answer(given: Sequence[str]) -> int:
-    """Run a scenario, or print the list, the help or the version."""
-    if given and given[0] == "--version":
-        say(f"{PROGRAM} {bristle_sim.__version__}")
-        return 0
-    if not given or given[0] in ("-h", "--help"):
-        say("\n\n".join([overview(), *([HELP] if given else [])]))
-        return 0
-    known = scripts()
-    if given[0] in COMMANDS:
-        return _command(given[0], given[1:])
-    name = given[0].removesuffix(".py")
-    if name.startswith("-"):
-        tell(f"{PROGRAM}: error: {name}: must come after the name of a scenario; {PROGRAM} alone lists them")
-        return BAD_INPUT
-    if name not in known:
-        advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
-        tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
-        return BAD_INPUT
-    return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
+    return 0
 
 
 def _command(name: str, given: Sequence[str]) -> int:

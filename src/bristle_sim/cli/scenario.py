@@ -21,6 +21,7 @@ Values = Mapping[str, Any]
 Columns = Mapping[str, Any]
 Picture = Any  # a figure of matplotlib
 Film = Any  # a film of bristle_sim.render
+Declaration = Range | Choice
 T = TypeVar("T", bound="DataclassInstance")
 
 TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
@@ -73,7 +74,7 @@ class Scenario:
         """The parameter classes whose declared fields are the keys."""
         return tuple(part for kind in self.arguments.values() for part in (TOOL if kind is Tool else (kind,)))
 
-    def keys(self) -> dict[str, tuple[Range | Choice, Any]]:
+    def keys(self) -> dict[str, tuple[Declaration, Any]]:
         """Return every key with its declaration and default; the declaration's source is that of this default."""
         found = _declared(self.parts)
         for key, (default, source) in self.defaults.items():
@@ -81,8 +82,10 @@ class Scenario:
         for key, (limit, reason) in self.highest.items():
             declared, default = found[key]
             assert isinstance(declared, Range)
-            words = f"{declared.meaning}; {reason}"
-            found[key] = (dataclasses.replace(declared, highest=limit, meaning=words), default)
+            found[key] = (
+                dataclasses.replace(declared, highest=limit, meaning=f"{declared.meaning}; {reason}"),
+                default,
+            )
         return {key: each for key, each in found.items() if key not in self.without}
 
     def values_of(self, assignments: Sequence[str]) -> dict[str, Any]:
@@ -103,7 +106,8 @@ class Scenario:
             typed[key] = keys[key][0].parse(text)
         values = {key: default for key, (_, default) in keys.items()} | typed
         for key, (declared, default) in keys.items():
-            if _holds(declared.needs, values):
+            other, relation, wanted = declared.needs.split() if declared.needs else ("", "", "")
+            if other not in values or (values[other] == type(values[other])(wanted)) is (relation == "="):
                 continue
             if key in typed and (declared.optional or typed[key] != default):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
@@ -134,7 +138,7 @@ class Scenario:
                     raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
                 continue
             try:
-                value = (keys if key in keys else known)[key][0].parse(text)
+                value = (known | keys)[key][0].parse(text)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
             if key in keys:
@@ -145,25 +149,22 @@ class Scenario:
 
     def answer(self, values: Values) -> Report:
         """Build the run's arguments from key values, and run."""
-        built = {
-            name: tool_of(values) if kind is Tool else _built(kind, values) for name, kind in self.arguments.items()
-        }
-        return self.run(**built)
+        arguments = self.arguments.items()
+        return self.run(**{name: tool_of(values) if kind is Tool else _built(kind, values) for name, kind in arguments})
 
     def key_list(self) -> str:
         """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
-        cells = [("key", "default", "unit", "range")]
-        notes = ["meaning (source of the default)"]
+        rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
             shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
-            cells.append((key, shown, "" if declared.unit in ("1", "word") else declared.unit, declared.allowed))
             only = f"; only with {declared.needs}" if declared.needs else ""
-            notes.append(f"{declared.meaning}{only} (default: {declared.source})")
-        widths = [max(len(row[column]) for row in cells) for column in range(3)]
+            note = f"{declared.meaning}{only} (default: {declared.source})"
+            rows.append((key, shown, "" if declared.unit in ("1", "word") else declared.unit, declared.allowed, note))
+        widths = [max(len(row[column]) for row in rows) for column in range(3)]
         lines = []
-        for row, note in zip(cells, notes, strict=True):
-            head = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)) + "  "
-            lines += textwrap.wrap(row[3], WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
+        for *cells, allowed, note in rows:
+            head = "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=True))
+            lines += textwrap.wrap(allowed, WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
             lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
         lines.insert(2, "-" * WIDTH)
         return "\n".join(lines)
@@ -176,24 +177,12 @@ def tool_of(values: Values) -> Tool:
     return Tool(**parts, **gravity)
 
 
-def _declared(parts: Any) -> dict[str, tuple[Range | Choice, Any]]:
+def _declared(parts: Any) -> dict[str, tuple[Declaration, Any]]:
     """Return the declarations and defaults of parameter classes by key."""
-    found: dict[str, tuple[Range | Choice, Any]] = {}
-    for part in parts:
-        defaults = {each.name: each.default for each in dataclasses.fields(part)}
-        found |= {each.key: (each, defaults[name]) for name, each in declarations(part).items()}
-    return found
+    fields = [(declarations(part), each) for part in parts for each in dataclasses.fields(part)]
+    return {known[each.name].key: (known[each.name], each.default) for known, each in fields if each.name in known}
 
 
 def _built(part: type[T], values: Values) -> T:
     """Return a parameter object of the given class with key values."""
     return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
-
-
-def _holds(condition: str, values: Values) -> bool:
-    """Whether ``KEY = VALUE`` or ``KEY != VALUE`` is true; a key that the scenario does not have imposes nothing."""
-    key, relation, word = condition.split() if condition else ("", "", "")
-    if key not in values:
-        return True
-    value = values[key]
-    return (value == word if isinstance(value, str) else value == float(word)) is (relation == "=")
