@@ -71,7 +71,8 @@ def read_force_csv(
     decimal = "." if separator == "," else ","
     rows = [(number, _cells(path, number, line, separator)) for number, line in lines]
     headed = any(_number(cell, decimal) is None for cell in rows[0][1])
-    columns = _columns(rows.pop(0)[1] if headed else [""] * len(rows[0][1]))
+    headings = rows.pop(0)[1] if headed else [""] * len(rows[0][1])
+    columns = [_column(*each) for each in enumerate(headings, 1)]
     time = _chosen(path, "time", time_column, columns, TIME)
     force = _chosen(path, "force", force_column, [each for each in columns if each is not time], FORCE)
     if len(rows) < FEWEST_POINTS:
@@ -80,11 +81,11 @@ def read_force_csv(
     for i in np.flatnonzero(np.diff(values[0]) <= 0.0)[:1] + 1:
         must = f"must be more than the time before, {values[0][i - 1]:g}"
         raise ValueError(f"{path}, line {rows[i][0]}: time = {values[0][i]:g}: {must}")
-    if time.unit and time.unit not in TIME:
-        raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
     assumed = "s", "N" if force_per_volt is None else "V"
     units = [each.unit or f"no unit: taken as {unit}" for each, unit in zip((time, force), assumed, strict=True)]
     reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
+    if time.unit and time.unit not in TIME:
+        raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
     scale = _newtons(path, force, force_per_volt)
     return ForceRecord(values[0] * TIME.get(time.unit, 1.0), values[1] * scale, reading)
 
@@ -101,17 +102,15 @@ def _lines(path: str | Path) -> list[str]:
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
     """Return a line's cells, without blanks and quotes around them."""
-    if separator is None:
-        return line.split()
     try:
-        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) if separator else line.split()
     except csv.Error as error:
         raise ValueError(f"{path}, line {number}: must be columns of numbers ({error})") from None
     return [cell.strip() for cell in row]
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell, infinite or not; None if it is none."""
+    """Return the number in a cell, finite or not; None if it is none."""
     try:
         return None if "_" in cell else float(cell.replace(decimal, "."))
     except ValueError:
@@ -128,38 +127,34 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
     return value
 
 
-def _columns(headings: list[str]) -> list[Column]:
-    """Return the columns with the names and units of their headings; µ and μ are u."""
-    found = []
-    for number, heading in enumerate(headings, 1):
-        split = UNIT.match(heading)
-        name, unit = split.groups() if split else (heading, "")
-        found.append(Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u")))
-    return found
+def _column(number: int, heading: str) -> Column:
+    """Return a column with the name and unit of its heading; µ and μ are u."""
+    split = UNIT.match(heading)
+    name, unit = split.groups() if split else (heading, "")
+    return Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u"))
 
 
 def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]) -> Column:
     """Return the column that the key names, or the one with such a unit, or the one that is left."""
-    listed = ", ".join(map(str, columns))
+    found = [each for each in columns if each.unit in units]
     if key is not None:
-        named = [each for each in columns if key.strip() in (str(each.number), each.name)]
-        if len(named) != 1:
-            raise ValueError(f"{path}: {kind}_column = {key!r}: must be the heading or number of one of {listed}")
-        return named[0]
-    with_unit = [each for each in columns if each.unit in units]
-    left = columns if kind == "force" else columns[:1]
-    found = with_unit if len(with_unit) == 1 else left
+        found = [each for each in columns if key.strip() in (str(each.number), each.name)]
+    elif len(found) != 1:
+        found = columns if kind == "force" else columns[:1]
     if len(found) != 1:
-        raise ValueError(f"{path}: columns {listed}: {kind}_column must say which of them is the {kind}")
+        named = f"{kind}_column = {key!r}: must be the heading or number of one of " if key is not None else "columns "
+        must = "" if key is not None else f": {kind}_column must say which of them is the {kind}"
+        raise ValueError(f"{path}: {named}{', '.join(map(str, columns))}{must}")
     return found[0]
 
 
 def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> float:
     """Return the size of the column's unit, N."""
-    if column.unit in VOLTAGE or (not column.unit and force_per_volt is not None):
-        if force_per_volt is None:
-            raise ValueError(f"{path}: column {column} in {column.unit}: force_per_volt must be given (in N/V)")
+    volts = column.unit in VOLTAGE or (not column.unit and force_per_volt is not None)
+    if volts and force_per_volt is not None:
         return VOLTAGE.get(column.unit, 1.0) * force_per_volt
+    if volts:
+        raise ValueError(f"{path}: column {column} in {column.unit}: force_per_volt must be given (in N/V)")
     if column.unit and column.unit not in FORCE:
         raise ValueError(f"{path}: column {column} in {column.unit!r}: a force must be in {', '.join(FORCE)} or V, mV")
     if force_per_volt is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -132,37 +131,27 @@ class Bristle(Declared):
     @property
     def centre(self) -> Vector:
         """Return the centre of mass, seen from the root as in ``path``, m."""
-        pieces = self._pieces()
-        x, y = (sum(part * 0.5 * (start[axis] + end[axis]) for start, end, part in pieces) for axis in (0, 1))
-        return (x, y)
+        if self.knee_angle_deg == 0.0:
+            return (0.0, -0.5 * self.length)
+        (x, y), (u, v), rest = *self.path, 1.0 - self.knee_position
+        return (0.5 * (x + rest * u), 0.5 * (y + rest * v))
 
     @property
     def inertia_about_centre(self) -> float:
         """Return the moment of inertia about the centre of mass, m L^2/12 (2.22) for a straight bristle, kg m^2."""
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 12.0
-        centre, total = self.centre, 0.0
-        for start, end, fraction in self._pieces():
-            middle = (0.5 * (start[0] + end[0]) - centre[0], 0.5 * (start[1] + end[1]) - centre[1])
-            own = ((end[0] - start[0]) ** 2 + (end[1] - start[1]) ** 2) / 12.0
-            total += fraction * self.mass * (own + middle[0] ** 2 + middle[1] ** 2)
-        return total
+        x, y = self.centre
+        return self.inertia_about_root - self.mass * (x * x + y * y)
 
     @property
     def inertia_about_root(self) -> float:
-        """Return the moment of inertia about the root, m L^2/3 for a straight bristle, kg m^2."""
+        """Return the moment of inertia about the root, m (a^2 + a b + b^2)/3 of each straight piece from a to b, kg m^2."""
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 3.0
-        centre = self.centre
-        return self.inertia_about_centre + self.mass * (centre[0] ** 2 + centre[1] ** 2)
-
-    def _pieces(self) -> list[tuple[Vector, Vector, float]]:
-        """Return the straight pieces of the centre line with their fractions of the length."""
-        corners = ((0.0, 0.0), *self.path)
-        return [
-            (start, end, math.hypot(end[0] - start[0], end[1] - start[1]) / self.length)
-            for start, end in itertools.pairwise(corners)
-        ]
+        (x, y), (u, v), knee = *self.path, self.knee_position
+        shank = x * x + y * y
+        return self.mass * (knee * shank + (1.0 - knee) * (shank + x * u + y * v + u * u + v * v)) / 3.0
 
 
 def _bar_radius() -> float:
