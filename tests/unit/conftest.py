@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bristle_sim.render.contact_motion import ContactMotion, contact_motion
+from bristle_sim.render.impact_film import ContactMotion, contact_motion
 from bristle_sim.studies.impacts import Impacts
 from impact_cases import bristle, rods
 

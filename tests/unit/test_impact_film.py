@@ -11,8 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.render.contact_motion import ContactMotion
-from bristle_sim.render.impact_film import ImpactFilm, draw_chain
+from bristle_sim.render.impact_film import ContactMotion, ImpactFilm, draw_chain
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,15 @@ from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
-from bristle_sim.render.contact_motion import ContactMotion, contact_motion
 from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
-from bristle_sim.render.story import phase_at
+from bristle_sim.render.story import OUTCOMES, Phase, phase_at
 from bristle_sim.render.style import scale_for, signed, styled
+from bristle_sim.studies.bent_bristles import slide_path
+from bristle_sim.studies.contact_course import pieces
 from bristle_sim.studies.impacts import Impacts
+from bristle_sim.trajectory import ContactRecord
 
 NORMAL, TANGENTIAL = BLUE, VERMILION
 PANELS = (
@@ -28,17 +31,95 @@ PANELS = (
 )
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
+BEFORE, AFTER = 0.10, 0.18  # free motion shown before and after, as fractions of the time in touch
+BRIEF = 1e-3  # slip that stops earlier, as a fraction of the time in touch, is not shown
 ROUNDING = 1e-6  # velocities below this fraction of the fastest are drawn as zero
-ARROW, LONGEST_FORCE = 0.3, 0.28
-"""Lengths of the tip's velocity before the impact and of the largest force, as fractions of the heights of their drawings."""
-
+ARROW = 0.3  # length of the tip's velocity before the impact, as a fraction of its drawing's height
+LONGEST_FORCE = 0.28  # length of the largest force, as a fraction of its drawing's height
 LEAST_DEPTH = 0.08  # the depth of a grazing tip is stretched until it takes this much of the drawing's height
 LETTERS = 15.0  # height of the letters in a picture of normal size, px
-CRATER = 0.02
-"""Depth at which the tip leaves, as a fraction of the largest, from which on the picture says why it does not come back up."""
+CRATER = 0.02  # depth at which the tip leaves, as a fraction of the largest, from which on the picture explains it
+TIP_RADIUS, ROD_LENGTH = 9.0, 300.0  # size of the enlarged rod's end, not to scale, points in a picture of normal size
 
-TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
-"""Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
+
+@dataclass(frozen=True, slots=True)
+class ContactMotion:
+    """Samples over time, linear in between, two of them at an instant where a force jumps; SI units.
+
+    Attributes:
+        time: s, from the first touch; negative before it.
+        normal_velocity, tangential_velocity: of the tip, m/s.
+        normal_force, tangential_force: on the tip, N.
+        depth, along: displacement of the tip below the surface and along it since the first touch, m.
+        phases: what happens from when on, e.g. ``compression slip``; the first is the arrival, the last the outcome.
+        touch_end: when the contact ends, s.
+    """
+
+    time: Array
+    normal_velocity: Array
+    tangential_velocity: Array
+    normal_force: Array
+    tangential_force: Array
+    depth: Array
+    along: Array
+    phases: tuple[Phase, ...]
+    touch_end: float
+
+    @property
+    def fastest(self) -> float:
+        """Highest speed of the tip, m/s."""
+        return float(np.hypot(self.normal_velocity, self.tangential_velocity).max())
+
+    @property
+    def compression_end(self) -> float:
+        """When the tip is deepest in the surface, s from the first touch."""
+        return float(self.time[int(np.argmax(self.depth))])
+
+    @property
+    def slip_stop(self) -> float | None:
+        """When the slip of arrival comes to its end, s; None if it does not."""
+        later = (phase.start for phase in self.phases[2:-1] if phase.caption.partition(" ")[2] != "slip")
+        stop = next(later, 0.0)
+        return stop if stop > BRIEF * self.touch_end else None
+
+    def at(self, name: str, time: float) -> float:
+        """One of the arrays at an instant, s."""
+        return float(np.interp(time, self.time, getattr(self, name)))
+
+
+def contact_motion(record: ContactRecord) -> ContactMotion:
+    """Return a record's samples with free motion before and after; a tip that does not leave stays pressed on as it is.
+
+    Raises:
+        ValueError: if the contact has no history: its law is instantaneous, or the tip did not approach.
+    """
+    history = record.history
+    if history is None or history.time.size < 2:
+        raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
+    clock = history.time - history.time[0]
+    motion = (history.normal_velocity, history.tangential_velocity, history.normal_force, history.tangential_force)
+    samples = np.stack([*motion, history.penetration, slide_path(history)])
+    end, first, last = float(clock[-1]), samples[:, 0], samples[:, -1]
+    if record.outcome == "rebound":
+        after = [_freely(last, 0.0), _freely(last, AFTER * end)]
+    else:
+        after = [np.array([0.0, 0.0, *last[2:]])] * 2
+    columns = np.column_stack([_freely(first, -BEFORE * end), _freely(first, 0.0), samples, *after])
+    time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
+    # A piece of no length is rounding at the end of another one.
+    parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[-len(record.phases) :]
+    named = [Phase(float(clock[part[0]]), name) for part, name in zip(sorted(parts), record.phases, strict=False)]
+    ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
+    outcome = Phase(end, ending.get(record.outcome, record.outcome))
+    phases = (Phase(-BEFORE * end, "the tip arrives"), *named, outcome)
+    v_n, v_t, normal, tangential, depth, along = columns
+    return ContactMotion(time, v_n, v_t, normal, tangential, depth, along, phases, end)
+
+
+def _freely(state: Array, elapsed: float) -> Array:
+    """Return velocities, no forces, and displacements a time after a state, s."""
+    normal, tangential, _, _, depth, along = state.tolist()
+    return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])
 
 
 class TipDrawing:
@@ -50,17 +131,17 @@ class TipDrawing:
     """
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
-        self._motion, box = motion, axes.get_window_extent()
+        self._motion, box, size = motion, axes.get_window_extent(), 0.62 * letters
         self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
         way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
         view, depth = View.around([way], box.width / box.height, 0.5), max(float(np.ptp(way[:, 1])), 1e-300)
-        self.stretch = max(1.0, LEAST_DEPTH * (view.top - view.bottom) / depth)
+        height = view.top - view.bottom
+        self.stretch = max(1.0, LEAST_DEPTH * height / depth)
         axes.set(xlim=(view.left, view.right), ylim=(view.bottom / self.stretch, view.top / self.stretch))
         axes.set_aspect(self.stretch)
         axes.grid(visible=False)
         axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
         deeper = f", drawn {self.stretch:.2g} times as large" if self.stretch > 1.0 else ""
-        size = 0.62 * letters
         axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size)
         axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=size)
         axes.tick_params(labelsize=0.9 * size)
@@ -71,15 +152,16 @@ class TipDrawing:
         self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
         self.moving = [self.trail, self.rod, *self.forces]
         strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
-        self._newton, self._shortest = (part * (view.top - view.bottom) for part in (LONGEST_FORCE / strongest, 0.02))
+        self._newton, self._shortest = LONGEST_FORCE / strongest * height, 0.02 * height
+        words: dict[str, Any] = {"transform": axes.transAxes, "fontsize": size}
         left = motion.at("depth", motion.touch_end)
         if left > CRATER * motion.depth.max():
             crater = scale_for(left, "m")
-            words = f"It unloads more stiffly than it loads:\nthe tip leaves a crater of {left * crater.factor:.3g} {crater.unit},\nbelow the old surface."
-            axes.text(0.03, 0.1, words, transform=axes.transAxes, fontsize=0.92 * size, color=BLACK)
-        for place, words, color in ((0.03, "normal force", NORMAL), (0.97, "friction on the tip", TANGENTIAL)):
-            side = "left" if place < 0.5 else "right"
-            axes.text(place, 0.02, words, transform=axes.transAxes, fontsize=size, color=color, ha=side)
+            why = f"the tip leaves a crater of {left * crater.factor:.3g} {crater.unit},\nbelow the old surface."
+            why = f"It unloads more stiffly than it loads:\n{why}"
+            axes.text(0.03, 0.1, why, color=BLACK, **words | {"fontsize": 0.92 * size})
+        axes.text(0.03, 0.02, "normal force", color=NORMAL, **words)
+        axes.text(0.97, 0.02, "friction on the tip", color=TANGENTIAL, ha="right", **words)
 
     def move(self, time: float) -> None:
         """Move the rod's end, its trail and the forces to an instant, s."""
@@ -109,41 +191,35 @@ class ImpactFilm(Film):
     ) -> None:
         if "compliant" not in impacts.strikes:
             raise ValueError("contact: not resolved in time for these values; there is no motion to film")
-        struck = impacts.strikes["compliant"]
+        struck, surface = impacts.strikes["compliant"], impacts.surface
         self.motion = motion = contact_motion(struck.contact)
         focus = () if motion.slip_stop is None else (motion.slip_stop,)
-        start, end = float(motion.time[0]), float(motion.time[-1])
+        start, end = motion.time[[0, -1]].tolist()
         warp = slow_motion(start, end, duration, focus, slower=slower, width=0.05)
         super().__init__(warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s"))
         top, line = 1.0 - HEADER, struck.centre_line
         self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
         self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
-        self.tip = TipDrawing(
-            self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11)), motion, line[-1] - line[-2], self.letters
-        )
+        close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
+        self.tip = TipDrawing(close_up, motion, line[-1] - line[-2], self.letters)
         self.markers: list[tuple[Line2D, str, float]] = []
         for number, row in enumerate(PANELS):
             self._draw_panel(number, *row)
-        self.moving = [
-            *self.tip.moving,
-            self.arrow,
-            *self.hands,
-            *(each for each, *_ in self.markers),
-        ]
-        surface, source = impacts.surface, f" ({impacts.timing})" if impacts.timing else ""
-        words = (
-            f"compression {self._shown(motion.compression_end)}{source}\n"
-            f"in touch for {self._shown(motion.touch_end)}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
+        self.moving = [*self.tip.moving, self.arrow, *self.hands, *(each for each, *_ in self.markers)]
+        source = f" ({impacts.timing})" if impacts.timing else ""
+        compressed, touched = (
+            f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in (motion.compression_end, motion.touch_end)
         )
+        words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
         self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move drawings and markers to an instant, s; the arrow ends at a tip that comes, and begins at one that leaves."""
-        motion = self.motion
+        motion, height = self.motion, float(np.ptp(self.chain.get_ylim()))
         tangential, normal = motion.at("tangential_velocity", time), motion.at("normal_velocity", time)
-        ahead = np.array([tangential, normal]) * ARROW * float(np.ptp(self.chain.get_ylim())) / motion.fastest
-        start, end = (-ahead, 0.0 * ahead) if normal < 0.0 else (0.0 * ahead, ahead)
-        point_arrow(self.arrow, (start[0], start[1]), (end[0], end[1]), shortest=0.006 * np.ptp(self.chain.get_ylim()))
+        x, y = ARROW * height / motion.fastest * np.array([tangential, normal])
+        start, end = ((-x, -y), (0.0, 0.0)) if normal < 0.0 else ((0.0, 0.0), (x, y))
+        point_arrow(self.arrow, start, end, shortest=0.006 * height)
         self.tip.move(time)
         for marker, name, factor in self.markers:
             marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
@@ -155,33 +231,30 @@ class ImpactFilm(Film):
 
     def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
         motion, letters, height = self.motion, 0.6 * self.letters, (1.0 - HEADER - 0.13) / len(PANELS)
+        lowest, clock = number == len(PANELS) - 1, self.clock.factor
         bottom = 0.10 + (len(PANELS) - 1 - number) * height
         axes = self.figure.add_axes((0.685, bottom, 0.305, height - 0.035))
         largest = max(float(np.abs(getattr(motion, name)).max()) for name in lines)
         least = ROUNDING * motion.fastest if unit == "m/s" else 0.0
-        scale, time = scale_for(max(largest, least), unit), motion.time * self.clock.factor
+        scale = scale_for(max(largest, least), unit)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         for name, color in lines.items():
-            axes.plot(time, getattr(motion, name) * scale.factor, color=color, linewidth=1.8)
+            axes.plot(motion.time * clock, getattr(motion, name) * scale.factor, color=color, linewidth=1.8)
             (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
             self.markers.append((marker, name, scale.factor))
         self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
         ends = [*(phase.start for phase in motion.phases[1:]), float(motion.time[-1])]
         for phase, end in zip(motion.phases, ends, strict=True):
-            look: dict[str, Any] = {"color": PHASE_COLOURS.get(phase.caption, "white"), "linewidth": 0.0, "zorder": 0}
-            axes.axvspan(phase.start * self.clock.factor, end * self.clock.factor, **look)
-        axes.set_xlim(time[0], time[-1])
+            color = PHASE_COLOURS.get(phase.caption, "white")
+            axes.axvspan(phase.start * clock, end * clock, color=color, linewidth=0.0, zorder=0)
+        axes.set_xlim(*motion.time[[0, -1]] * clock)
         axes.margins(y=0.1)
         if largest < least:
             axes.set_ylim(-least * scale.factor, least * scale.factor)
         axes.set_ylabel(f"{title} ({scale.unit})", fontsize=letters)
         axes.locator_params(axis="y", nbins=5)
-        axes.tick_params(labelsize=0.9 * letters, labelbottom=number == len(PANELS) - 1)
-        if number == len(PANELS) - 1:
-            axes.set_xlabel(f"time since the first touch ({self.clock.unit})", fontsize=letters)
-
-    def _shown(self, time: float) -> str:
-        return f"{time * self.clock.factor:.4g} {self.clock.unit}"
+        axes.tick_params(labelsize=0.9 * letters, labelbottom=lowest)
+        axes.set_xlabel(f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters)
 
 
 def draw_chain(axes: Axes, centre_line: Array, hub_radius: float) -> FancyArrowPatch:

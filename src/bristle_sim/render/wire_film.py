@@ -50,15 +50,12 @@ class WireFilm(Film):
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and arrow to an instant, s."""
-        touch, force = _force(self.struck.wire)
-        pushed, rigid = (
-            float(np.interp(time, *_force(run), right=0.0)) for run in (self.struck.wire, self.struck.rigid)
-        )
+        (touch, force), runs = _force(self.struck.wire), (self.struck.wire, self.struck.rigid)
+        pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in runs)
         self.rigid.place(_centre_line(self.struck.rigid, time))
         self.wire.place(line := _centre_line(self.struck.wire, time))
         (x, y), links = (line[-1] * MILLIMETRES).tolist(), self.struck.strike.tool.bristle.links
-        foot = y - self.longest * pushed / force.max()
-        point_arrow(self.arrow, (x, foot), (x, y), shortest=0.3)
+        point_arrow(self.arrow, (x, y - self.longest * pushed / force.max()), (x, y), shortest=0.3)
         caption = "the wave is at the root"
         if time > touch[-1]:
             caption = "released, the wire swings on"
@@ -69,19 +66,15 @@ class WireFilm(Film):
     def _draw_wires(self, axes: Axes, letters: float) -> None:
         tool, box, runs = self.struck.strike.tool, axes.get_window_extent(), (self.struck.wire, self.struck.rigid)
         points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
-        span = float(np.ptp(points[:, 1]))
+        span, links = float(np.ptp(points[:, 1])), tool.bristle.links
         self.longest = LONGEST_FORCE * span * MILLIMETRES
         below = points.min(axis=0) - [0.0, LONGEST_FORCE * span]
         draw_film_tool(axes, tool, close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1), letters)
         self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
         self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
-        links = tool.bristle.links
-        names = {
-            "rigid bristle": ORANGE,
-            f"wire of {links} link{'s' * (links > 1)}": BLUE,
-            "normal force on its end": VERMILION,
-        }
-        handles = [Line2D([], [], color=color, linewidth=2.5, label=name) for name, color in names.items()]
+        wire, force = f"wire of {links} link{'s' * (links > 1)}", "normal force on its end"
+        named = ((ORANGE, "rigid bristle"), (BLUE, wire), (VERMILION, force))
+        handles = [Line2D([], [], color=color, linewidth=2.5, label=name) for color, name in named]
         axes.legend(handles=handles, loc="upper left", fontsize=letters, borderaxespad=1.0)
 
 
