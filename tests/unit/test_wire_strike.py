@@ -9,7 +9,7 @@ import pytest
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Surface, Tool, Workpart
 from bristle_sim.reference import strike_reference
 from bristle_sim.reference.mechanics import Chain as Links
-from bristle_sim.scene.wire_strike import strike_wire, wire_frequencies
+from bristle_sim.scene.strike import strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import chain_frequencies
 from bristle_sim.trajectory import ContactRecord

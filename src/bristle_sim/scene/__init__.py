@@ -8,7 +8,7 @@ In reading order:
 - ``motion``: one smooth motion between two changes, integrated interval by interval; ``progress``: the state of a run.
 - ``spring_contact``: the phases of a contact resolved in time.
 - ``results``: what was recorded, in SI units.
-- ``strike``, ``wire_strike``: a single contact of a chain of rods or of a wire, by the same loop.
+- ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
 
 Rooms:
 

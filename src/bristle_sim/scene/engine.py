@@ -33,9 +33,6 @@ LOG_SOLVED = math.log(1e-17)
 MOST_ITERATIONS = 40_000
 """Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
-Reader = Callable[[], tuple[float, float, float, float]]
-"""Place (x, y) and velocity (u, v) of a point fixed on a body."""
-
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""
 
@@ -166,17 +163,6 @@ class Placer:
         self._numbers.num = 0
         for body in self._bodies:
             lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
-
-
-def point_reader(body: pymunk.Body, point: Vector) -> Reader:
-    """Return the function that reads place and velocity of a body's point."""
-    place_of, velocity_of = point_calls(body, point)
-
-    def read() -> tuple[float, float, float, float]:
-        place, velocity = place_of(), velocity_of()
-        return place.x, place.y, velocity.x, velocity.y
-
-    return read
 
 
 def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Callable[[], Any]]:

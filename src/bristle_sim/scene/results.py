@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.progress import Recording
 from bristle_sim.scene.tool import Units
 from bristle_sim.stop_reason import ABSENCES, LARGEST_RETRACTION, StopReason
-from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory, WireMotion
+from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory, WireMotion
 
 
 def trajectories_in_si(
@@ -141,28 +141,38 @@ def _energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array
     return kinetic, potential
 
 
+RECORD_UNITS = {
+    "time": ("time", "duration"),
+    "impulse": ("impulse", "compressive_impulse"),
+    "energy": ("compressive_work", "restitutive_work"),
+    "velocity": ("velocity_before", "velocity_after"),
+    "rate": ("rates_before", "rates_after"),
+}
+HISTORY_UNITS = {
+    "time": ("time",),
+    "force": ("normal_force", "tangential_force"),
+    "length": ("penetration",),
+    "velocity": ("normal_velocity", "tangential_velocity"),
+}
+
+
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
     """Return a contact record turned from engine units to SI."""
-    history, each = contact.history, units
-    if history is not None:
-        scales = (each.time, each.force, each.force, each.length, each.velocity, each.velocity)
-        columns = [getattr(history, field.name) for field in dataclasses.fields(history)]
-        history = ContactHistory(*(column * unit for column, unit in zip(columns, scales, strict=True)))
+    history = contact.history and dataclasses.replace(contact.history, **_in_si(contact.history, HISTORY_UNITS, units))
+    return dataclasses.replace(contact, history=history, **_in_si(contact, RECORD_UNITS, units))
 
-    def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
-        return None if pair is None else (pair[0] * unit, pair[1] * unit)
 
-    return dataclasses.replace(
-        contact,
-        time=contact.time * each.time,
-        duration=contact.duration * each.time,
-        impulse=scaled(contact.impulse, each.impulse),
-        compressive_impulse=scaled(contact.compressive_impulse, each.impulse),
-        compressive_work=scaled(contact.compressive_work, each.energy),
-        restitutive_work=scaled(contact.restitutive_work, each.energy),
-        velocity_before=scaled(contact.velocity_before, each.velocity),
-        velocity_after=scaled(contact.velocity_after, each.velocity),
-        rates_before=tuple(rate / each.time for rate in contact.rates_before),
-        rates_after=tuple(rate / each.time for rate in contact.rates_after),
-        history=history,
-    )
+def _in_si(record: object, table: Mapping[str, tuple[str, ...]], units: Units) -> dict[str, Any]:
+    """Return numbers, tuples and arrays of a record in SI by name; None stays."""
+    found: dict[str, Any] = {}
+    for unit, names in table.items():
+        for name in names:
+            value, size = getattr(record, name), getattr(units, unit)
+            found[name] = (
+                tuple([each * size for each in value])
+                if isinstance(value, tuple)
+                else value
+                if value is None
+                else value * size
+            )
+    return found

@@ -1,4 +1,4 @@
-"""One impact of a chain of rods on a flat surface, through the scene."""
+"""One contact through the scene, by the run's own loop: of a chain of rods, or of a wire that bends; and the wire's frequencies."""
 
 from __future__ import annotations
 
@@ -6,26 +6,39 @@ import dataclasses
 import itertools
 import math
 import time as clock
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Contact, Surface
+from bristle_sim.parameters import Contact, Surface, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.compliant import contact_law
+from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw, contact_law
 from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
-from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.contact.obstacles import WorkpartObstacle
+from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
+from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import SLOW_FRACTION, Plan
 from bristle_sim.scene.results import contact_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.tool import Units
+from bristle_sim.scene.tool import Units, build_tool
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.units import Range, shown
+
+_RANGES = {
+    "masses": ("mass", "kg", 1e-60, 1e21, True, "chosen: 1e15 times the heaviest bristle"),
+    "lengths": ("length", "m", 1e-30, 1e6, True, "chosen: 1e3 times the longest bristle"),
+    "angles": ("angle", "rad", -1e6, 1e6, True, "chosen: beyond it an angle has no digits to spare"),
+    "rates": ("rate", "rad/s", -1e15, 1e15, True, "chosen: beyond any hub's"),
+    "hub_radius": ("hub_radius", "m", 0.0, 1e3, True, "chosen: the largest hub"),
+    "hub_speed": ("hub_speed", "rad/s", -1e9, 1e9, True, "chosen: beyond any hub's, in either sense"),
+    "hub_angle": ("hub_angle", "rad", -1e6, 1e6, True, "as for the rods"),
+}
+_RATIO = Range("mass_ratio", "1", 1e-9, 1e15, True, "chosen: 1e15 is the last at which the heavier yields")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,38 +62,20 @@ class Chain:
 
     def __post_init__(self) -> None:
         """Check every number: a mass that is none ends the process inside the engine."""
-        for name in ("masses", "lengths", "angles", "rates"):
-            if not isinstance(getattr(self, name), tuple | list):
-                raise ValueError(f"{name} = {shown(getattr(self, name))}: must be one number for each rod")
-        counts = [len(column) for column in (self.masses, self.lengths, self.angles, self.rates)]
+        columns = {name: getattr(self, name) for name in ("masses", "lengths", "angles", "rates")}
+        for name, column in columns.items():
+            if not isinstance(column, tuple | list):
+                raise ValueError(f"{name} = {shown(column)}: must be one number for each rod")
+        counts = [len(column) for column in columns.values()]
         if len(set(counts)) > 1 or not counts[0]:
             raise ValueError(
-                f"masses, lengths, angles, rates: {', '.join(map(str, counts))} of them; must be equally many of each, at"
-                " least one"
+                f"{', '.join(columns)}: {', '.join(map(str, counts))} of them; must be equally many of each, at least one"
             )
-        for declared, column in zip(_RODS, (self.masses, self.lengths, self.angles, self.rates), strict=True):
-            for value in column:
-                declared.check(value)
-        for declared, value in zip(_HUB, (self.hub_radius, self.hub_speed, self.hub_angle), strict=True):
-            declared.check(value)
+        for name, declared in _RANGES.items():
+            for value in columns.get(name, (getattr(self, name),)):
+                Range(*declared).check(value)
         for mass, following in itertools.pairwise(self.masses):
             _RATIO.check(mass / following)
-
-
-_RODS = (
-    Range("mass", "kg", 1e-60, 1e21, lowest_allowed=True, source="chosen: 1e15 times the heaviest bristle"),
-    Range("length", "m", 1e-30, 1e6, lowest_allowed=True, source="chosen: 1e3 times the longest bristle"),
-    Range("angle", "rad", -1e6, 1e6, lowest_allowed=True, source="chosen: beyond it an angle has no digits to spare"),
-    Range("rate", "rad/s", -1e15, 1e15, lowest_allowed=True, source="chosen: beyond any hub's"),
-)
-_HUB = (
-    Range("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="chosen: the largest hub"),
-    Range("hub_speed", "rad/s", -1e9, 1e9, lowest_allowed=True, source="chosen: beyond any hub's, in either sense"),
-    Range("hub_angle", "rad", -1e6, 1e6, lowest_allowed=True, source="as for the rods"),
-)
-_RATIO = Range(
-    "mass_ratio", "1", 1e-9, 1e15, lowest_allowed=True, source="chosen: 1e15 is the last at which the heavier yields"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,13 +106,8 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     Raises:
         ValueError: if a compliant contact comes to no end.
     """
-    kinds: dict[str, tuple[object, type]] = {
-        "chain": (chain, Chain),
-        "surface": (surface, Surface),
-        "contact": (contact, Contact),
-        "settings": (settings, Settings),
-    }
-    for name, (value, kind) in kinds.items():
+    given = {"chain": (chain, Chain), "surface": (surface, Surface), "contact": (contact, Contact)}
+    for name, (value, kind) in {**given, "settings": (settings, Settings)}.items():
         if not isinstance(value, kind):
             raise ValueError(f"{name} = {shown(value)}: must be a {kind.__name__}")
     begin = clock.perf_counter()
@@ -135,15 +125,38 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     )
 
 
-OUT_OF_STEPS = "contact: step budget spent before it is over; must have more steps, a larger accuracy or a shorter contact_duration"
-TOO_ACCURATE = (
-    "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be larger, or friction"
-    " further from the jam"
-)
+SLOWEST_RATE = 1e-300
+"""Rates below this, in rad/s, have no reciprocal to serve as a unit of time, and are small in that of this one."""
+
+
+def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
+    """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
+    fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
+    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0)
+    rods = zip(chain.masses, chain.lengths, strict=True)
+    links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
+    mechanism = Mechanism(links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle)
+    start = State(0.0, chain.angles, tuple(rate * units.time for rate in chain.rates))
+    obstacle = _below(mechanism, start, surface)
+    return Scene(mechanism, Effects(obstacles=(obstacle,))), start, obstacle, units
+
+
+def _below(mechanism: Mechanism, start: State, part: Surface) -> WorkpartObstacle:
+    """Return the surface through the last link's tip."""
+    height = mechanism.poses(start)[-1].tip[1]
+    return WorkpartObstacle(-height, part.friction, part.friction_in_restitution, part.restitution)
+
+
+UNSOLVED = {
+    StopReason.STEP_BUDGET: "contact: step budget spent before it is over; must have more steps, a larger accuracy or a"
+    " shorter contact_duration",
+    StopReason.ACCURACY: "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be"
+    " larger, or friction further from the jam",
+}
 
 
 def struck(
-    scene: Scene, start: State, obstacle: Obstacle, settings: Settings
+    scene: Scene, start: State, obstacle: WorkpartObstacle, settings: Settings
 ) -> tuple[State, ContactRecord, list[State]]:
     """Carry a scene through one contact with an obstacle that it touches, by the obstacle's law.
 
@@ -158,29 +171,129 @@ def struck(
     if law.at_once or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
         after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
         return after, record, [start, after]
-    stepper = Extrapolation(settings.accuracy)
     plan = Plan(math.inf, settings.accuracy, "strike", maximum_steps=settings.maximum_steps, single_contact=True)
-    recording = run(scene, start, stepper, plan, [obstacle])
-    if recording.stop_reason in (StopReason.STEP_BUDGET, StopReason.ACCURACY):
-        raise ValueError(OUT_OF_STEPS if recording.stop_reason is StopReason.STEP_BUDGET else TOO_ACCURATE)
+    recording = run(scene, start, Extrapolation(settings.accuracy), plan, [obstacle])
+    if recording.stop_reason in UNSOLVED:
+        raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
     return recording.states[-1], record, recording.states
 
 
-SLOWEST = 1e-300
-"""Rates below this, in rad/s, have no reciprocal to serve as a unit of time, and are small in that of this one."""
+@dataclass(frozen=True, slots=True)
+class WireStrike:
+    """A contact of a wire that bends, resolved in time, and its free motion afterwards; SI units.
+
+    Attributes:
+        contact: from the first touch to the release, with its history.
+        time, angles, rates: samples from the first touch on, s, rad and rad/s, of each link in its own column.
+        centre_line: root, knee, joints and tip from the hub's centre, shape (samples, corners, 2), m.
+    """
+
+    contact: ContactRecord
+    time: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    steps: int
+    wall_s: float
 
 
-def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
-    """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
-    fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
-    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST) if fastest else 1.0)
-    links = tuple(
-        Link.rod(mass / units.mass, length / units.length)
-        for mass, length in zip(chain.masses, chain.lengths, strict=True)
+def strike_wire(
+    tool: Tool,
+    hub_angle: float,
+    angles: Sequence[float],
+    rates: Sequence[float],
+    stiffness: float,
+    settings: Settings,
+    *,
+    duration: float,
+    flight: float = 0.0,
+) -> WireStrike:
+    """Let the end of a wire strike a workpart of finite contact stiffness, which it touches.
+
+    The contact is a spring of stiffness k while the penetration grows and k/e*^2 otherwise. Belt and hinges act meanwhile.
+
+    Args:
+        tool: with a workpart, whose surface passes through the wire's end; its bar is left out.
+        hub_angle: psi at the first touch, rad.
+        angles, rates: absolute angles and rates of the links then, rad and rad/s.
+        stiffness: of the contact in compression, N/m.
+        settings: of the scene.
+        duration: expected duration of the contact, s. Samples are at most a 24th of it apart, and the contact of a rigid bristle
+            is ended after ten times that long.
+        flight: time of free motion after the release, s.
+
+    Raises:
+        ValueError: if the wire's end does not approach the workpart, the numbers are not one for each link, or the contact
+            comes to no end.
+    """
+    begin = clock.perf_counter()
+    scene, units, obstacle = build_wire(tool, hub_angle, angles, rates)
+    start = State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))
+    approach = obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
+    if approach >= 0.0:
+        raise ValueError(
+            f"rates = {shown(rates[-1])}: must let the wire's end approach the workpart, its normal velocity is"
+            f" {approach * units.velocity:g} m/s (in rad/s)"
+        )
+    law = CompliantLaw(duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass)
+    after, record, states = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
+    del states[0]
+    if flight > 0.0:
+        # Samples of the free motion are as far apart as in the contact, while a tenth of the budget of steps lasts.
+        longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
+        stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, after.rates)), WIDE, longest)
+        end, budget = after.time + flight / units.time, settings.maximum_steps // 10
+        plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
+        states += run(scene, after, stepper, plan, []).states[1:]
+    time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
+    return WireStrike(
+        contact=contact_in_si(record, units),
+        time=time * units.time,
+        angles=angles_,
+        rates=rates_ / units.time,
+        centre_line=scene.mechanism.centre_line(time, angles_, rates_)[0] * units.length,
+        steps=scene.steps,
+        wall_s=clock.perf_counter() - begin,
     )
-    mechanism = Mechanism(links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle)
-    start = State(0.0, chain.angles, tuple(rate * units.time for rate in chain.rates))
-    height = mechanism.poses(start)[-1].tip[1]
-    obstacle = WorkpartObstacle(-height, surface.friction, surface.friction_in_restitution, surface.restitution)
-    return Scene(mechanism, Effects(obstacles=(obstacle,))), start, obstacle, units
+
+
+def build_wire(
+    tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
+) -> tuple[Scene, Units, WorkpartObstacle]:
+    """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
+    links, part = tool.bristle.links, tool.workpart
+    if part is None:
+        raise ValueError("workpart = None: must be a Workpart, or nothing is struck")
+    if len(angles) != links or len(rates) != links:
+        raise ValueError(
+            f"angles, rates: {len(angles)}, {len(rates)} of them; must be one for each of the {links} links"
+        )
+    scene, units = build_tool(dataclasses.replace(tool, bar=None), hub_start=hub_angle)
+    return scene, units, _below(scene.mechanism, State(0.0, tuple(angles), (0.0,) * links), part)
+
+
+SMALL_ANGLE = 1e-8
+"""Angle of a link, rad, at which its mass matrix differs from that of the straight wire by 5e-17 of itself."""
+
+SHORT_STEP = 1e-8
+"""Length of the step from rest, in the scene's time units; the rates it gives are in proportion to it."""
+
+
+def wire_frequencies(tool: Tool) -> Array:
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
+
+    One engine step from rest with one link turned by a small angle gives every link a rate, which is a column of the matrix
+    -M^-1 K times angle and step: nothing moves before the rates change.
+    """
+    straight = (0.0,) * tool.bristle.links
+    undamped = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)
+    still = tool.replace(hub_speed=0.0, belt_damping_ratio=0.0, bristle=undamped, gravity=0.0)
+    scene, units, _ = build_wire(still, 0.0, straight, straight)
+    columns = []
+    for angles in SMALL_ANGLE * np.eye(tool.bristle.links):
+        scene.place(State(0.0, tuple(angles.tolist()), straight))
+        scene.step(SHORT_STEP, 1)
+        columns.append(np.array(scene.rates()) / (SMALL_ANGLE * SHORT_STEP))
+    squares = np.sort(-np.linalg.eigvals(np.array(columns).T).real)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))

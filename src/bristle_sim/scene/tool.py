@@ -42,6 +42,11 @@ class Units:
     time: float
 
     @property
+    def rate(self) -> float:
+        """rad/s."""
+        return 1.0 / self.time
+
+    @property
     def velocity(self) -> float:
         """m/s."""
         return self.length / self.time

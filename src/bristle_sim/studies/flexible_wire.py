@@ -17,7 +17,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
-from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
+from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import crater_depth, outcome_of

@@ -70,7 +70,8 @@ def first_touch_of_all(
         ):
             continue
         else:
-            error = progress.stepper.interpolation_error(start, end)
+            changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
+            error = progress.stepper.straightness * interval.length * sum(changes)
             if several:
                 error += CUBIC_ERROR * interval.length * (interval.length / progress.plan.time_scale) ** 3
             found = find_touch(progress, interval, obstacle, error)

@@ -10,13 +10,16 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from operator import mul
 from types import MappingProxyType
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.contact.spring import ContactLoad
 
 PLACING_COST = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
@@ -26,23 +29,6 @@ ANGLE_ROUNDING = 4e-16
 
 LEAST_CORRECTED_STEP = 1e-6
 """Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
-
-
-class Load(Protocol):
-    """The forces that act on the links besides springs and joints, and their sums over an interval."""
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether it acts alike forwards and backwards in time, so that steps may be symmetric."""
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Begin a run over an interval in steps of one length; return the function that acts before each of them."""
-
-    def totals(self) -> list[float]:
-        """Return the sums since then, as numbers that are smooth in the step."""
-
-    def fails(self, totals: list[float]) -> bool:
-        """Whether the load could not act as it should, so that the interval is of no use."""
 
 
 class Advance(NamedTuple):
@@ -136,7 +122,10 @@ class Extrapolation:
 
     Attributes:
         noise: the error that an interval may have.
+        straightness: a link's tip is off the cubic through an interval's ends by the cubic's own error alone.
     """
+
+    straightness = 0.0
 
     def __init__(
         self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
@@ -155,7 +144,7 @@ class Extrapolation:
         """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+    def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.step_symmetrically if load is None or load.symmetric else None
         take = symmetric or scene.step
@@ -217,11 +206,6 @@ class Extrapolation:
         """Begin with few repetitions again, whose weights amplify rounding least."""
         self.rows = LEAST_ROWS
 
-    def interpolation_error(self, start: State, end: State) -> float:
-        """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
-        del start, end
-        return 0.0
-
 
 class PlainSteps:
     """One engine step after the other, of a fixed length, which knows nothing of its error: first order.
@@ -232,7 +216,11 @@ class PlainSteps:
     Attributes:
         step: the length, engine units.
         noise: the error of first order.
+        straightness: fraction of the length times the changes of the rates by which a link's tip may be off the cubic through
+            an interval's ends: twice a straight line's largest distance, as the engine goes straight on at the old rates.
     """
+
+    straightness = 0.3
 
     def __init__(self, step: float) -> None:
         """Take steps of a length."""
@@ -243,7 +231,7 @@ class PlainSteps:
         """Return one step, or what is left."""
         return min(self.step, remaining)
 
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+    def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
         """Take one engine step of the given length, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
@@ -269,14 +257,6 @@ class PlainSteps:
 
     def begin_afresh(self) -> None:
         """Nothing was learnt."""
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """Return twice the largest distance of a straight line from the cubic that has the rates of both ends.
-
-        The engine goes straight on at the old rates, which a cubic between old and new rates does not.
-        """
-        changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
-        return 0.3 * (end.time - start.time) * sum(changes)
 
 
 Stepper = Extrapolation | PlainSteps
