@@ -6,7 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from bristle_sim.scene.build import Effects
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
+from bristle_sim.scene.results import columns, energies
 
 STEP = 1e-5
 """Error of central differences: h^2/6 times third derivatives of order 10 is 2e-10, rounding 1e-11."""
@@ -81,7 +83,7 @@ def test_kinetic_energy_is_that_of_the_rods_elements() -> None:
         ends = np.array([pose.joint_velocity, pose.tip_velocity])
         velocity = 0.5 * ((1.0 - nodes)[:, None] * ends[0] + (1.0 + nodes)[:, None] * ends[1])
         total += float(0.25 * link.mass * weights @ (velocity**2).sum(axis=1))
-    assert mechanism.kinetic_energy(state) == pytest.approx(total, rel=1e-13)
+    assert energies(mechanism, Effects(), columns([state]))[0][0] == pytest.approx(total, rel=1e-13)
 
 
 @pytest.mark.parametrize("seed", range(20))

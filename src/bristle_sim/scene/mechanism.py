@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -127,29 +127,31 @@ class Mechanism:
         self._known.append((state, poses))
         return poses
 
+    def walk(self, time: Array, angles: Array, rates: Array) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
+        """Yield every link of a wire, e^(i angle), its rate, and place and velocity of its joint, at times, angles and rates.
+
+        Points are complex numbers x + iy. One with the arm r from a joint at p moves with p' + i rate r.
+        """
+        joint = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
+        velocity = 1j * self.hub_speed * joint
+        for link, angle, rate in zip(self.links, angles.T, rates.T, strict=True):
+            turn = np.exp(1j * angle)
+            yield link, turn, rate, joint, velocity
+            tip = complex(*link.tip) * turn
+            joint, velocity = joint + tip, velocity + 1j * rate * tip
+
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
         """Return the corners of a wire's centre line from root to tip, and their velocities, each of shape (n, corners, 2).
 
-        A point with the arm r from a joint at p moves with p' + rate e_z x r; with points as complex numbers x + iy that
-        is p' + i rate r. ``time`` has the shape (n,), ``angles`` and ``rates`` of every link (n, links).
+        ``time`` has the shape (n,), ``angles`` and ``rates`` of every link (n, links).
         """
-        place = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
-        corners = [(place, 1j * self.hub_speed * place)]
-        for number, link in enumerate(self.links):
-            joint, joint_velocity = corners[-1]
-            turn, rate = np.exp(1j * angles[:, number]), rates[:, number]
+        corners: list[tuple[Array, Array]] = []
+        for link, turn, rate, joint, velocity in self.walk(time, angles, rates):
             arms = [complex(*corner) * turn for corner in (*link.knees, link.tip)]
-            corners += [(joint + arm, joint_velocity + 1j * rate * arm) for arm in arms]
+            corners += [] if corners else [(joint, velocity)]
+            corners += [(joint + arm, velocity + 1j * rate * arm) for arm in arms]
         places, velocities = (np.stack(each, axis=1) for each in zip(*corners, strict=True))
         return np.stack([places.real, places.imag], axis=-1), np.stack([velocities.real, velocities.imag], axis=-1)
-
-    def kinetic_energy(self, state: State) -> float:
-        """Return the sum of m v^2/2 + I rate^2/2 over the links."""
-        parts = zip(self.links, self.poses(state), state.rates, strict=True)
-        return sum(
-            0.5 * (link.mass * math.hypot(*pose.centre_velocity) ** 2 + link.inertia * rate**2)
-            for link, pose, rate in parts
-        )
 
     def speed_bound(self, state: State) -> float:
         """Return a speed that no point exceeds, nor two wires' points relative to each other, while no rate exceeds the state's."""

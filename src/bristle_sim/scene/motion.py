@@ -16,7 +16,7 @@ from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts, rigid_contacts, sense_of_slip
 from bristle_sim.scene.contact.spring import ContactLoad, Spring
 from bristle_sim.scene.contact.sustained import Sustained
-from bristle_sim.scene.events.locate import EventFunction, Interval, first_change, look_back
+from bristle_sim.scene.events.locate import Interval, first_change, look_back
 from bristle_sim.scene.events.table import (
     Change,
     Release,
@@ -63,7 +63,7 @@ class SmoothMotion:
         load: the forces of all contacts; None where there is none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
-        events: what ends or changes contacts, and the events of the motion.
+        events: of the contacts, and of the motion as a whole.
     """
 
     def __init__(
@@ -81,75 +81,66 @@ class SmoothMotion:
         self.before: Advance | None = None
         self.rigid: RigidContacts | None = None
         self.load: ContactLoad | None = None
-        of_contacts: list[EventFunction] = []
         if sustained:
             self._begin_contact()
-            of_contacts = contact_events(progress, self.sustained, self.rigid)
         shortest = min((each.expected for _, each in self.springs), key=lambda each: each.longest, default=None)
         progress.stepper = progress.flight if shortest is None else shortest.stepper
-        self.events = of_contacts, motion_events(progress, self.sustained)
-        for each in (*of_contacts, *self.events[1]):
+        self.events = contact_events(progress, sustained, self.rigid), motion_events(progress, sustained)
+        for each in (*self.events[0], *self.events[1]):
             each.begin(progress.state, progress.noise)
 
     def _begin_contact(self) -> None:
         """Let the contacts act from here on, if they can."""
-        progress = self.progress
+        progress, gaps = self.progress, self.progress.gaps
         for each in self.ordered:
             if each.slip is None and each.obstacle.friction:
-                each.slip = sense_of_slip(progress.gaps, each.obstacle, progress.state, progress.slip_error)
+                each.slip = sense_of_slip(gaps, each.obstacle, progress.state, progress.slip_error)
         if self.ordered:
             obstacles, slips = [each.obstacle for each in self.ordered], [each.slip for each in self.ordered]
             self.rigid = rigid_contacts(progress.scene, obstacles, slips, paired=not self.springs)
-            progress.state = self.rigid.set_back(progress.gaps, progress.state)
+            progress.state = self.rigid.set_back(gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
         self.load = ContactLoad(progress.scene, self.rigid, [each for each, _ in self.springs])
-        forces = [0.0 if each.spring is None else each.sample(progress.gaps, progress.state) for each in self.sustained]
-        progress.sample(forces, self.sustained)
+        progress.sample({each: each.sample(gaps, progress.state) for each, _ in self.springs})
 
     def _engage(self) -> None:
         """Let rigid contacts act from the state that was reached; stop where no force keeps them closed."""
         progress = self.progress
         if self.rigid is None or self.rigid.engage(progress.gaps, progress.state) > 0.0:
             return
-        reason = StopReason.NO_GRIP
         if any(each.friction for each in self.rigid.obstacles):
-            reason, wires = StopReason.JAM, {wire for each in self.rigid.obstacles for wire in progress.wires_of(each)}
-            progress.event("jam", sorted(wires))
-        progress.stop(reason)
+            progress.stop(StopReason.JAM)
+            progress.event("jam", sorted({wire for each in self.rigid.obstacles for wire in progress.wires_of(each)}))
+        progress.stop(StopReason.NO_GRIP)
 
-    def proceed(self) -> Change | None:
-        """Integrate to the next event, and return what that changes about the contacts, if anything."""
-        progress, start = self.progress, self.progress.state
+    def integrate(self) -> Interval | Change | None:
+        """Integrate over an interval; return it, or the change of the contacts if their forces are gone, or None to try again."""
+        progress, start, instant = self.progress, self.progress.state, self.progress.plan.instant
         for each, spring in self.springs:
             follow_bodies(progress, each.obstacle, spring)
-        length = self._proposed()
-
-        @functools.cache
-        def advance(span: float) -> Advance:
-            return progress.stepper.advance(progress.scene, start, span, self.load)
-
-        result = advance(length)
+        length, first = self._proposed(), self.before is None
+        again = functools.cache(functools.partial(progress.stepper.advance, progress.scene, start, load=self.load))
+        result = again(length)
         if self.rigid is not None:
-            first, forces = self.before is None, self.rigid.normal(result.totals)
+            forces = self.rigid.normal(result.totals)
             gone = result.failed or (first and min(forces) <= 0.0)
             slipping = self.rigid.breaks_away(result.totals) if first and not gone else None
-            if gone or slipping is not None:
-                if first and length > progress.plan.instant:
-                    # Whether it is so from the beginning shows in an instant.
-                    self.limit = progress.plan.instant
-                    return None
-                if slipping is not None:
-                    return Slip(self.ordered[slipping], -1 if result.totals[TOTALS * slipping + 1] > 0.0 else 1)
+            if (gone or slipping is not None) and first and length > instant:
+                # Whether it is so from the beginning shows in an instant.
+                self.limit = instant
+                return None
+            if slipping is not None:
+                return Slip(self.ordered[slipping], -1 if result.totals[TOTALS * slipping + 1] > 0.0 else 1)
+            if gone:
                 return self._approach_release(forces, length)
-        if not progress.stepper.accepts(result, length):
-            durations = [spring.expected.duration for _, spring in self.springs]
-            shortest = SHORTEST_CONTACT_INTERVAL * min(durations) if durations else SHORTEST_INTERVAL
-            if not math.isfinite(result.error) or length < shortest:
-                progress.stop(StopReason.ACCURACY)
-            return None
-        return self._up_to_first_event(Interval(start, result, advance))
+        if progress.stepper.accepts(result, length):
+            return Interval(start, result, again)
+        durations = [SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in self.springs]
+        if not math.isfinite(result.error) or length < min(durations, default=SHORTEST_INTERVAL):
+            progress.stop(StopReason.ACCURACY)
+        return None
 
     def _proposed(self) -> float:
         """Return the length of the next interval."""
@@ -179,7 +170,7 @@ class SmoothMotion:
         """Return the length of an interval in which the first force vanishes, by the last interval."""
         return BEYOND_RELEASE * min((each.vanishes_in for each in self.sustained), default=math.inf)
 
-    def _up_to_first_event(self, interval: Interval) -> Change | None:
+    def up_to_first_event(self, interval: Interval) -> Change | None:
         """Take over an interval up to its first event, and return the change of the contacts, if any."""
         progress, whole, (of_contacts, of_motion) = self.progress, interval.end, self.events
         if self.before is None and self.limit is None and not self.sustained:
@@ -188,11 +179,10 @@ class SmoothMotion:
         known = [each.sign for each in every]
         # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
         end, happens = first_change(progress, of_contacts, interval, self.before)
-        interval, active = interval._replace(end=end), [each.obstacle for each in self.sustained]
-        end, touch = first_touch_of_all(progress, interval, active, self.separating)
-        happens = happens if end is interval.end else None
-        interval = interval._replace(end=end)
-        end, later = first_change(progress, of_motion, interval, self.before)
+        active = [each.obstacle for each in self.sustained]
+        nearest, touch = first_touch_of_all(progress, interval._replace(end=end), active, self.separating)
+        happens = happens if nearest is end else None
+        end, later = first_change(progress, of_motion, interval._replace(end=nearest), self.before)
         happens = later or happens
         if end is not whole:
             # What changes its sign later has not done so yet; the function that is zero keeps its sign.
@@ -203,48 +193,47 @@ class SmoothMotion:
         self._commit(end)
         if happens is None:
             return touch or self._overdue()
-        if happens.event is not None:
-            progress.event(happens.event, (happens.wire,))
         if happens.final is not None:
             progress.stop(happens.final)
+        if happens.event is not None:
+            progress.event(happens.event, (happens.wire,))
         return None if happens.act is None else happens.act()
 
     def _commit(self, result: Advance) -> None:
         """Take over an interval's end; links in sustained contact are set back onto what they touch."""
-        progress, start = self.progress, self.progress.state
+        progress, start, gaps = self.progress, self.progress.state, self.progress.gaps
         length = result.state.time - start.time
-        progress.state = result.state if self.rigid is None else self.rigid.set_back(progress.gaps, result.state)
+        progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
+        progress.recording.error += result.error
         if self.sustained:
             self._add(result, start, length)
         else:
             progress.sample()
         self.before = result
-        progress.recording.error += result.error
         if self.limit is not None:
             grown = max(MOST_GROWTH * length, progress.plan.first_interval)
             self.limit = min(grown, max(self._until_release(), progress.plan.shortest))
         if self.separating:
-            gaps, state = progress.gaps, progress.state
-            self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
+            self.separating = tuple(each for each in self.separating if gaps.gap(each, progress.state) <= GAP_ROUNDING)
 
     def _add(self, result: Advance, start: State, length: float) -> None:
         """Add what the contacts did in an interval, and record their forces at its end."""
         progress, totals, ends, begins = self.progress, result.totals, {}, {}
         for index, each in enumerate(self.ordered):
             normal, _, push, rub, work = totals[TOTALS * index : TOTALS * (index + 1)]
-            first = each.add(normal, (push, rub, 0.0, work), length)
             # A release is located to rounding, on either side.
-            ends[each], begins[each] = max(0.0, normal), max(0.0, first)
+            begins[each] = max(0.0, each.add(normal, (push, rub, 0.0, work), length))
+            ends[each] = max(0.0, normal)
         for number, (each, _) in enumerate(self.springs):
             each.add_spring(totals[TOTALS * len(self.ordered) + 6 * number :][:6])
             ends[each] = each.sample(progress.gaps, progress.state)
         if self.rigid is not None:
             if self.before is None and not self.springs:
-                progress.sample(list(begins.values()), list(begins), again=True)
+                progress.sample(begins, again=True)
             if progress.mechanism.lone and length >= SHORTEST_SAMPLED:
                 progress.recording.inner += self._inner_states(self.rigid, start)
             self._engage()
-        progress.sample(list(ends.values()), list(ends))
+        progress.sample(ends)
 
     def _inner_states(self, rigid: RigidContacts, start: State) -> list[State]:
         """Return states within an interval that has ended: those of a lone link in touch follow from the geometry alone."""
@@ -265,9 +254,8 @@ class SmoothMotion:
         progress = self.progress
         single = progress.plan.single_contact and not progress.scene.effects.hinges
         for each, spring in self.springs:
-            begun = progress.state.time if each.start is None else each.start.time
-            late = progress.state.time - begun > OVERDUE_DURATIONS * spring.expected.duration
-            if late and (single or not spring.expected.moves):
+            since = 0.0 if each.start is None else progress.state.time - each.start.time
+            if since > OVERDUE_DURATIONS * spring.expected.duration and (single or not spring.expected.moves):
                 return SpringChange(each, SpringEvent.OVERDUE)
         return None
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
@@ -22,9 +23,6 @@ MOST_GROWTH = 16.0
 SLOW_FRACTION = 1e-8
 """Fraction of the fastest point's speed below which an impact gets no restitution: ever smaller bounces would otherwise
 follow each other without end within a finite time."""
-
-FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
-"""Events that end every run, requested or not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,13 +132,13 @@ class Progress:
         """Return the normal velocity of a pair's contact point, negative where it approaches."""
         return self.gaps.closest(obstacle, self.state).velocity[0]
 
-    def sample(self, forces: Sequence[float] = (), contacts: Sequence[Sustained] = (), *, again: bool = False) -> None:
+    def sample(self, forces: Mapping[Sustained, float] = MappingProxyType({}), *, again: bool = False) -> None:
         """Record the state that was reached, with the normal forces of contacts, summed for each wire.
 
         With ``again`` the last sample gets the forces instead.
         """
         sums = [0.0] * self.mechanism.wires
-        for force, contact in zip(forces, contacts, strict=True):
+        for contact, force in forces.items():
             for wire in self.wires_of(contact.obstacle):
                 sums[wire] += force
         if again:
@@ -164,18 +162,14 @@ class Progress:
         A touch that ``lasts`` ends it when its contact is over.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
-        if name in FINAL and name == self.plan.stop_after:
-            self.stop(FINAL[name])
-        elif not lasts and name == self.plan.stop_after and self.had_last_event:
+        if name == self.plan.stop_after and not lasts and self.had_last_event:
             self.stop(StopReason.EVENT)
 
     @property
     def had_last_event(self) -> bool:
         """Whether every wire has had the event that ends the run."""
         last = self.plan.stop_after
-        if last is None:
-            return False
-        happened = {wire for each, of in self.recording.events if each.name == last for wire in of}
+        happened = {wire for each, wires in self.recording.events if each.name == last for wire in wires}
         return len(happened) == self.mechanism.wires
 
     def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:

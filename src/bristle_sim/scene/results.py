@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,52 +30,44 @@ def trajectories_in_si(
 ) -> tuple[Trajectory, ...]:
     """Return what a run has recorded of each wire, in SI units; a method without an error estimate leaves it out."""
     estimate = recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None
-    time, angles, rates = _columns(recording.states)
-    inner = _columns(recording.inner) if recording.inner else None
-    found = []
+    found, size = [], scene.mechanism.wire_links
     for number in range(scene.mechanism.wires):
-        mechanism, size = scene.mechanism.wire(number), scene.mechanism.wire_links
-        own = slice(number * size, (number + 1) * size)
-        motion = mechanism.hub_start + mechanism.hub_speed * time, angles[:, own], rates[:, own]
-        kinetic, potential = _energies(mechanism, scene.effects, motion)
-        line, velocity = mechanism.centre_line(time, *motion[1:])
-        inner_samples = None
-        if inner is not None:
-            inner_line = [
-                each * unit
-                for each, unit in zip(mechanism.centre_line(*inner), (units.length, units.velocity), strict=True)
-            ]
-            inner_samples = WireMotion(inner[0] * units.time, inner[1], inner[2] / units.time, *inner_line)
-        events = [Event(each.name, each.time * units.time) for each in _events(recording, scene, number)]
-        contacts = [contact_in_si(each, units) for each in _contacts(recording, scene.mechanism, number)]
+        mechanism, own = scene.mechanism.wire(number), slice(number * size, (number + 1) * size)
+        motion = columns(recording.states, own)
+        kinetic, potential = energies(mechanism, scene.effects, motion)
+        samples = _in_space(mechanism, motion, units)
+        inner = _in_space(mechanism, columns(recording.inner, own), units) if recording.inner else None
         found.append(
             Trajectory(
-                time=time * units.time,
-                hub_angle=motion[0],
-                angles=motion[1],
-                rates=motion[2] / units.time,
-                centre_line=line * units.length,
-                centre_line_velocity=velocity * units.velocity,
+                **{each.name: getattr(samples, each.name) for each in dataclasses.fields(WireMotion)},
+                hub_angle=mechanism.hub_start + mechanism.hub_speed * motion[0],
                 kinetic_energy=kinetic * units.energy,
                 potential_energy=potential * units.energy,
                 normal_force=np.array([each[number] for each in recording.forces]) * units.force,
                 hub_speed=parameters["tool"]["hub"]["speed"],
-                events=tuple(events),
-                contacts=tuple(contacts),
+                events=tuple(Event(each.name, each.time * units.time) for each in _events(recording, scene, number)),
+                contacts=tuple(contact_in_si(each, units) for each in _contacts(recording, scene.mechanism, number)),
                 stop_reason=recording.stop_reason or StopReason.END,
                 cost=Cost(*cost, estimate),
                 parameters=parameters,
                 stop_detail=recording.stop_detail,
-                inner_samples=inner_samples,
+                inner_samples=inner,
             )
         )
     return tuple(found)
 
 
-def _columns(states: list[State]) -> tuple[Array, Array, Array]:
-    """Return times, angles and rates, of shapes (n,) and (n, links)."""
+def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, Array, Array]:
+    """Return times, and a wire's own angles and rates, of shapes (n,) and (n, links)."""
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
-    return time, angles, rates
+    return time, angles[:, own], rates[:, own]
+
+
+def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: Units) -> WireMotion:
+    """Return a wire's motion in SI, with its centre line."""
+    line, velocity = mechanism.centre_line(*motion)
+    time, angles, rates = motion
+    return WireMotion(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
 
 
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
@@ -121,21 +113,15 @@ def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator
             )
 
 
-def _energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,).
-
-    ``motion`` is the states' hub angle, angles and rates as arrays.
-    """
-    hub, angles, rates = motion
-    kinetic, potential = np.zeros(len(hub)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
-    place = -1j * mechanism.hub_radius * np.exp(1j * hub)
-    velocity = 1j * mechanism.hub_speed * place
-    for number, link in enumerate(mechanism.links):
-        turn, rate = np.exp(1j * angles[:, number]), rates[:, number]
-        arm, tip = complex(*link.centre) * turn, complex(*link.tip) * turn
+def energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """Return kinetic energy, and potential energy of belt, hinges and gravity, at times, angles and rates; engine units."""
+    time, angles, _ = motion
+    hub = mechanism.hub_start + mechanism.hub_speed * time
+    kinetic, potential = np.zeros(len(time)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    for link, turn, rate, joint, velocity in mechanism.walk(*motion):
+        arm = complex(*link.centre) * turn
         kinetic += 0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
-        potential += effects.gravity * link.mass * (place + arm).imag
-        place, velocity = place + tip, velocity + 1j * rate * tip
+        potential += effects.gravity * link.mass * (joint + arm).imag
     for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
         potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
     return kinetic, potential

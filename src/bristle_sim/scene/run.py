@@ -18,11 +18,12 @@ from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
 from bristle_sim.scene.contact.obstacles import Obstacle, dented
 from bristle_sim.scene.contact.rigid import LEAST_SLIP
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
+from bristle_sim.scene.events.locate import Interval
 from bristle_sim.scene.events.table import Change, HandOver, Kink, Release, Slip, SpringChange, Touch
 from bristle_sim.scene.integrate.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import SmoothMotion
-from bristle_sim.scene.progress import FINAL, Plan, Progress, Recording
+from bristle_sim.scene.progress import Plan, Progress, Recording
 from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_spring
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -48,7 +49,8 @@ def run(
         elif scene.work >= budget:
             progress.stop(StopReason.STEP_BUDGET)
         else:
-            change = motion.proceed()
+            found = motion.integrate()
+            change = motion.up_to_first_event(found) if isinstance(found, Interval) else found
             motion = motion if change is None else _enter(motion, change)
     _end(motion, str(recording.stop_reason))
     return recording
@@ -96,8 +98,9 @@ def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
 
 def _following(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
     """Return a motion with these contacts, or the end of the run after a touch whose contact is over."""
-    first_interval, final = progress.plan.first_interval, progress.plan.stop_after in FINAL
-    if progress.had_last_event and not final and not any(each.spring for each in sustained):
+    first_interval = progress.plan.first_interval
+    over = progress.recording.stop_reason is None and progress.had_last_event
+    if over and not any(each.spring for each in sustained):
         progress.stop(StopReason.EVENT)
         return SmoothMotion(progress, first_interval)
     return SmoothMotion(progress, first_interval, sustained, separating)

@@ -150,9 +150,9 @@ def _simulated(
     settings, described = settings or Settings(), StartRelativeToHub(*begin)
     scene, units = build_tool(tool, hub_start=described.hub_angle, row=row, accuracy=settings.accuracy)
     mechanism = scene.mechanism
-    roots = [mechanism.root_angle(link, 0.0) for link in range(len(mechanism.links))]
-    rate = mechanism.hub_speed + described.relative_rate * units.time
-    start = State(0.0, tuple(root + described.relative_angle for root in roots), (rate,) * len(roots))
+    links, rate = range(len(mechanism.links)), mechanism.hub_speed + described.relative_rate * units.time
+    angles = tuple(mechanism.root_angle(link, 0.0) + described.relative_angle for link in links)
+    start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
     end = REST_PERIODS * 2.0 * math.pi
     if mechanism.hub_speed:

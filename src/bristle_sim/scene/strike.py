@@ -21,7 +21,7 @@ from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
 from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import SLOW_FRACTION, Plan
-from bristle_sim.scene.results import contact_in_si
+from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.run import run
 from bristle_sim.scene.tool import Units, build_tool
 from bristle_sim.settings import Settings
@@ -115,11 +115,12 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     law = contact_law(contact, settings.accuracy, units.time)
     after, record, _ = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
     poses = scene.mechanism.poses(start)
+    kinetic, _ = energies(scene.mechanism, scene.effects, columns([start, after]))
     return ChainStrike(
         contact=contact_in_si(record, units),
         centre_line=np.array([poses[0].joint, *(pose.tip for pose in poses)]) * units.length,
-        kinetic_energy_before=scene.mechanism.kinetic_energy(start) * units.energy,
-        kinetic_energy_after=scene.mechanism.kinetic_energy(after) * units.energy,
+        kinetic_energy_before=float(kinetic[0]) * units.energy,
+        kinetic_energy_after=float(kinetic[1]) * units.energy,
         steps=scene.steps,
         wall_s=clock.perf_counter() - begin,
     )

@@ -33,43 +33,17 @@ SHORTEST_PIECE = 1e-12
 """Fraction of the wire's length below which a straight piece of a link is rounding: the knee is at the joint."""
 
 
-@dataclass(frozen=True, slots=True)
 class Units:
-    """SI size of one engine unit: length in m, mass in kg, time in s, and of what is made of these."""
+    """SI size of one engine unit: length in m, mass in kg, time in s, and of what follows from these."""
 
-    length: float
-    mass: float
-    time: float
-
-    @property
-    def rate(self) -> float:
-        """rad/s."""
-        return 1.0 / self.time
-
-    @property
-    def velocity(self) -> float:
-        """m/s."""
-        return self.length / self.time
-
-    @property
-    def impulse(self) -> float:
-        """N s."""
-        return self.mass * self.velocity
-
-    @property
-    def force(self) -> float:
-        """N."""
-        return self.impulse / self.time
-
-    @property
-    def energy(self) -> float:
-        """J, and N m."""
-        return self.mass * self.velocity**2
-
-    @property
-    def angular_damping(self) -> float:
-        """N m s."""
-        return self.energy * self.time
+    def __init__(self, length: float, mass: float, time: float) -> None:
+        """Compute the units of a scene."""
+        self.length, self.mass, self.time, self.rate = length, mass, time, 1.0 / time
+        self.velocity = length / time
+        self.impulse = mass * self.velocity
+        self.force = self.impulse / time
+        self.energy = mass * self.velocity**2
+        self.angular_damping = self.energy * time
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +116,7 @@ def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterato
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     """Return the links of a wire, equally long along it, in units of the bristle's length and mass.
 
-    They are seen from their joints as in the unstressed wire whose shank is along (0, -1), so that all have the same angle
-    then. The link that holds the wire's knee is bent; a knee at a joint makes the next link point the other way.
+    In the unstressed wire, whose shank is along (0, -1), all have the same angle. The link that holds the knee is bent.
     """
     size = bristle.length
     if bristle.links == 1:
@@ -156,10 +129,7 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
 
 
 def wire_hinges(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[tuple[float, float], ...]:
-    """Return stiffness and damping of the torsion spring in each joint between two links, in a scene's units.
-
-    The first bending mode depends on the belt's ``root_stiffness``, N m/rad.
-    """
+    """Return stiffness and damping of the torsion spring in each joint between two links, for a belt's stiffness, N m/rad."""
     if bristle.links == 1:
         return ()
     diameter, length, modulus = bristle.wire_diameter, bristle.length, bristle.modulus

@@ -59,8 +59,7 @@ class EventFunction:
     Attributes:
         value: function of the result of an interval.
         falling: True or False if only falling or rising through zero counts, None for both.
-        event: name under which it is recorded; None for one that is not.
-        wire: number of the wire whose event it is.
+        event, wire: name under which it is recorded, if it is, and number of the wire whose event it is.
         final: why the run stops there; None if the run continues.
         act: returns the change of the contacts; None if there is none.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
@@ -114,20 +113,20 @@ def first_change(
     """Return the interval up to the first change of sign, and the function; ``before`` is the interval before it."""
     first = None
     for function in functions:
-        looked_at = _to_the_extreme(function, interval) if function.turns else interval
-        changed = _change(progress, function, looked_at, before)
-        if changed is not None:
-            interval, first = interval._replace(end=changed), function
+        instant = 1e-15 * (1.0 + interval.end.state.time)
+        part = _to_the_extreme(function, interval) if function.turns else interval
+        ends = _change(function, part, before) if part.length > instant else None
+        if ends is not None:
+            span = max(_zero(progress, function, part, *ends), instant)
+            interval, first = interval._replace(end=interval.again(span)), function
     return interval.end, first
 
 
-def _change(progress: Progress, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
-    """Return the interval up to where the function changes its sign, or None."""
-    length, instant = interval.length, 1e-15 * (1.0 + interval.end.state.time)
-    if length <= instant:
-        return None
-    right, sign = function.value(interval.end), function.sign
-    noise = max(function.noise, RATE_ROUNDING / length) if function.difference else function.noise
+def _change(function: EventFunction, interval: Interval, before: Advance | None) -> tuple[float, float] | None:
+    """Return the values at the ends of an interval in which the function changes its sign, or None."""
+    right, sign, noise = function.value(interval.end), function.sign, function.noise
+    if function.difference:
+        noise = max(noise, RATE_ROUNDING / interval.length)
     if abs(right) > noise:
         function.sign = math.copysign(1.0, right)
     if sign is None or sign * right >= 0.0 or abs(right) <= noise or function.falling == (sign < 0.0):
@@ -140,33 +139,28 @@ def _change(progress: Progress, function: EventFunction, interval: Interval, bef
             # It does not change within this interval, looked at exactly: the differences have misled.
             function.sign = math.copysign(1.0, right)
             return None
-    left = sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0))
-    return interval.again(max(_zero(progress, function, interval, left, right), instant))
+    return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
 
 
 def _zero(progress: Progress, function: EventFunction, interval: Interval, left: float, right: float) -> float:
     """Return when a value that differs in sign at the two ends of an interval is zero."""
-    exact, tolerance, near = function.exact, function.tolerance, None
+    again, exact, tolerance, near = interval.again, function.exact, function.tolerance, None
     if tolerance is None:
         located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         tolerance = max(located, 0.1 * LEAST_VALUE)
     progress.stepper.begin_afresh()
-    if exact is None:
+    if exact is not None:
+        return locate(lambda span: exact(again(span).state), 0.0, interval.length, left, right, tolerance)
 
-        def of_state(state: State) -> float:
-            return function.value(at_state(state))
+    def of_state(state: State) -> float:
+        return function.value(at_state(state))
 
-        near = guess(of_state, interval.start, interval.end.state)
-        if near is not None:
-            found = settle(of_state, interval, near, interval.length, tolerance)
-            if found is not None:
-                return found
-
-    def value(span: float) -> float:
-        at = interval.again(span)
-        return function.value(at) if exact is None else exact(at.state)
-
-    return locate(value, 0.0, interval.length, left, right, tolerance, near)
+    near = guess(of_state, interval.start, interval.end.state)
+    if near is not None:
+        found = settle(of_state, interval, near, interval.length, tolerance)
+        if found is not None:
+            return found
+    return locate(lambda span: function.value(again(span)), 0.0, interval.length, left, right, tolerance, near)
 
 
 def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
@@ -261,7 +255,7 @@ def settle(
 ) -> float | None:
     """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
 
-    The next guess is the zero on the cubic through the start and the state last reached; then those of straight lines.
+    The second guess is the zero on the cubic up to the first one; then those of straight lines follow.
     """
     before, at_before = 0.0, math.nan
     for trial in range(MOST_GUESSES):
