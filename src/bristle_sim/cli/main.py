@@ -82,7 +82,9 @@ def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, com
             raise
         raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
     # The time series comes first, since it may be refused.
-    texts = {"csv": "", "json": document(scenario.name, values, report, finished=not status)}
+    texts = {"csv": "", "json": ""}
+    if options.json is not None:
+        texts["json"] = document(scenario.name, values, report, finished=not status)
     if scenario.series is not None and options.csv is not None and not status:
         texts["csv"] = csv_text(scenario.series(report)).removesuffix("\n")
     for option in [*(each for each in targets if each not in texts), *texts]:

@@ -25,7 +25,6 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import Trajectory
 
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
@@ -92,15 +91,19 @@ def touching() -> Iterator[HardCase]:
         tool = between(-0.9, 0.3, bar_gap=2e-4, gap=2e-4).replace(bar_restitution=e, restitution=e)
         yield case(f"wedged in, restitution {e:g}", promise, _jams, tool)
     still = "remains to 1e-12 rad, to the end"
-    yield case("pinned by bar and workpart, hub at rest", still, _pinned)
+    pinned: Start = {"start_hub_angle": -0.3, "start_relative_angle": 0.6}
+    resting = between(-0.3, 0.3, at=0.6).replace(hub_speed=0.0)
+    yield case("pinned by bar and workpart, hub at rest", still, _remains, resting, pinned)
     for obstacle, words in (("workpart", ("penetration =",)), ("bar", ("bar_horizontal =", "bar_vertical ="))):
-        tool, start = starting_at(obstacle)
+        tool, start, lever = starting_at(obstacle)
         promise = f"{still}; its force the belt's torque over the lever to 1e-9"
-        yield case(f"starts at rest, pressed on the {obstacle}", promise, _presses, obstacle)
+        yield case(
+            f"starts at rest, pressed on the {obstacle}", promise, _remains, tool.replace(hub_speed=0.0), start, lever
+        )
         into: Start = {**start, "start_relative_rate": 100.0}
         promise = AS_REFERENCE.format(ACCURACY)
         yield case(f"starts moving into the {obstacle}", promise, agrees_with_reference, tool, start=into)
-        inside, begin = starting_at(obstacle, gap=-1e-10 * LENGTH)
+        inside, begin, _ = starting_at(obstacle, gap=-1e-10 * LENGTH)
         name, run = f"starts 1e-10 of its length inside the {obstacle}", partial(simulate, inside, **begin)
         yield case(name, "refused in one line that names the keys", refusal, run, *words, "in m")
 
@@ -126,12 +129,14 @@ def between(
     return replace(TOOL, bar=bar, workpart=part)
 
 
-def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start]:
-    """Return a tool with one obstacle, touched at the start or off it by a gap, and the start."""
+def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start, float]:
+    """Return a tool with one obstacle, touched at the start or off it by a gap, the start, and the lever of its force, m."""
     hub_angle, relative = STARTS[obstacle]
-    bar_gap, part_gap = (gap, None) if obstacle == "bar" else (None, gap)
-    tool = between(hub_angle, hub_angle + relative, bar_gap=bar_gap, gap=part_gap)
-    return tool, {"start_hub_angle": hub_angle, "start_relative_angle": relative}
+    start: Start = {"start_hub_angle": hub_angle, "start_relative_angle": relative}
+    if obstacle == "bar":
+        return between(hub_angle, hub_angle + relative, bar_gap=gap, gap=None), start, 0.8 * LENGTH
+    tool = between(hub_angle, hub_angle + relative, bar_gap=None, gap=gap)
+    return tool, start, LENGTH * abs(math.sin(hub_angle + relative))
 
 
 def near_bar() -> Tool:
@@ -158,21 +163,12 @@ def _jams(tool: Tool) -> Finding:
     return all_of(told, Finding("finite", is_finite(run)), within(late, ACCURACY, "late by", run.cost.steps))
 
 
-def _remains(run: Trajectory) -> Finding:
+def _remains(tool: Tool, start: Start, lever: float = 0.0) -> Finding:
+    """Return whether a bristle on a resting hub stays where it is, pressed by the belt with a force at a lever, if given."""
+    run = simulate(tool, **start)
     moved = within(float(np.ptp(run.angles)), 1e-12, "moved by", run.cost.steps)
-    return all_of(moved, Finding(run.stop_reason, run.stop_reason is StopReason.END))
-
-
-def _pinned() -> Finding:
-    """Ahead of the vertical on the workpart and behind the bar, neither of which the resting hub drives it into."""
-    tool = between(-0.3, 0.3, at=0.6).replace(hub_speed=0.0)
-    return _remains(simulate(tool, start_hub_angle=-0.3, start_relative_angle=0.6))
-
-
-def _presses(obstacle: str) -> Finding:
-    """The belt turns the bristle towards its radial direction."""
-    tool, start = starting_at(obstacle)
-    run, relative = simulate(tool.replace(hub_speed=0.0), **start), start["start_relative_angle"]
-    lever = 0.8 * LENGTH if obstacle == "bar" else LENGTH * abs(math.sin(start["start_hub_angle"] + relative))
-    force = tool.belt.stiffness * abs(relative) / lever
-    return all_of(_remains(run), within(float(run.normal_force[-1]) / force - 1.0, 1e-9, "force off by"))
+    found = [moved, Finding(run.stop_reason, run.stop_reason is StopReason.END)]
+    if lever:
+        force = tool.belt.stiffness * abs(start["start_relative_angle"]) / lever
+        found.append(within(float(run.normal_force[-1]) / force - 1.0, 1e-9, "force off by"))
+    return all_of(*found)
