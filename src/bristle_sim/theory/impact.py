@@ -169,27 +169,19 @@ def _with_compliance(rigid: Impact, compliance: ArrayLike, given: tuple[Any, ...
     shape = np.broadcast_shapes(np.shape(values[0]), squared.shape)
     whole = [np.broadcast_to(each, shape) for each in (*values, squared)]
     chosen = (whole[-1] >= LEAST_COMPLIANCE) & (whole[3] < 0.0) & (whole[0] > 0.0)
-    if not chosen.any():
-        return _broadcast(rigid, shape)
-    from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
+    found = rigid
+    if chosen.any():
+        from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
 
-    if not shape:
-        return compliant_impact([each.item() for each in whole[:-1]], whole[-1].item())
-    found = compliant_impact([each[chosen] for each in whole[:-1]], whole[-1][chosen])
-    impact = _broadcast(rigid, shape)
+        found = compliant_impact([each[chosen] for each in whole[:-1]], whole[-1][chosen])
+    merged = {}
     for each in fields(Impact):
-        getattr(impact, each.name)[chosen] = getattr(found, each.name)
-    return impact
-
-
-def _broadcast(impact: Impact, shape: tuple[int, ...]) -> Impact:
-    """Return an impact as arrays of their own of a broadcast shape; a single one as it is."""
-    if not shape:
-        return impact
-    tails = {each.name: (4,) if each.name.startswith("phase") else () for each in fields(Impact)}
-    return Impact(
-        **{name: np.array(np.broadcast_to(getattr(impact, name), shape + tail)) for name, tail in tails.items()}
-    )
+        tail = (4,) if each.name.startswith("phase") else ()
+        entry = np.array(np.broadcast_to(getattr(rigid, each.name), shape + tail))
+        if found is not rigid:
+            entry[chosen] = getattr(found, each.name)
+        merged[each.name] = entry if entry.ndim else entry.item()
+    return Impact(**merged)
 
 
 def _resolve(
