@@ -44,7 +44,7 @@ LEAST_RESTITUTION = 1e-8  # below it the work that is returned is less than the 
 
 WIDEST_CONE = 1e12  # more friction acts as this: the cone is a half-plane but for parts in 1e12
 
-BLOCK = 1 << 13  # contacts that fit the cache
+BLOCK = 1 << 15  # contacts that fit the cache
 
 ROUNDS = 6
 """Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks."""

@@ -43,7 +43,7 @@ FEW = 8  # a fraction 1/8 of the contacts is worth the cost of gathering, or of 
 
 STEPS = 12  # steps after which those of the contacts that have no event yet wait for the next round
 
-REACH = 4.0  # steps by the bound of f''' are sought up to this many times those by the bound of f''
+REACH = 2.0
 
 GRAZE = 1.0 - 1e-13  # a fast oscillation that reaches a zero by less than the rest of its amplitude does not reach it
 
