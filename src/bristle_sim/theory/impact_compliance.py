@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE, inverse_mass_of, quotient
 from bristle_sim.theory.impact_result import JAM, NO_REBOUND, REBOUND, STICTION, Impact
 from bristle_sim.theory.impact_stick import (
@@ -56,7 +56,7 @@ One contact in a thousand of random K has more: those of modes whose rates diffe
 LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
 
 
-def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Array, tuple[Array, ...]]:
+def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Number, tuple[Number, ...]]:
     """Advance by a phase of slip; return motion, event, and impulses and works along the normal and the surface."""
     loading, mu, kappa = motion.loading > 0.0, motion.friction, motion.steep * motion.steep
     gain, gain_along, foot, foot_gain = _foot(bodies, motion, motion.slip)
@@ -70,7 +70,7 @@ def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Array, tuple[Array, .
     again = np.where(speed < 0.0, left / (root - speed), (speed + root) / -gain)
     again = np.where((inside >= 0.0) & ((speed < 0.0) | (gain < 0.0)), again, INFINITE)
     root = np.sqrt(np.maximum(beyond, 0.0))
-    apart = np.where(speed < 0.0, quotient(root - speed, gain), quotient(stored, speed + root))
+    apart: Number = np.where(speed < 0.0, quotient(root - speed, gain), quotient(stored, speed + root))
     apart = np.where(loading | (beyond < 0.0), INFINITE, apart)
     line = np.where(loading, quotient(-speed, gain), again)
 
@@ -88,7 +88,7 @@ def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Array, tuple[Array, .
     return after, event, (impulse, ratio * impulse, *works)
 
 
-def _foot(bodies: Bodies, motion: Motion, slip: Array) -> tuple[Array, Array, Array, Array]:
+def _foot(bodies: Bodies, motion: Motion, slip: Number) -> tuple[Number, Number, Number, Number]:
     """Return the gains of v_n and v_t per impulse in slip, the foot's velocity in its sense, and that one's gain.
 
     The latter two over 1 + mu eta^2 kappa, so that no friction makes them overflow.
@@ -101,7 +101,7 @@ def _foot(bodies: Bodies, motion: Motion, slip: Array) -> tuple[Array, Array, Ar
     return gain, along, foot, weight * (slip * along + growth * gain)
 
 
-def _begun(bodies: Bodies, motion: Motion) -> Array:
+def _begun(bodies: Bodies, motion: Motion) -> Number:
     """Return the sense in which the foot slips at an edge of the cone that the force would leave, else 0; without friction it always slips."""
     smooth = motion.friction == 0.0
     free = np.where(motion.tangential == 0.0, np.where(bodies.coupling < 0.0, -1.0, 1.0), np.sign(motion.tangential))
@@ -109,12 +109,12 @@ def _begun(bodies: Bodies, motion: Motion) -> Array:
     _, _, foot, gain = _foot(bodies, motion, side)
     growth = motion.friction * (bodies.eta * motion.steep) ** 2
     still = abs(foot) <= NOISE * (abs(motion.tangential) + growth * abs(motion.normal)) / (1.0 + growth)
-    leaves = np.where(still, gain, foot) > 0.0
+    leaves = (~still & (foot > 0.0)) | (still & (gain > 0.0))
     slips = (abs(motion.rub) >= motion.friction * motion.push * (1.0 - NOISE)) & leaves
     return np.where(smooth | slips, side, 0.0)
 
 
-def _turned(bodies: Bodies, motion: Motion, event: Array) -> Motion:
+def _turned(bodies: Bodies, motion: Motion, event: Number) -> Motion:
     """Return the motion after an event, on the line and with the slip that follow it."""
     line, loading = event == LINE, motion.loading > 0.0
     deepest, again = line & loading, line & ~loading
@@ -149,7 +149,7 @@ class _Contacts:
         self.phases, self.settled = np.zeros(size, dtype=int), np.zeros(size, dtype=bool)
         self.slip_stop, self.outcome = np.full(size, INFINITE), np.zeros(size, dtype=int)
 
-    def advance(self, active: Array, patient: bool) -> Array:
+    def advance(self, active: Number, patient: bool) -> Number:
         """Take a phase of the active contacts; return those that go on."""
         slips = self.motion[-1, active] != 0.0
         going = []
@@ -170,8 +170,8 @@ class _Contacts:
         return np.concatenate(going)
 
     def note(
-        self, at: Array, bodies: Bodies, before: Motion, after: Motion, event: Array, done: tuple[Array, ...]
-    ) -> Array:
+        self, at: Number, bodies: Bodies, before: Motion, after: Motion, event: Number, done: tuple[Number, ...]
+    ) -> Number:
         """Add a step of the contacts ``at`` an index; return which of them it ends."""
         row, loading = self.row[at], before.loading > 0.0
         self.totals[:, row, at] += done
@@ -185,7 +185,7 @@ class _Contacts:
         self.outcome[at] = np.where(never, np.where(pressed, JAM, STICTION), parted)
         return parts | never | ((event == LINE) & loading & (bodies.restitution == 0.0))
 
-    def turn(self, at: Array, event: Array) -> None:
+    def turn(self, at: Number, event: Number) -> None:
         """Go on to the phase after an event, and to its row."""
         bodies, before = Bodies(*self.bodies[:, at]), Motion(*self.motion[:, at])
         after = _turned(bodies, before, event)
@@ -203,7 +203,7 @@ class _Contacts:
         self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
 
 
-def compliant_impact(values: list[Array], squared: Array) -> Impact:
+def compliant_impact(values: list[Number], squared: Number) -> Impact:
     """Resolve energetic impacts of approaching points whose tangential compliance eta^2 is ``squared``; arrays of shape (n,).
 
     Args:

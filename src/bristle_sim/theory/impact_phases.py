@@ -252,21 +252,6 @@ def square_root(value: Number) -> Number:
     return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
 
 
-def tangent(value: Number) -> Number:
-    """Return the tangent."""
-    return math.tan(value) if isinstance(value, float) else np.tan(value)
-
-
-def larger(one: Number, other: Number) -> Number:
-    """Return the larger one of two values."""
-    return max(one, other) if isinstance(one, float) else np.maximum(one, other)
-
-
-def smaller(one: Number, other: Number) -> Number:
-    """Return the smaller one of two values."""
-    return min(one, other) if isinstance(one, float) else np.minimum(one, other)
-
-
 def isfinite(value: Number) -> Number:
     """Tell whether a value is neither infinite nor NaN."""
     return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
@@ -277,11 +262,6 @@ def inverse(value: Number) -> Number:
     if isinstance(value, float):
         return 1.0 / value if value else INFINITE
     return 1.0 / value
-
-
-def divided(value: Number, divisor: Number) -> Number:
-    """Return value/divisor, infinite where the divisor is zero."""
-    return (value / divisor if divisor else INFINITE) if isinstance(divisor, float) else value / divisor
 
 
 def quotient(value: Number, divisor: Number) -> Number:

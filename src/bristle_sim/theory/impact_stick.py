@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE
 
 NONE, LINE, FORWARD, BACKWARD, STOP, APART, NEVER, SETTLED = range(8)
@@ -61,16 +61,16 @@ STEEPEST_CONE = 1e150  # tangent of the cone's angle in the modes' units beyond 
 class Bodies(NamedTuple):
     """What does not change in an impact: K by its entries, its compliance in stick, K_nt/K_tt, coefficients, and eta."""
 
-    normal: Array
-    coupling: Array
-    tangential: Array
-    stick: Array
-    tie: Array
-    friction: Array
-    restitution_friction: Array
-    restitution: Array
-    eta: Array
-    approach: Array
+    normal: Number
+    coupling: Number
+    tangential: Number
+    stick: Number
+    tie: Number
+    friction: Number
+    restitution_friction: Number
+    restitution: Number
+    eta: Number
+    approach: Number
 
 
 class Motion(NamedTuple):
@@ -80,15 +80,15 @@ class Motion(NamedTuple):
     tangential spring's foot slides, 0 in stick.
     """
 
-    normal: Array
-    tangential: Array
-    push: Array
-    rub: Array
-    peak: Array
-    loading: Array
-    steep: Array
-    friction: Array
-    slip: Array
+    normal: Number
+    tangential: Number
+    push: Number
+    rub: Number
+    peak: Number
+    loading: Number
+    steep: Number
+    friction: Number
+    slip: Number
 
 
 class _Modes(NamedTuple):
@@ -99,23 +99,23 @@ class _Modes(NamedTuple):
     part and ``slow_bend`` the bend of its slow part.
     """
 
-    speeds: Array
-    forces: Array
-    squares: Array
-    rates: Array
-    parts: Array
-    terms: Array
-    constant: Array
-    line_noise: Array
-    loading: Array
-    bend: Array
-    jerk: Array
-    swing: Array
-    slow_bend: Array
-    drifts: Array
+    speeds: Number
+    forces: Number
+    squares: Number
+    rates: Number
+    parts: Number
+    terms: Number
+    constant: Number
+    line_noise: Number
+    loading: Number
+    bend: Number
+    jerk: Number
+    swing: Number
+    slow_bend: Number
+    drifts: Number
 
 
-def stick(bodies: Bodies, motion: Motion, settles: Array, patient: bool) -> tuple[Motion, Array, tuple[Array, ...]]:
+def stick(bodies: Bodies, motion: Motion, settles: Number, patient: bool) -> tuple[Motion, Number, tuple[Number, ...]]:
     """Advance to the end of a phase of stick; return motion, event, and impulses and works along the normal and the surface.
 
     Where ``settles``, the fast mode's swing is taken from the motion instead, with the energy that it holds. Few may be left
@@ -132,7 +132,7 @@ def stick(bodies: Bodies, motion: Motion, settles: Array, patient: bool) -> tupl
     moved = still | (time > 0.0)  # no rounding where nothing happens
     cosine, sine = turn
 
-    def seen(w_1: Array, g_1: Array) -> tuple[Array, Array, Array, Array]:
+    def seen(w_1: Number, g_1: Number) -> tuple[Number, Number, Number, Number]:
         """Return v_n, v_t, N and T for the fast mode's w and G."""
         return (
             np.where(moved, (cosine * w_1 - sine * w_2) / steep, motion.normal),
@@ -157,7 +157,7 @@ def stick(bodies: Bodies, motion: Motion, settles: Array, patient: bool) -> tupl
     return motion._replace(normal=ends[0], tangential=ends[1], push=ends[2], rub=ends[3]), event, done
 
 
-def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, tuple[Array, Array]]:
+def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, tuple[Number, Number]]:
     """Return the two oscillators of a motion, and cosine and sine of the rotation that makes S diagonal."""
     steep, eta, loading = motion.steep, bodies.eta, motion.loading > 0.0
     along, across = steep * steep * bodies.normal, bodies.tangential / (eta * eta)
@@ -175,7 +175,7 @@ def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, tuple[Array, Array]]
     upright = half >= 0.0
     cosine, sine = np.where(upright, one, other), np.where(upright, other, one)
 
-    def turned(along: Array, across: Array) -> Array:
+    def turned(along: Number, across: Number) -> Number:
         return np.array([cosine * along + sine * across, cosine * across - sine * along])
 
     speeds, forces = (
@@ -218,7 +218,7 @@ def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, tuple[Array, Array]]
     ), (cosine, sine)
 
 
-def _state(modes: _Modes, time: Array, *, sums: bool = False) -> tuple[Array, ...]:
+def _state(modes: _Modes, time: Number, *, sums: bool = False) -> tuple[Number, ...]:
     """Return the oscillators' w and G at times since the phase began, and the integral of G if ``sums``; rates of zero included."""
     angles = modes.rates * time
     cosines, sines = np.cos(angles), np.sin(angles) / modes.rates
@@ -230,7 +230,7 @@ def _state(modes: _Modes, time: Array, *, sums: bool = False) -> tuple[Array, ..
     return speeds, forces, modes.forces * sines - 0.5 * modes.speeds * halves * halves
 
 
-def _followed(modes: _Modes, settles: Array, patient: bool) -> tuple[Array, Array]:
+def _followed(modes: _Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
     """Step until few contacts are left without an event; return the times since the phase began, and the events."""
     times, events = np.zeros(settles.size), np.where(settles, SETTLED, NONE)
     going = np.flatnonzero(~settles)
@@ -250,12 +250,12 @@ def _followed(modes: _Modes, settles: Array, patient: bool) -> tuple[Array, Arra
     return times, events
 
 
-def _chosen(modes: _Modes, at: Array) -> _Modes:
+def _chosen(modes: _Modes, at: Number) -> _Modes:
     """Return the modes of some of the contacts."""
     return _Modes(*(each[..., at] for each in modes))
 
 
-def _step(modes: _Modes, time: Array, patient: bool) -> tuple[Array, Array]:
+def _step(modes: _Modes, time: Number, patient: bool) -> tuple[Number, Number]:
     """Return a step that passes no event, and the event; a contact that is at one stays there."""
     speeds, forces = _state(modes, time)
     loading, squares = modes.loading, modes.squares
@@ -288,8 +288,9 @@ def _step(modes: _Modes, time: Array, patient: bool) -> tuple[Array, Array]:
         slope_noise = NOISE * (modes.terms[:, low[1]] * abs(speeds[:, low[1]])).sum(axis=0) * (low[0] < 2)
         jerk = squares[0, low[1]] * slopes[0][low] + squares[1, low[1]] * slopes[1][low]
         jerk = np.where(low[0] < 2, jerk, INFINITE)
-        near = (each[low] for each in (steps, value, slope, bend, noise, modes.bend))
-        steps[low], at[low] = _at_zero(*near, slope_noise, modes.rates[0, low[1]], jerk)
+        near = [each[low] for each in (steps, value, slope, bend, noise, modes.bend)]
+        near += [slope_noise, modes.rates[0, low[1]], jerk]
+        steps[low], at[low] = _at_zero(*near)
 
     step = steps.min(axis=0)
     event = np.where(at[2], LINE, np.where(at[1], FORWARD, np.where(at[0], BACKWARD, NONE)))
@@ -300,16 +301,16 @@ def _step(modes: _Modes, time: Array, patient: bool) -> tuple[Array, Array]:
 
 
 def _at_zero(
-    step: Array,
-    value: Array,
-    slope: Array,
-    bend: Array,
-    noise: Array,
-    most: Array,
-    slope_noise: Array,
-    rate: Array,
-    jerk: Array,
-) -> tuple[Array, Array]:
+    step: Number,
+    value: Number,
+    slope: Number,
+    bend: Number,
+    noise: Number,
+    most: Number,
+    slope_noise: Number,
+    rate: Number,
+    jerk: Number,
+) -> tuple[Number, Number]:
     """Return the step from a zero of a function that leaves it, and whether it falls instead, by more than rounding."""
     # On the border of stick, with modes of equal rates, the force keeps to the edge.
     flat = (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise)
@@ -322,7 +323,7 @@ def _at_zero(
     return np.where(flat, INFINITE, np.maximum(step, leaves)), falls & zero & ~flat
 
 
-def _root(value: Array, slope: Array, most: Array) -> Array:
+def _root(value: Number, slope: Number, most: Number) -> Number:
     """Return the first positive root of value + slope h - most h^2/2, value >= 0, in the form that does not cancel; inf without one."""
     square = slope * slope + 2.0 * most * value
     root, falls = np.sqrt(np.maximum(square, 0.0)), slope < 0.0
