@@ -8,8 +8,8 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Surface, Tool
 from bristle_sim.reference import simulate_reference, simulate_row_reference
-from bristle_sim.reference.contacts import Point
-from bristle_sim.reference.row import Row, WirePairs
+from bristle_sim.reference.contacts import Point, WirePairs
+from bristle_sim.reference.mechanics import Chain
 from bristle_sim.studies.least_pitch import least_pitch
 
 DIAMETER = Tool().bristle.wire_diameter
@@ -55,8 +55,8 @@ class TestTouch:
     @pytest.mark.parametrize("angles", [(-1.0, -1.6), (-1.6, -1.0), (-1.3, -1.05)], ids=["end", "flank", "ends"])
     def test_rows_and_biases_are_derivatives(self, angles):
         """Central differences over 1e-7 s, as for the contacts of the lone wire, of a contact that does not open."""
-        chain = Row(Tool(), [-1.0, -1.3])
-        wires, point = WirePairs(chain, DIAMETER, Surface(0.0, 0.0, 1.0)), Point("wire", 0, False)
+        chain = Chain.of(Tool(), -1.0, -1.3)
+        wires, point = WirePairs(2, DIAMETER, Surface(0.0, 0.0, 1.0)), Point("wire", 0, False)
         accelerations, rates = np.array([7e4, -1e5]), np.array([400.0, 250.0])
         at_rest = wires.touch(chain, chain.kinematics(1e-3, np.array(angles), rates), point)
         rates = rates - at_rest.normal_row * at_rest.velocity[0] / (at_rest.normal_row @ at_rest.normal_row)

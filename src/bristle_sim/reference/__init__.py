@@ -1,14 +1,13 @@
-"""The pass of a wire of rigid links, integrated with scipy: an independent solution that the scene is compared with.
+"""The pass of wires of rigid links, integrated with scipy: an independent solution that the scene is compared with.
 
 The links' absolute angles are all that moves; the hub's angle is psi = psi_0 + omega t. One link is the rigid bristle.
 With the scene it shares the parameters, the types of the result, the impact law, and the stiffness and damping of a wire's
 hinges, and nothing else.
 
-Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch, ``forces`` forces of sustained contacts and
-impacts, ``system`` a state with its contacts, ``crossing`` where a function of time changes sign, ``events`` what ends an
-interval of smooth motion, and its extremes, ``decisions`` what follows, ``run`` the loop,
-``log`` the record, ``row`` bristles of one hub and their contacts with each other, ``simulate`` the entry, ``strike`` one
-compliant strike.
+Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch of bar, workpart or another wire, ``forces``
+forces of sustained contacts and impacts, ``system`` a state with its contacts, ``crossing`` where a function of time
+changes sign, ``events`` what ends an interval of smooth motion, and its extremes, ``decisions`` what follows, ``run`` the
+loop, ``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike.
 """
 
 from bristle_sim.reference.simulate import simulate_reference, simulate_row_reference

@@ -1,4 +1,4 @@
-"""Contacts of a wire of links with the bar and the workpart: gaps, and what a force at the contact does to the links.
+"""Contacts of wires with bar, workpart and each other: gaps, and what a force at the contact does to the links.
 
 The normal n points from the obstacle to the wire, the tangent is t = -i n. A contact is on the flank of a straight piece,
 whose normal turns with its link, or on a corner (between two pieces, or the wire's end), whose normal turns as the corner
@@ -9,18 +9,16 @@ slides around the bar. With the velocities of the wire's surface in contact,
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics, Piece
-
-if TYPE_CHECKING:
-    from bristle_sim.reference.row import Row
 
 
 class Point(NamedTuple):
@@ -73,7 +71,7 @@ class Spring:
 
 
 def touch_of(
-    chain: Chain | Row,
+    chain: Chain,
     motion: Kinematics,
     link: int,
     gap: float,
@@ -118,7 +116,7 @@ class Bar:
         """Distance of the centre line from the bar's centre in a contact, m."""
         return self.radius + self.wire_radius
 
-    def feet(self, chain: Chain | Row, motion: Kinematics) -> tuple[Array, Array]:
+    def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
         links, starts, directions, lengths = _columns(chain.pieces)
         turn, joint = motion.turn[..., links], motion.joint[..., links]
@@ -127,11 +125,11 @@ class Bar:
         nearest = origin + np.minimum(np.maximum(foot, 0.0), lengths) * along
         return foot, np.abs(nearest - self.centre) - self.reach
 
-    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
+    def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the gap of every piece, m, shape (..., pieces)."""
         return self.feet(chain, motion)[1]
 
-    def touch(self, chain: Chain | Row, motion: Kinematics, point: Point) -> Touch:
+    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact on a flank or a corner."""
         piece = chain.pieces[point.piece]
         link = piece.link
@@ -160,14 +158,14 @@ class Workpart:
     surface: Surface
     name: str = "workpart"
 
-    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
+    def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
         links, starts, directions, lengths = _columns(chain.pieces)
         which = list(chain.corners)
         ends = (starts + lengths * directions)[which]
         return np.asarray((motion.joint[..., links[which]] + ends * motion.turn[..., links[which]]).imag + self.depth)
 
-    def touch(self, chain: Chain | Row, motion: Kinematics, point: Point) -> Touch:
+    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a corner at the surface."""
         piece = chain.pieces[point.piece]
         arm = complex(piece.end * motion.turn[piece.link])
@@ -194,7 +192,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     return found
 
 
-def follows(chain: Chain | Row, piece: int) -> bool:
+def follows(chain: Chain, piece: int) -> bool:
     """Whether a piece begins where the one before it ends: not at a wire's root."""
     return piece > 0 and piece - 1 not in chain.tips
 
@@ -202,3 +200,79 @@ def follows(chain: Chain | Row, piece: int) -> bool:
 def dot(first: complex, second: complex) -> float:
     """Return the scalar product of two vectors."""
     return float((np.conj(first) * second).real)
+
+
+class _Place(NamedTuple):
+    """Nearest points of two centre lines: an end of one wire, its foot on the other, and both distances from the roots, m."""
+
+    distance: float
+    end: int
+    along: tuple[float, float]
+
+
+class WirePairs:
+    """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
+
+    name = "wire"
+
+    def __init__(self, wires: int, diameter: float, surface: Surface) -> None:
+        self.diameter, self.surface = diameter, surface
+        self.pairs = list(itertools.combinations(range(wires), 2))
+
+    def gaps(self, chain: Chain, motion: Kinematics) -> Array:
+        """Return the gap of every pair, m; minus a diameter where centre lines cross."""
+        gaps = []
+        for first, second in self.pairs:
+            crossed = _crossed(motion.joint, chain.ends * motion.turn, first, second)
+            gaps.append((0.0 if crossed else self._nearest(chain, motion, first, second).distance) - self.diameter)
+        return np.array(gaps)
+
+    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
+        """Return the kinematics of a pair's contact."""
+        first, second = self.pairs[point.piece]
+        place = self._nearest(chain, motion, first, second)
+        along = chain.ends * motion.turn / chain.length
+        wires = [first, second]
+        arms = np.array(place.along) * along[wires]
+        ends, carried = motion.joint[wires] + arms, motion.velocity[wires] + 1j * motion.rates[wires] * arms
+        normal = complex(ends[0] - ends[1]) / place.distance
+        # An end moves with its wire; the normal turns with the flank, or with the line from end to end.
+        end, other = place.end, 1 - place.end
+        if 0.0 < place.along[other] < chain.length:
+            spin = float(motion.rates[wires[other]])
+        else:
+            spin = dot(1j * normal, complex(carried[0] - carried[1])) / place.distance
+        reach = (0.5 - end) * self.diameter * normal
+        contact, moving = complex(ends[end] - reach), complex(carried[end] - 1j * spin * reach)
+        gap = place.distance - self.diameter
+        front, back = (touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires)
+        return Touch(
+            gap,
+            front.normal_row - back.normal_row,
+            front.tangential_row - back.tangential_row,
+            (front.velocity[0] - back.velocity[0], front.velocity[1] - back.velocity[1]),
+            (front.bias[0] - back.bias[0], front.bias[1] - back.bias[1]),
+        )
+
+    @staticmethod
+    def _nearest(chain: Chain, motion: Kinematics, first: int, second: int) -> _Place:
+        """Return the nearest points of two wires: an end of one of them, and its foot on the other."""
+        length, along = chain.length, chain.ends * motion.turn / chain.length
+        found = []
+        for end, (own, other) in enumerate(((first, second), (second, first))):
+            for at in (0.0, length):
+                apart = motion.joint[own] + at * along[own] - motion.joint[other]
+                foot = min(max(dot(along[other], apart), 0.0), length)
+                found.append(_Place(abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot)))
+        return min(found)
+
+
+def _crossed(roots: Complexes, arms: Complexes, first: int, second: int) -> bool:
+    """Whether two centre lines cross."""
+
+    def sides(own: int, other: int) -> float:
+        """Return a number that is negative if one wire's ends lie on different sides of the other's line."""
+        apart = roots[own] - roots[other]
+        return float((np.conj(arms[other]) * apart).imag * (np.conj(arms[other]) * (apart + arms[own])).imag)
+
+    return sides(first, second) < 0.0 and sides(second, first) < 0.0

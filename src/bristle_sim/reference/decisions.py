@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NoReturn
 
 import numpy as np
 
-from bristle_sim.reference.contacts import Point, Spring, Workpart, follows
+from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
 from bristle_sim.reference.forces import Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
-from bristle_sim.reference.row import WirePairs
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
@@ -23,8 +21,7 @@ AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian o
 def close_contact(system: System, log: Log, name: str, piece: int, state: State) -> State:
     """Record a touch, then resolve impacts and decide which contacts are sustained."""
     new = _place(system, name, piece, state)
-    for own in log.of(new):
-        own.touch(new, state)
+    log.touched(new, state.time)
     return decide(system, log, state, new)
 
 
@@ -60,7 +57,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     contacts = [Acting(instant.touch(point), system.friction(point), 0) for point in resting]
     kept = acting(instant.mass, instant.forces, [*contacts, *instant.acting(springs)], still)
     if kept is None:
-        jam(log, state)
+        raise log.jam(state)
     slips = dict(kept)
     for number, each in enumerate(springs, len(resting)):
         each.slip = slips.pop(number)
@@ -74,8 +71,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
             lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
     system.sustained = [*lasting.values(), *springs]
     if new is not None and new in points and new not in staying:
-        for own in log.of(new):
-            own.release(new, state)
+        log.released(new, state.time)
     log.check_stop(state)
     return system.closed(state)
 
@@ -88,8 +84,7 @@ def _end(system: System, log: Log, state: State, staying: dict[Point, int], outc
         record(system, log, state, each, outcome)
     log.check_stop(state)
     for each in ending:
-        for own in log.of(each.point):
-            own.release(each.point, state)
+        log.released(each.point, state.time)
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
@@ -97,12 +92,6 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
     normal, tangential = system.at(state).touch(each.point).velocity
     for own in log.of(each.point):
         own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
-
-
-def jam(log: Log, state: State) -> NoReturn:
-    """End a run that friction or geometry locks."""
-    log.event("jam", state.time)
-    raise Finished(StopReason.JAM, state)
 
 
 # Compliant contacts
@@ -119,8 +108,7 @@ def end_compliant_contact(system: System, log: Log, each: Sustained, state: Stat
     """Record a compliant contact whose force is back at zero, and remove it."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
-    for own in log.of(each.point):
-        own.release(each.point, state)
+    log.released(each.point, state.time)
     log.check_stop(state)
     return state
 
@@ -154,12 +142,12 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     for own in log.of(point):
         own.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
-        jam(log, after)
+        raise log.jam(after)
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     fastest = max(system.fastest, float(np.abs(after.rates).max()))
     if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:
-        jam(log, after)
+        raise log.jam(after)
     if len(log.impacts) > MOST_IMPACTS:
         raise Finished(StopReason.MOST_CONTACTS, after)
     return after

@@ -18,7 +18,6 @@ from bristle_sim.reference.decisions import (
     decide,
     end_compliant_contact,
     end_compression,
-    jam,
     move_contact,
 )
 from bristle_sim.reference.forces import normal_response
@@ -56,8 +55,7 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     """Return the events that can end the interval which begins at a state."""
 
     def upright(own: Record, instant: Instant) -> float:
-        lean = float(instant.state.angles[own.first] - own.chain.hub_angle(instant.state.time))
-        return (0.5 * math.pi) ** 2 - lean**2
+        return (0.5 * math.pi) ** 2 - own.relative(instant.state) ** 2
 
     found = _touch_events(system, log, state)
     for own in log.records:
@@ -167,7 +165,7 @@ def _lock(system: System, log: Log, number: int, state: State) -> State:
 
     scale = LOCKED / system.fastest
     time = float(newton(response, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
-    jam(log, ahead(time) if 0.0 <= time <= 1e3 * scale else state)
+    raise log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
 
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
@@ -269,7 +267,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
 
     The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     """
-    system, chain, link = step.system, own.chain, own.first
+    system, chain, link = step.system, own.chain, own.links.start
 
     def rate(at: Instant) -> float:
         return float(at.state.rates[link] - chain.speed)
@@ -285,8 +283,8 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
 
     for time, direction in changes(rate, ROUNDING * system.fastest):
         if direction > 0:
-            own.turned(step.motion(np.array([time]))[0])
-            log.mark(time)
+            own.turned.append(step.motion(np.array([time]))[0])
+            log.marks.append(time)
             if log.stop_after == LARGEST_RETRACTION:
                 return time
     touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
@@ -295,7 +293,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
         if direction < 0 and step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
             own.event(PEAK, time)
-            log.mark(time)
+            log.marks.append(time)
             return time if log.stop_after == PEAK else None
     return None
 
@@ -305,4 +303,4 @@ def _bar_ahead(system: System, own: Record, time: float) -> bool:
     bar = system.obstacles.get("bar")
     if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
         return False
-    return bool((bar.centre / own.chain.root(time)).imag > 0.0)
+    return bool((bar.centre / own.chain.roots(time)[0]).imag > 0.0)

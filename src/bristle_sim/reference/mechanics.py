@@ -1,4 +1,4 @@
-"""Equations of motion of a wire of rigid links on a hub that keeps its speed, in the links' absolute angles.
+"""Equations of motion of wires of rigid links on a hub that keeps its speed, in the links' absolute angles.
 
 Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given as it is in the unstressed wire
 at angle 0, shank along -i, and turns with e^{i theta}. With u_k from a link's joint to the next one and g_k to its centre
@@ -12,7 +12,8 @@ and Lagrange's equations in the theta are, with W_jk = sum_i m_i conj(a_ij) a_ik
         sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
 
 The links are equally long along the wire; one that holds the wire's knee is bent. Belt and hinges are torsion springs and
-dampers; all are relaxed when every link has the hub's angle.
+dampers; all are relaxed when every link has the hub's angle. Wire k of a row has its own hub angle, psi_k + omega t, and
+root; nothing but contacts couples the links of two wires.
 """
 
 from __future__ import annotations
@@ -65,14 +66,14 @@ class Kinematics(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """The links, springs and hub of a tool as plain numbers, SI units; arrays over the links.
+    """The links, springs and hub of one or several wires as plain numbers, SI units; arrays over the links.
 
-    ``before`` has a 1 in row k and column i where link k is before link i.
+    ``before`` has a 1 in row k and column i where link k is before link i on its wire; ``first`` tells which links begin one.
     """
 
     speed: float
     hub_radius: float
-    start_hub_angle: Any
+    start_hub_angles: Array
     gravity: float
     length: float
     masses: Array
@@ -84,91 +85,101 @@ class Chain:
     damping: Array
     products: Complexes
     moments: Complexes
-    inertia_matrix: Array
-    before: Complexes
+    before: Array
+    first: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, tool: Tool, start_hub_angle: float) -> Chain:
-        """Cut a tool's bristle into its links."""
-        bristle = tool.bristle
-        links = bristle.links
+    def of(cls, tool: Tool, *start_hub_angles: float) -> Chain:
+        """Cut a tool's bristle into its links, once for each hub angle that a wire starts at."""
+        bristle, links, count = tool.bristle, tool.bristle.links, len(start_hub_angles)
         cut = _cut(bristle, links)
-        ends = np.array([each[-1].end for each in cut])
-        masses, centres, inertias = (
-            np.array(column) for column in zip(*(_mass(bristle, each) for each in cut), strict=True)
-        )
-        arms = np.where(np.tri(links, k=-1, dtype=bool), ends, 0.0) + np.diag(centres)
+        ends = np.tile([each[-1].end for each in cut], count)
+        columns = zip(*(_mass(bristle, each) for each in cut), strict=True)
+        masses, centres, inertias = (np.tile(column, count) for column in columns)
+        before: Array = np.kron(np.eye(count), np.tri(links, k=-1).T)
+        arms = before.T * ends + np.diag(centres)
         hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
         if links > 1:
             hinge = hinge_stiffness(*wire, links)
             if zeta := bristle.bending_damping_ratio:
                 diameter, length, modulus = wire
                 damper = hinge_damping(bristle.mass, length, diameter, modulus, tool.belt.stiffness, zeta, links)
+        pieces = itertools.chain.from_iterable(cut)
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
-            start_hub_angle=start_hub_angle,
+            start_hub_angles=np.repeat(start_hub_angles, links),
             gravity=tool.gravity,
             length=bristle.length,
             masses=masses,
             inertias=inertias,
             ends=ends,
             centres=centres,
-            pieces=tuple(itertools.chain.from_iterable(cut)),
-            stiffness=np.array([tool.belt.stiffness] + [hinge] * (links - 1)),
-            damping=np.array([tool.belt_damping] + [damper] * (links - 1)),
+            pieces=tuple(
+                each._replace(link=each.link + links * wire)
+                for wire, each in itertools.product(range(count), tuple(pieces))
+            ),
+            stiffness=np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count),
+            damping=np.tile([tool.belt_damping] + [damper] * (links - 1), count),
             products=np.conj(arms).T @ (masses[:, None] * arms),
             moments=masses @ arms,
-            inertia_matrix=np.diag(inertias),
-            before=np.tri(links, k=-1, dtype=complex).T,
+            before=before,
+            first=np.tile(np.arange(links) == 0, count),
         )
 
     @property
     def links(self) -> int:
-        """Return their number."""
+        """Return the number of links of all wires."""
         return len(self.masses)
 
     @property
     def tips(self) -> tuple[int, ...]:
-        """Return the pieces that end at a wire's tip: the last one."""
-        return (len(self.pieces) - 1,)
+        """Return the pieces that end at a wire's tip."""
+        after = [self.first[each.link] and each.start == 0 for each in self.pieces[1:]]
+        return tuple(number for number, begins in enumerate([*after, True]) if begins)
 
     @property
     def corners(self) -> tuple[int, ...]:
-        """Return the pieces whose end can touch a flat surface: those before a knee, and the last one."""
-        directions = [each.direction for each in self.pieces]
-        bends = [number for number, pair in enumerate(itertools.pairwise(directions)) if pair[0] != pair[1]]
-        return (*bends, *self.tips)
+        """Return the pieces whose end can touch a flat surface: those before a knee, and those at a tip."""
+        pairs = enumerate(itertools.pairwise(self.pieces))
+        bends = {number for number, (one, next_one) in pairs if one.direction != next_one.direction}
+        return tuple(sorted(bends | {*self.tips}))
 
     def hub_angle(self, time: Any) -> Any:
-        """Return the hub's angle, psi_0 + omega t, rad."""
-        return self.start_hub_angle + self.speed * time
+        """Return the hub's angle, psi_0 + omega t, rad, of the first wire."""
+        return self.start_hub_angles[0] + self.speed * time
 
-    def root(self, time: Any) -> Any:
-        """Return the root's position, m."""
-        return -1j * self.hub_radius * np.exp(1j * self.hub_angle(time))
+    def roots(self, time: Any) -> Any:
+        """Return the position of the root of each link's wire, m, shape (..., n)."""
+        return -1j * self.hub_radius * np.exp(1j * self._hub_angles(time))
+
+    def _hub_angles(self, time: Any) -> Array:
+        return np.asarray(self.start_hub_angles + self.speed * np.asarray(time)[..., None])
 
     def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix at the links' directions e^{i theta}, shape (..., n, n), kg m^2."""
-        matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
-        return np.asarray(matrix + self.inertia_matrix)
+        """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
+        return np.asarray((np.conj(turn)[:, None] * self.products * turn).real + np.diag(self.inertias))
 
-    def forces(self, time: Any, angles: Array, rates: Array, turn: Complexes) -> Array:
-        """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
+    def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
+        """Return the generalized forces of inertia, belt, hinges and gravity, N m; turn is e^{i theta}."""
         # c_i'' holds -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
         inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
-        carried = -(self.speed**2) * self.root(time) + 1j * self.gravity
-        inertia -= (np.conj(1j * self.moments * turn) * np.asarray(carried)[..., None]).real
-        torques = self.stiffness * _twists(angles, self.hub_angle(time))
+        carried = -(self.speed**2) * self.roots(time) + 1j * self.gravity
+        inertia -= (np.conj(1j * self.moments * turn) * carried).real
+        torques = self.stiffness * self._twists(angles, self._hub_angles(time))
         if self.damping.any():
-            torques += self.damping * _twists(rates, self.speed)
+            torques += self.damping * self._twists(rates, self.speed)
         springs = -torques
-        springs[..., :-1] += torques[..., 1:]
+        springs[:-1] += np.where(self.first[1:], 0.0, torques[1:])
         return np.asarray(inertia + springs)
+
+    def _twists(self, values: Array, hub: Any) -> Array:
+        """Return each link's value less that of the link before it, or the hub's."""
+        return np.asarray(values - np.where(self.first, hub, np.roll(values, 1, axis=-1)))
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
-        turn, root = np.exp(1j * angles), np.asarray(self.root(time))[..., None]
+        turn, root = np.exp(1j * angles), self.roots(time)
         arms = self.ends * turn
         return Kinematics(
             turn,
@@ -180,13 +191,12 @@ class Chain:
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
         """Return d(velocity along a direction)/d(theta') of the point at ``arm`` (in the plane) from a link's joint."""
-        row = np.zeros(self.links)
-        row[:link] = (np.conj(direction) * 1j * self.ends[:link] * motion.turn[:link]).real
+        row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link]
         row[link] = (np.conj(direction) * 1j * arm).real
-        return row
+        return np.asarray(row)
 
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
-        """Return the root and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
+        """Return the root of a lone wire and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
         motion = self.kinematics(time, angles, rates)
         links = [0] + [each.link for each in self.pieces]
         arms = np.array([0j] + [each.end for each in self.pieces]) * motion.turn[..., links]
@@ -194,7 +204,7 @@ class Chain:
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
-        motion, twists = self.kinematics(time, angles, rates), _twists(angles, self.hub_angle(time))
+        motion, twists = self.kinematics(time, angles, rates), self._twists(angles, self._hub_angles(time))
         velocity = motion.velocity + 1j * rates * self.centres * motion.turn
         height = (motion.joint + self.centres * motion.turn).imag
         kinetic = 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
@@ -202,7 +212,7 @@ class Chain:
 
     @property
     def swing_and_decay(self) -> tuple[float, float]:
-        """Return the natural rate of the wire on its belt, and c/I, twice the rate at which it decays, with rigid hinges, rad/s."""
+        """Return the natural rate of a lone wire on its belt, and c/I, twice the rate at which it decays, with rigid hinges, rad/s."""
         inertia = float(self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
         moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
         return math.sqrt((float(self.stiffness[0]) + moment) / inertia), float(self.damping[0]) / inertia
@@ -214,26 +224,12 @@ class Chain:
         The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
         stiffness against mass), the highest rate of its damping, and the hub's speed.
         """
-        chain = self.mass_matrix(np.ones(self.links, dtype=complex))
-        spring, damper = (_coupling(each) for each in (self.stiffness, self.damping))
-        field = self.masses.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
-        inverse = np.linalg.inv(chain)
+        twists = self._twists(np.eye(self.links), 0.0).T
+        spring, damper = (twists.T @ (each[:, None] * twists) for each in (self.stiffness, self.damping))
+        field = self.masses.sum() / self.first.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
+        inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
         squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())
         return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
-
-
-def _coupling(springs: Array) -> Array:
-    """Return the stiffness matrix of torsion springs between each link and the one before it, the first one on the hub."""
-    twists = np.eye(len(springs)) - np.eye(len(springs), k=-1)
-    return np.asarray(twists.T @ (springs[:, None] * twists))
-
-
-def _twists(values: Array, first: Any) -> Array:
-    """Return each link's value less that of the link before it, ``first`` for the first one."""
-    found = np.array(values)
-    found[..., 0] -= first
-    found[..., 1:] -= values[..., :-1]
-    return found
 
 
 def _cut(bristle: Bristle, links: int) -> list[list[Piece]]:

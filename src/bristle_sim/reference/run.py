@@ -18,7 +18,7 @@ from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
-from bristle_sim.reference.decisions import jam, record
+from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
 from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import Finished, Log
@@ -60,8 +60,7 @@ class Run:
             reason, self.state = finished.args
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
-            self.log.event("jam", self.state.time)
-            reason, wedged = StopReason.JAM, True
+            reason, wedged = self.log.jam(self.state).args[0], True
         for each in self.system.sustained:
             record(self.system, self.log, self.state, each, "end of run" if reason is StopReason.END else str(reason))
         if wedged:  # without the forces, which have no bound
@@ -80,7 +79,7 @@ class Run:
                 solver.step()
             if solver.status == "failed":
                 if self._wedged():
-                    jam(self.log, self.state)
+                    raise self.log.jam(self.state)
                 raise Finished(StopReason.ACCURACY, self.state)
             values = solver.dense_output()
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0

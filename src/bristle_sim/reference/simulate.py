@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
+from bristle_sim.reference.contacts import Bar, WirePairs, Workpart, obstacles_of
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.row import Row, WirePairs
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
@@ -75,25 +74,23 @@ def simulate_reference(
 
     A wire moves as the module ``mechanics`` says; flight of a straight rigid bristle is
     I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. A touch obeys the
-    energetic impact law, a sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from
-    rounding (1e-10 of hub radius and length) counts as none, so that ever smaller taps become a sustained contact.
+    energetic impact law. A sustained contact keeps its gap closed with a force that pushes. A rebound too low to be
+    distinguished from rounding (1e-10 of hub radius and length) counts as none, so that taps become a sustained contact.
 
     Args:
-        tool: what is simulated; its bar and workpart may be None.
+        tool: its bar and workpart may be None.
         start_hub_angle: psi at t = 0, rad; by default the bristle points along -x.
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
         hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
-        accuracy: relative accuracy of the motion requested; the integrator's tolerance is a hundredth of it, but at least 1e-13.
-        stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
-            impact.
+        accuracy: relative, of the motion; the integrator's tolerance is a hundredth of it, but at least 1e-13.
+        stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just after the impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
-        contact_stiffness, bar_stiffness: of the contact with workpart and bar, N/m, springs with energetic restitution; by
-            default they are rigid.
+        contact_stiffness, bar_stiffness: of contacts with workpart and bar, N/m, springs with energetic restitution;
+            rigid by default.
 
     Returns:
-        The trajectory, with the events of ``stop_reason``: ``retraction limit`` is where the bristle leans over by 90 degrees,
-        ``jam`` where friction or geometry locks it. ``cost.steps`` counts right-hand sides.
+        The trajectory, with the events of ``stop_reason``. ``cost.steps`` counts right-hand sides.
 
     Raises:
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
@@ -102,8 +99,7 @@ def simulate_reference(
     start = (start_hub_angle, start_relative_angle, start_relative_rate)
     stiffness = (contact_stiffness, bar_stiffness)
     request = Request(*start, hub_turn, duration, accuracy, sample_interval, *stiffness, stop_after)
-    chain = Chain.of(tool, request.start_hub_angle)
-    return _simulate(tool, request, chain, [chain])[0]
+    return _simulate(tool, request, [request.start_hub_angle])[0]
 
 
 def simulate_row_reference(
@@ -124,22 +120,21 @@ def simulate_row_reference(
     """Simulate a row of bristles that touch each other, bar and workpart.
 
     All start together, radial and turning with the hub, each a pitch behind the one before it. A touch of two wires obeys
-    the energetic impact law with both wires' inverse mass; taps that die out become a sustained contact, which lasts as long
-    as it pushes, with Coulomb friction.
+    the energetic impact law with both wires' inverse mass; taps that die out become a sustained contact.
 
     Args:
-        tool: hub, belt, bristle, bar and workpart; the bristle must be straight and rigid.
+        tool: its bristle must be straight and rigid.
         bristles: at least 1.
         pitch: angle between neighbours' roots, rad.
         neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
         start_hub_angle: of the foremost bristle, rad.
-        hub_turn: after which the last bristle's pass ends, from its own passage through the foremost one's start, rad.
+        hub_turn: after which the last bristle's pass ends, from its passage through the foremost one's start, rad.
         accuracy, sample_interval, contact_stiffness, bar_stiffness: as for ``simulate_reference``.
         stop_after: name of a touch or release; the run ends when every bristle has had one.
 
     Returns:
-        One trajectory for each bristle, the foremost in the sense of rotation first, at common instants. A touch of a
-        neighbour is the event ``wire touch`` of both; its contact records name the obstacle ``wire``.
+        One trajectory for each bristle, the foremost first, at common instants. A touch of two wires is the event
+        ``wire touch`` of both.
 
     Raises:
         ValueError: for settings out of range, a bristle that is not straight and rigid, wires that touch each other at the
@@ -150,42 +145,41 @@ def simulate_row_reference(
     stiffness = (contact_stiffness, bar_stiffness)
     request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, *stiffness, stop_after)
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
-    row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
-    wires = WirePairs(row, tool.bristle.wire_diameter, surface)
-    return _simulate(tool, request, row, row.bristles, wires, bristles=bristles, pitch=pitch)
+    starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
+    touches = WirePairs(bristles, tool.bristle.wire_diameter, surface)
+    return _simulate(tool, request, starts, touches, bristles=bristles, pitch=pitch)
 
 
 def _simulate(
     tool: Tool,
     request: Request,
-    links: Chain | Row,
-    wires: Sequence[Chain],
+    start_hub_angles: Sequence[float],
     touches: WirePairs | None = None,
     **shared: Any,
 ) -> tuple[Trajectory, ...]:
-    """Run all links, those of one wire or of several that touch each other; return a trajectory for each wire."""
+    """Run all links, of one wire or of several that touch each other; return a trajectory for each wire."""
     wall, cpu = clock.perf_counter(), clock.process_time()
-    fixed = obstacles_of(tool)
-    root_angles = np.repeat([each.start_hub_angle for each in wires], wires[0].links)
-    rates = np.full(links.links, links.speed + request.start_relative_rate)
-    start = State(0.0, root_angles + request.start_relative_angle, rates)
+    fixed, chain = obstacles_of(tool), Chain.of(tool, *start_hub_angles)
+    wires = [Chain.of(tool, each) for each in start_hub_angles]
+    rates = np.full(chain.links, chain.speed + request.start_relative_rate)
+    start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
     end, interval = _span(wires[0], request)
     log = Log(wires, interval, request.stop_after, touches.pairs if touches else ())
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
     obstacles: Obstacles = {**fixed, WirePairs.name: touches} if touches and touches.pairs else fixed
     stiffness = {"workpart": request.contact_stiffness, "bar": request.bar_stiffness}
-    system = System(links, obstacles, {name: each for name, each in stiffness.items() if each is not None})
+    system = System(chain, obstacles, {name: each for name, each in stiffness.items() if each is not None})
     run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)
     for record in log.records:
-        record.note_largest_retraction()
+        record.note_largest_retraction([state for state, _ in log.samples])
         if "bar" in fixed and not record.seen("bar touch"):
             record.event("bar not touched", run.state.time)
         if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
             record.event("workpart not reached", run.state.time)
-    return tuple(each.trajectory(reason, cost, _parameters(tool, request) | shared) for each in log.records)
+    return log.trajectories(reason, cost, _parameters(tool, request) | shared)
 
 
 def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
@@ -194,9 +188,9 @@ def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: Stat
     for name, each in obstacles.items():
         gap = float(each.gaps(chain, motion).min())
         if gap < -1e-12 * (chain.hub_radius + chain.length):
-            relative = start.angles[0] - chain.start_hub_angle
+            relative = start.angles[0] - chain.start_hub_angles[0]
             raise ValueError(
-                f"start_hub_angle = {chain.start_hub_angle:g}, start_relative_angle = {relative:g}: must be angles at"
+                f"start_hub_angle = {chain.start_hub_angles[0]:g}, start_relative_angle = {relative:g}: must be angles at"
                 f" which the bristle is outside the {name}; it is {-gap:g} m inside (in rad)"
             )
 

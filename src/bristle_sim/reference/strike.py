@@ -10,7 +10,7 @@ import numpy as np
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.contacts import Point, obstacles_of
 from bristle_sim.reference.decisions import close_contact
-from bristle_sim.reference.log import Log, Record
+from bristle_sim.reference.log import Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import State, System
@@ -76,20 +76,21 @@ def strike_reference(
         raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")
     if reason not in (StopReason.EVENT, StopReason.END):
         raise ValueError(f"angles, rates: must be those of a contact that ends; its solution stops: {reason}")
-    if not log.seen("workpart release"):
-        raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
     (record,) = log.records
-    return dataclasses.replace(record.contacts[0], history=_history(system, record))
+    if not record.seen("workpart release"):
+        raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
+    return dataclasses.replace(record.contacts[0], history=_history(system, log))
 
 
-def _history(system: System, record: Record) -> ContactHistory:
+def _history(system: System, log: Log) -> ContactHistory:
     """Return the contact in time, from the samples."""
     place = Point("workpart", len(system.chain.pieces) - 1, True)
-    touches = [system.at(state).touch(place) for state, _ in record.samples]
+    states, forces = zip(*log.samples, strict=True)
+    touches = [system.at(state).touch(place) for state in states]
     return ContactHistory(
-        time=np.array([state.time for state, _ in record.samples]),
-        normal_force=np.array([forces[0] for _, forces in record.samples]),
-        tangential_force=np.array([forces[1] for _, forces in record.samples]),
+        time=np.array([state.time for state in states]),
+        normal_force=np.array(forces)[:, 0, 0],
+        tangential_force=np.array(forces)[:, 0, 1],
         penetration=np.array([-each.gap for each in touches]),
         normal_velocity=np.array([each.velocity[0] for each in touches]),
         tangential_velocity=np.array([each.velocity[1] for each in touches]),

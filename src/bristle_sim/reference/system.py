@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
+from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, WirePairs, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
-from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
-from bristle_sim.reference.row import Row, WirePairs
+from bristle_sim.reference.mechanics import Chain, Kinematics
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
@@ -51,7 +50,7 @@ class System:
     ``stiffness``, N/m, has the contact stiffness of each obstacle that is compliant, by name; the others are rigid.
     """
 
-    def __init__(self, chain: Chain | Row, obstacles: Obstacles, stiffness: Mapping[str, float]) -> None:
+    def __init__(self, chain: Chain, obstacles: Obstacles, stiffness: Mapping[str, float]) -> None:
         self.chain = chain
         self.obstacles = obstacles
         self.stiffness = stiffness
@@ -95,11 +94,6 @@ class Instant:
         self._gaps: dict[str, Array] = {}
 
     @cached_property
-    def turn(self) -> Complexes:
-        """Directions of the links, e^{i theta}."""
-        return np.asarray(np.exp(1j * self.state.angles))
-
-    @cached_property
     def motion(self) -> Kinematics:
         """Kinematics of the links."""
         return self.system.chain.kinematics(*self.state)
@@ -107,12 +101,12 @@ class Instant:
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, kg m^2."""
-        return self.system.chain.mass_matrix(self.turn)
+        return self.system.chain.mass_matrix(self.motion.turn)
 
     @cached_property
     def forces(self) -> Array:
         """Generalized forces without contacts, N m."""
-        return self.system.chain.forces(*self.state, self.turn)
+        return self.system.chain.forces(*self.state, self.motion.turn)
 
     def touch(self, point: Point) -> Touch:
         """Return the kinematics of a contact."""
