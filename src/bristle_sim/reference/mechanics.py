@@ -96,7 +96,7 @@ class Chain:
         ends = np.tile([each[-1].end for each in cut], count)
         columns = zip(*(_mass(bristle, each) for each in cut), strict=True)
         masses, centres, inertias = (np.tile(column, count) for column in columns)
-        before: Array = np.kron(np.eye(count), np.tri(links, k=-1).T)
+        before = np.kron(np.eye(count), np.tri(links, k=-1).T).astype(float)
         arms = before.T * ends + np.diag(centres)
         hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
         if links > 1:
