@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.lines import Line2D
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, say, styled
-from bristle_sim.studies.bent_bristles import BentBristles, Slide, against_film, slide_path
+from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
 
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
@@ -38,8 +39,7 @@ def bent_figure(bent: BentBristles) -> Figure:
     struck = {shape: run.first_contact("workpart") for shape, run in bent.trajectories.items()}
     for shape, contact in struck.items():
         if contact is not None:
-            _draw_places(wires, paths, bent, shape, contact)
-            _draw_slide(slides, shape, contact, bent.slides[shape])
+            _draw_strike((wires, paths, slides), bent, shape, contact)
     if any(struck.values()):
         _finish(wires, paths, slides)
     else:
@@ -51,45 +51,35 @@ def bent_figure(bent: BentBristles) -> Figure:
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
     figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
-    entries = [Line2D([], [], color=color, linewidth=2.0) for color in SHAPES.values()]
-    bends = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
-    names = [bends[shape] + ("" if struck[shape] is not None else " (never strikes)") for shape in SHAPES]
+    names = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
+    never = {shape: "" if contact is not None else " (never strikes)" for shape, contact in struck.items()}
+    entries = [Line2D([], [], color=each, label=names[shape] + never[shape]) for shape, each in SHAPES.items()]
     place: dict[str, Any] = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}
-    figure.legend(entries, names, bbox_to_anchor=(0.5, 0.75 / 17.2), **place)
-    marks = [Line2D([], [], color=BLACK, **look) for look in MARKS.values()]
-    figure.legend(marks, list(MARKS), bbox_to_anchor=(0.5, 0.25 / 17.2), **place)
+    figure.legend(handles=entries, bbox_to_anchor=(0.5, 0.75 / 17.2), **place)
+    marks = [Line2D([], [], color=BLACK, label=name, **look) for name, look in MARKS.items()]
+    figure.legend(handles=marks, bbox_to_anchor=(0.5, 0.25 / 17.2), **place)
     return figure
 
 
-def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
-    run, color = bent.trajectories[shape], SHAPES[shape]
-    end = contact.time + contact.duration
+def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord) -> None:
+    (wires, paths, slides), run, color = panels, bent.trajectories[shape], SHAPES[shape]
+    slide, history, end = bent.slides[shape], contact.history, contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
     wire = MILLIMETRES * (run.at(contact.time).centre_line - origin)
-    wires.plot(*wire.T, color=color, linewidth=1.8, gid=f"wire {shape}")
-    for first, last, mark in (
-        (contact.time - BEFORE, contact.time, "path before touch"),
-        (end, end + AFTER, "after touch"),
-    ):
-        shown = np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)
-        tips = run.at(shown).tip
-        paths.plot(*(MILLIMETRES * (tips - origin)).T, color=color, gid=f"path {shape}", **MARKS[mark])
-    if contact.history is not None:
-        along, above = slide_path(contact.history), -contact.history.penetration
-        touch = (MILLIMETRES * along, MILLIMETRES * above)
-        paths.plot(*touch, color=color, gid=f"touch {shape}", **MARKS["in touch"])
-
-
-def _draw_slide(axes: Axes, shape: str, contact: ContactRecord, slide: Slide | None) -> None:
-    history, color = contact.history, SHAPES[shape]
+    wires.plot(*wire.T, color=color, linewidth=1.8)
+    shown = {"path before touch": (contact.time - BEFORE, contact.time), "after touch": (end, end + AFTER)}
+    for mark, (first, last) in shown.items():
+        tips = run.at(np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)).tip
+        paths.plot(*(MILLIMETRES * (tips - origin)).T, color=color, **MARKS[mark])
     if history is None:
         return
     time, path = MICROSECONDS * (history.time - history.time[0]), MILLIMETRES * slide_path(history)
-    axes.plot(time, path, color=color, gid=f"in touch {shape}")
+    paths.plot(path, -MILLIMETRES * history.penetration, color=color, **MARKS["in touch"])
+    slides.plot(time, path, color=color)
     compressed = int(np.argmax(history.penetration))
-    axes.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
+    slides.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
     if slide is not None and slide.ending == "turns":
-        axes.plot(time[np.argmax(path)], path.max(), color=color, **MARKS["slip turns back"])
+        slides.plot(time[np.argmax(path)], path.max(), color=color, **MARKS["slip turns back"])
 
 
 def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:

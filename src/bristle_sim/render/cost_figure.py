@@ -24,9 +24,7 @@ PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 10.7, 2.45
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "exudyn": VERMILION, "heyoka": "#7a5c00"}
-OTHERS = "#c4c4c4"
-"""Colour of peers' methods that are not their package's best."""
-
+OTHERS = "#c4c4c4"  # colour of peers' methods that are not their package's best
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
 PALE: dict[str, Any] = {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
@@ -47,17 +45,18 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
-    rows = math.ceil((len(measured.cases) + bool(measured.effects)) / 2)
+    count = len(measured.cases)
+    rows = math.ceil((count + bool(measured.effects)) / 2)
     figure = blank_figure(WIDTH, rows * ROW)
-    for number, case in enumerate(measured.cases):
+    for number in range(count + bool(measured.effects)):
         row, column = divmod(number, 2)
         place = (1.45 + 8.2 * column, (rows - row) * ROW - PANEL[1] - HEAD)
-        _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
-    if measured.effects:
-        wide = len(measured.cases) % 2 == 0
-        left = 1.45 + (0.0 if wide else 8.2)
-        bottom = ROW - PANEL[1] - HEAD
-        _growth_panel(axes_at(figure, left, bottom, 14.1 if wide else PANEL[0], PANEL[1]), measured)
+        if number < count:
+            case = measured.cases[number]
+            _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
+        else:
+            wide = 14.1 if column == 0 else PANEL[0]
+            _growth_panel(axes_at(figure, *place, wide, PANEL[1]), measured)
     return figure
 
 

@@ -14,7 +14,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, add_panel, axes_at, blank_figure, note, signed, styled
 from bristle_sim.studies.cue_timing import CueTiming
-from bristle_sim.theory.cueing import Cue, released_motion
+from bristle_sim.theory.cueing import released_motion
 
 POINTS = 400  # instants of the formula's curve
 
@@ -47,14 +47,11 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         lines.append(("quasi-static formula", VERMILION, "--", formula))
     latest = max(float(time[-1]) for *_, (time, *_) in lines)
     for name, color, style, (instants, angle, rate) in lines:
-        time, cued = instants * MILLISECONDS, float(instants[-1]) * MILLISECONDS
-        look: dict[str, Any] = {"color": color, "linestyle": style, "label": name}
-        retraction.plot(time, np.degrees(angle), gid=f"retraction, {name}", **look)
-        speed.plot(time, rate, gid=f"relative speed, {name}", **look)
-        for axes in (retraction, speed):
-            axes.axvline(cued, color=color, linewidth=0.8, linestyle=":", gid=f"cue, {name}")
-        highest = float(rate[-1])
-        speed.plot([cued], [highest], "o", color=color, markersize=3.5, gid=f"highest, {name}")
+        time, cued, highest = instants * MILLISECONDS, float(instants[-1]) * MILLISECONDS, float(rate[-1])
+        for axes, values in ((retraction, np.degrees(angle)), (speed, rate)):
+            axes.plot(time, values, color=color, linestyle=style, label=name)
+            axes.axvline(cued, color=color, linewidth=0.8, linestyle=":")
+        speed.plot([cued], [highest], "o", color=color, markersize=3.5)
         # The earlier cue is named on its left, the later on its right.
         side, ha = (4.0, "left") if instants[-1] == latest else (-4.0, "right")
         words = f"cue time\n{cued:.4g} ms,\n{highest:.1f} rad/s"
@@ -69,21 +66,21 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
-    tool, (released, fastest) = replace(timing.tool, bar=None), timing.wires
-    given, radius = timing.bar, timing.bar.radius
-    cues = {"simulated": (timing.simulated, BLUE, "-"), "formula": (timing.formula, VERMILION, "--")}
-    bars = {name: (cue, color, style) for name, (cue, color, style) in cues.items() if cue is not None}
-    corners = radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    tool, (released, fastest), given = replace(timing.tool, bar=None), timing.wires, timing.bar
+    cues = {"bar, simulated": (timing.simulated, BLUE, "-"), "bar, formula": (timing.formula, VERMILION, "--")}
+    bars: list[tuple[str, tuple[float, float], dict[str, Any]]] = [("bar as given", given.centre, {})]
+    for name, (cue, color, style) in cues.items():
+        look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "zorder": 5, "fill": False, "linestyle": style}
+        if cue is not None:
+            bars.append((name, (-cue.bar_horizontal, -cue.bar_vertical), look))  # on the incoming side, m
+    corners = given.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
-    centres = [(-given.horizontal, -given.vertical), *(_centre(cue) for cue, *_ in bars.values())]
-    points = [*(np.array(each) + corners for each in centres), released, fastest, surface]
+    points = [*(np.array(centre) + corners for _, centre, _ in bars), released, fastest, surface]
     view = View.around([MILLIMETRES * each for each in points], 7.2 / 6.2, 0.06)
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
-    draw_bar(axes, *centres[0], radius, gid="bar as given")
-    for name, (cue, color, style) in bars.items():
-        look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "zorder": 5, "fill": False, "linestyle": style}
-        draw_bar(axes, *_centre(cue), radius, gid=f"bar, {name}", **look)
+    for name, centre, own in bars:
+        draw_bar(axes, *centre, given.radius, gid=name, **own)
     view.apply(axes)
     name_parts(axes, tool, 7.0)
     names = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
@@ -102,11 +99,10 @@ def _draw_table(axes: Axes, timing: CueTiming) -> None:
     axes.set_axis_off()
     lines = []
     for name, each in timing.readings.items():
-        cues = (cue and f"{math.degrees(cue.bar_direction):.2f}°" for cue in (each.simulated, each.formula))
+        cues = [f"{math.degrees(cue.bar_direction):.2f}°" if cue else "none" for cue in (each.simulated, each.formula)]
         lags = [None, *(row["lag_deg_at_contact"] for row in each.passes)][-2:]
-        strikes = ("no strike" if lag is None else f"{signed(lag, 2)}°" for lag in lags)
-        stiffness = f"{name}: {1e3 * each.tool.belt.stiffness:.3g}"
-        lines.append((stiffness, *(cue or "none" for cue in cues), *strikes))
+        strikes = ["no strike" if lag is None else f"{signed(lag, 2)}°" for lag in lags]
+        lines.append([f"{name}: {1e3 * each.tool.belt.stiffness:.3g}", *cues, *strikes])
     given = f"{timing.passes[-1]['bar_direction_deg']:.2f}°"
     bars = ("bar,\nsimulated", "bar,\nformula", "lag with\nbar there", f"lag with\nbar at {given}")
     heads, widths = ("belt stiffness\n(mN·m/rad)", *bars), (0.29, 0.17, 0.15, 0.17, 0.22)
@@ -117,7 +113,3 @@ def _draw_table(axes: Axes, timing: CueTiming) -> None:
     for column, color in ((1, BLUE), (2, VERMILION)):
         table[0, column].get_text().set_color(color)
     note(axes, "bars from the workpart's normal; lags at the strikes of full passes", (0.0, 0.0), (0.0, -9.0))
-
-
-def _centre(cue: Cue) -> tuple[float, float]:
-    return -cue.bar_horizontal, -cue.bar_vertical  # on the incoming side, m

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
-ARC: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "dashes": (3, 2)}
-"""Look of the bar's places at its distance from the hub's centre."""
-
+ARC: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "dashes": (3, 2)}  # of the bar's places at its distance
 COLOUR_PERCENTILE = 97.0
 """Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
 
@@ -38,12 +36,7 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
         place = (1.5 + 7.9 * (number % 2), lower + 9.0 - 6.6 * (number // 2), 5.2, 4.9)
-        axes = add_panel(
-            figure,
-            place,
-            title,
-            "white: the bar cues no strike",
-        )
+        axes = add_panel(figure, place, title, "white: the bar cues no strike")
         values = factor * maps[name].values if name in maps else None
         _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")
         _mark_places(axes, found, places)
@@ -53,17 +46,10 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
     figure.text(1.5 / 16.0, (lower + 1.1) / (15.3 + lower), words, fontsize=7.0, color=GREY)
     if found.moves:
         _draw_moves(figure, found)
-    handles = [
-        *(Line2D([], [], **look) for _, look in places.values()),
-        Line2D([], [], color=BLACK, linewidth=0.9),
-        Line2D([], [], **ARC),
-    ]
-    names = [
-        *(f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in places.items()),
-        "lag zero",
-        "bar at its distance from the hub",
-    ]
-    figure.legend(handles, names, loc="lower center", ncols=3, columnspacing=1.0, handletextpad=0.3)
+    named = {f"{name}, {math.degrees(direction):.2f}°": look for name, (direction, look) in places.items()}
+    named |= {"lag zero": {"color": BLACK, "linewidth": 0.9}, "bar at its distance from the hub": ARC}
+    handles = [Line2D([], [], label=name, **look) for name, look in named.items()]
+    figure.legend(handles=handles, loc="lower center", ncols=3, columnspacing=1.0, handletextpad=0.3)
     return figure
 
 
@@ -112,18 +98,15 @@ def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
     turn = np.linspace(0.0, np.pi, 721)
     axes.plot(distance * np.sin(turn), distance * np.cos(turn), **ARC)
-    for name, (direction, look) in places.items():
-        axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], gid=name, zorder=5, **look)
+    for direction, look in places.values():
+        axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], zorder=5, **look)
 
 
 def _draw_moves(figure: Figure, found: CueMap) -> None:
     """Draw the direction for a radial strike over each of three parameters, simulated and by the formula."""
     hub, belt = found.tool.hub, found.tool.belt
-    own = (
-        (hub.speed, "hub speed (rad/s)"),
-        (belt.stiffness, "belt stiffness (N·m/rad)"),
-        (belt.damping_ratio, "belt damping ratio"),
-    )
+    own = [(hub.speed, "hub speed (rad/s)"), (belt.stiffness, "belt stiffness (N·m/rad)")]
+    own.append((belt.damping_ratio, "belt damping ratio"))
     formula = None if found.formula is None else math.degrees(found.formula)
     title = "the bar direction for a radial strike over hub speed, stiffness and damping"
     for number, (key, (value, label)) in enumerate(zip(MOVES, own, strict=True)):
@@ -132,7 +115,7 @@ def _draw_moves(figure: Figure, found: CueMap) -> None:
         moved = [list(row.values())[1:4] for row in found.moves if row["key"] == key]
         rows = sorted([*moved, [value, math.degrees(found.radial.direction), formula]], key=lambda row: row[0])
         values, simulated, theory = np.array(rows, dtype=float).T
-        axes.plot(values, simulated, "o-", color=VERMILION, markersize=3.0, gid=f"simulated {key}")
-        axes.plot(values, theory, "^--", color=BLUE, markersize=3.0, gid=f"formula {key}")
+        axes.plot(values, simulated, "o-", color=VERMILION, markersize=3.0)
+        axes.plot(values, theory, "^--", color=BLUE, markersize=3.0)
         axes.locator_params("x", nbins=4)
         axes.set(xlabel=label, ylabel="" if number else "bar direction (°)")

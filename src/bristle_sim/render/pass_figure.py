@@ -59,27 +59,26 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
         Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"),
         Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"),
     ]
-    place = (0.5, (base - 1.6) / (20.0 + forced * ROW))
-    figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
+    anchor = (0.5, (base - 1.6) / (20.0 + forced * ROW))
+    figure.legend(handles=handles, loc="center", bbox_to_anchor=anchor, ncols=len(handles), columnspacing=1.6)
     _draw_table(axes_at(figure, 10.25, base, 5.6, 6.6), marks, trajectory)
     potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
-    energies: dict[str, tuple[Array, dict[str, Any]]] = {
-        "sum": (course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
-        "bristle, kinetic": (course.kinetic_energy, {"color": BLUE}),
-        potential: (course.potential_energy, {"color": GREEN}),
-    }
-    rows: list[tuple[str, dict[str, tuple[Array, dict[str, Any]]]]] = [
-        ("retraction (°)", {"retraction": (np.degrees(course.retraction), {"color": BLUE})}),
-        ("relative\nspeed (rad/s)", {"relative speed": (course.relative_rate, {"color": BLUE})}),
-        ("energy (mJ)", {name: (1e3 * at, look) for name, (at, look) in energies.items()}),
-    ]
+    rows: list[tuple[str, list[tuple[str, Array, dict[str, Any]]]]] = [
+        ("retraction (°)", [("retraction", np.degrees(course.retraction), {})]),
+        ("relative\nspeed (rad/s)", [("relative speed", course.relative_rate, {})]),
+        ("energy (mJ)", [
+            ("sum", 1e3 * course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
+            ("bristle, kinetic", 1e3 * course.kinetic_energy, {}),
+            (potential, 1e3 * course.potential_energy, {"color": GREEN}),
+        ]),
+    ]  # fmt: skip
     if forced:
-        rows.append(("normal\nforce (N)", {"normal force": (course.normal_force, {"color": VERMILION})}))
+        rows.append(("normal\nforce (N)", [("normal force", course.normal_force, {"color": VERMILION})]))
     panels: list[Axes] = []
     struck = trajectory.first_contact("workpart")
     for number, (label, lines) in enumerate(rows):
-        bottom, (width, height) = 1.1 + (len(rows) - 1 - number) * ROW, PANEL
-        panels.append(axes_at(figure, 2.0, bottom, width, height, sharex=panels[0] if panels else None))
+        place = (2.0, 1.1 + (len(rows) - 1 - number) * ROW, *PANEL)
+        panels.append(axes_at(figure, *place, sharex=panels[0] if panels else None))
         _draw_lines(panels[-1], label, course.time, lines, marks)
         panels[-1].tick_params(labelbottom=number == len(rows) - 1)
     if forced and struck is not None and struck.history is not None:
@@ -92,16 +91,14 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     """Number the key events from 1; a start away from the radial direction is number 0."""
-    events = key_events(trajectory, until)
-    first = 1
+    events, first = key_events(trajectory, until), 1
     if abs(trajectory.relative_angle[0]) > CARRIED:
         events, first = (Event("start", float(trajectory.time[0])), *events), 0
-    ghosts = _GHOSTS if trajectory.event_time("strike") is not None else _GHOSTS | {"highest relative speed": BLACK}
-    marks, drawn = [], set[str]()
-    for number, event in enumerate(events, start=first):  # of several events of a name the first shows the wire
-        marks.append(_Mark(number, event, GREY if event.name in drawn else ghosts.get(event.name, GREY)))
-        drawn.add(event.name)
-    return marks
+    ghosts = dict(_GHOSTS) if trajectory.event_time("strike") else _GHOSTS | {"highest relative speed": BLACK}
+    colors = [ghosts.pop(event.name, GREY) for event in events]  # of several of a name the first shows the wire
+    return [
+        _Mark(first + number, event, color) for number, (event, color) in enumerate(zip(events, colors, strict=True))
+    ]
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
@@ -118,10 +115,10 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
 
 
 def _draw_lines(
-    axes: Axes, label: str, time: Array, lines: dict[str, tuple[Array, dict[str, Any]]], marks: Sequence[_Mark]
+    axes: Axes, label: str, time: Array, lines: list[tuple[str, Array, dict[str, Any]]], marks: Sequence[_Mark]
 ) -> None:
-    for name, (values, look) in lines.items():
-        axes.plot(time * MILLISECONDS, values, label=name, gid=name, **look)
+    for name, values, look in lines:
+        axes.plot(time * MILLISECONDS, values, label=name, gid=name, **{"color": BLUE, **look})
     for mark in marks:
         axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
     axes.set_ylabel(label, linespacing=1.4)
@@ -175,10 +172,8 @@ def _draw_ghosts(axes: Axes, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
     height = float(np.ptp(axes.get_ylim()))
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
     shown = run.at([mark.event.time for mark in ghosts])
-    roots = shown.hub_angle
-    for mark, line, place in zip(
-        ghosts, shown.centre_line, spread(roots, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf), strict=True
-    ):
+    places = spread(shown.hub_angle, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf)
+    for mark, line, place in zip(ghosts, shown.centre_line, places, strict=True):
         ghost = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
         ghost.wire.set_gid(f"wire {mark.number}")
         ghost.place(line)

@@ -12,8 +12,7 @@ from bristle_sim.trajectory import Event, Trajectory
 MOST_LABELS = 9  # as many labels as fit above a panel of full width
 AFTERMATH = 0.12  # how long the story goes on after the tip has left the workpart, as a fraction of the time before
 SAME_INSTANT = 1e-9  # events nearer to each other than this are one, s
-CARRIED = math.radians(1.0)
-"""A bristle that starts nearer than this to the radial direction is carried along, not thrown, rad."""
+CARRIED = math.radians(1.0)  # a bristle that starts nearer than this to radial is carried along, not thrown, rad
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
@@ -89,8 +88,7 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 def _told(trajectory: Trajectory) -> tuple[Event, ...]:
     """Return the notable events but for releases in the instant of a touch, which belong to a bounce."""
-    touches = {"bar": -math.inf, "workpart": -math.inf}
-    told = []
+    touches, told = {"bar": -math.inf, "workpart": -math.inf}, []
     for event in trajectory.notable_events:
         obstacle = "workpart" if event.name == "strike" else event.name.split()[0]
         if event.name in ("strike", f"{obstacle} touch"):
