@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,20 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
-from bristle_sim.units import (
-    ANY,
-    Declared,
-    Range,
-    UnusualValueWarning,
-    choice,
-    count,
-    described,
-    quantity,
-    unusual_value,
-)
+from bristle_sim.units import ANY, Choice, Declared, Range, UnusualValueWarning, choice, count, described, quantity
+from bristle_sim.units import unusual_value as unusual
 
-FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
-ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
+FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")
 
 
 @described
@@ -46,49 +34,23 @@ class Part(Declared):
 
 
 @pytest.mark.parametrize(
-    ("text", "value"), [(" 5 ", 5.0), ("+.5", 0.5), ("1E-3", 1e-3), ("0", 0.0), ("1e9", 1e9), ("1e-320", 1e-320)]
-)
-def test_decimal_numbers_are_parsed(text: str, value: float):
-    assert FROM_ZERO.parse(text) == value
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("", " ", "abc", "nan", "-inf", "infinity", "1e999", "-1e-320", "1000000000.0000002", "0x10", "1_000", "1 2"),
-        "\u22125",  # the minus sign that word processors set
-        "\u0663",  # three in Arabic-Indic digits, which float() takes
-        *("1\n2", "5\0", "\udcff", "None", "True", "5 1/m", "5 (m)", "5 m**99", "m 5"),
-    ],
-)
-def test_anything_else_is_refused_in_one_line(text: str):
-    with pytest.raises(ValueError, match=r"^friction = ") as refusal:
-        FROM_ZERO.parse(text)
-    message = str(refusal.value)
-    assert message == f"friction = {text!r}: must be a finite number with 0 <= friction <= 1e+09 (dimensionless)"
-    assert message.isprintable()
-
-
-@pytest.mark.parametrize(
     ("text", "unit", "value"),
     [
-        ("27mm", "m", 0.027),
+        (" 5 ", "1", 5.0),
+        ("+.5", "1", 0.5),
+        ("1E-3", "1", 1e-3),
+        ("1e-320", "1", 1e-320),
         ("2.7e1 mm", "m", 0.027),
-        ("710 um", "m", 7.1e-4),
         ("710\u00b5m", "m", 7.1e-4),
         ("2500rpm", "rad/s", 2500.0 * math.tau / 60.0),
         ("2500 turn/min", "rad/s", 2500.0 * math.tau / 60.0),
         ("15000 deg/s", "rad/s", math.radians(15000.0)),
-        ("44.5deg", "deg", 44.5),
         ("44.5\u00b0", "deg", 44.5),
         ("0.5 rad", "deg", math.degrees(0.5)),
-        ("0.00041 N m/deg", "N m/rad", math.degrees(0.00041)),
         ("0.41 N*mm/deg", "N m/rad", math.degrees(0.00041)),
         ("84mg", "kg", 8.4e-5),
         ("120MPa", "Pa", 1.2e8),
-        ("9.81 m/s^2", "m/s^2", 9.81),
         ("9.81 m s^-2", "m/s^2", 9.81),
-        ("50us", "s", 5e-5),
         ("31%", "1", 0.31),
     ],
 )
@@ -101,37 +63,47 @@ def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
     ("text", "unit", "why"),
     [
         ("27kg", "m", "in m, to which kg cannot be converted"),
-        ("27 xyz", "m", r"in m, to which xyz cannot be converted"),
         ("3000rmp", "rad/s", r"in rad/s, to which rmp cannot be converted; did you mean rpm\?"),
         ("27milimeter", "m", r"in m, to which milimeter cannot be converted; did you mean millimetre\?"),
-        ("200GPA", "Pa", r"in Pa, to which GPA cannot be converted; did you mean GPa\?"),
         ("27m^2", "m", r"in m, to which m\^2 cannot be converted"),
-        ("250Hz", "rad/s", "in rad/s, to which Hz cannot be converted"),
+        ("250Hz", "rad/s", "in rad/s, to which Hz cannot be converted"),  # 1571 rad/s, not 250
         ("0.4 N m", "N m/rad", "in N m/rad, to which N m cannot be converted"),
         ("20deg", "1", "dimensionless, to which deg cannot be converted"),
-        ("20degC", "1", "dimensionless, to which degC cannot be converted"),
         ("2500RPM", "rad/s", r"in rad/s, to which RPM cannot be converted; did you mean rpm\?"),
         ("0.41mNm/deg", "N m/rad", r"in N m/rad, to which mNm/deg cannot be converted; did you mean mN m/deg\?"),
         ("0,027", "m", r"in m; did you mean 0\.027\?"),
         ("1,5 mm", "m", r"in m; did you mean 1\.5 mm\?"),
-        ("1j", "1", "dimensionless, to which j cannot be converted"),
         ("1e9 km", "m", "in m"),
         ("-1 mm", "m", "in m"),
+        *(
+            (text, "1", "dimensionless")
+            for text in ("", " ", "abc", "nan", "-inf", "1e999", "-1e-320", "1000000000.0000002")
+        ),
+        *((text, "1", "dimensionless") for text in ("0x10", "1_000", "1 2", "1\n2", "5\0", "\udcff", "None", "m 5")),
+        ("\u22125", "1", "dimensionless"),  # the minus sign that word processors set
+        ("\u0663", "1", "dimensionless"),  # three in Arabic-Indic digits, which float() takes
+        *((text, "1", "dimensionless") for text in ("5 1/m", "5 (m)", "5 m**99")),
     ],
 )
-def test_a_unit_that_does_not_fit_is_refused(text: str, unit: str, why: str):
-    """An angle is no pure number here: 250 Hz are 1571 rad/s, not 250."""
-    with pytest.raises(ValueError, match=rf"^key = '{re.escape(text)}': must be a finite number .* \({why}\)$"):
+def test_any_other_text_is_refused_in_one_line(text: str, unit: str, why: str):
+    with pytest.raises(ValueError, match=r"^key = .*: must be a finite number with 0 <= key <= 1e\+09 ") as refusal:
         Range("key", unit, 0.0, 1e9, True, "a source").parse(text)
+    assert re.search(rf"\({why}\)$", str(refusal.value))
+    assert str(refusal.value).startswith(f"key = {text!r}: ")
+    assert str(refusal.value).isprintable()
 
 
-def test_pint_is_imported_only_for_a_unit():
-    code = (
-        "import sys; from bristle_sim.units import Range; r = Range('k', 'm', 0, 1, True, 's');"
-        " r.parse('1e-3'); print('pint' in sys.modules); r.parse('1mm'); print('pint' in sys.modules)"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.split() == ["False", "True"]
+@given(st.floats(0.0, 1e9), st.text(max_size=8))
+def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_printable_refusal(number: float, text: str):
+    assert FRICTION.parse(repr(number)) == number
+    value, refusal = 0.0, ""
+    try:
+        value = FRICTION.parse(text)
+    except ValueError as error:
+        refusal = str(error)
+    assert 0.0 <= value <= 1e9
+    assert refusal.isprintable()
+    assert len(refusal) < 200
 
 
 @pytest.mark.parametrize(
@@ -150,11 +122,9 @@ def test_pint_is_imported_only_for_a_unit():
         (1e-11, 1e-6, ANY, False),
     ],
 )
-def test_a_value_far_from_what_is_usual(
-    value: float, default: float | None, usual: tuple[float, float] | None, far: bool
-):
+def test_a_value_far_from_the_usual(value: float, default: float | None, usual: tuple[float, float] | None, far: bool):
     declared = Range("key", "m", 0.0, 1e9, True, "a source", usual=usual)
-    assert bool(unusual_value(declared, default, value, value)) is far
+    assert bool(unusual(declared, default, value, value)) is far
 
 
 @pytest.mark.parametrize(
@@ -165,6 +135,10 @@ def test_a_value_far_from_what_is_usual(
             "length = 200 m is 400 times the default, 0.5 m; if it was meant in mm: length='200 mm'",
         ),
         (lambda: Part(length="200 m"), "length = 200 m is 400 times the default, 0.5 m"),
+        (
+            lambda: bs.Hub(speed=2500.0),
+            "hub_speed = 2500 rad/s is 9.55 times the default, 261.8 rad/s; if it was meant in rpm: hub_speed='2500 rpm'",
+        ),
         (
             lambda: bs.Belt(stiffness=0.00041),
             "belt_stiffness = 0.00041 N m/rad is the number in print, which is per degree:"
@@ -179,65 +153,43 @@ def test_an_unusual_value_is_warned_of(make: Callable[[], object], line: str):
     assert found[0].filename == __file__
 
 
-def test_bounds():
+def test_bounds_and_real_numbers():
     smallest = math.nextafter(0.0, 1.0)
-    for accepted in (0.0, smallest, 1e9):
-        assert FROM_ZERO.check(accepted) == accepted
-    for refused in (-smallest, math.nextafter(1e9, math.inf), math.inf, -math.inf, math.nan):
-        with pytest.raises(ValueError, match=r"friction = -?[\dein]"):
-            FROM_ZERO.check(refused)
-    assert ABOVE_ZERO.check(smallest) == smallest
+    for accepted in (0.0, -0.0, smallest, 1e9, 5, np.float32(5), np.int64(5), Fraction(5)):
+        checked = FRICTION.check(accepted)
+        assert (type(checked), checked, math.copysign(1.0, checked)) == (float, accepted, 1.0)
+    outside = (-smallest, math.nextafter(1e9, math.inf), math.inf, math.nan, 10**400, -(10**5000))
+    for refused in (*outside, True, np.bool_(True), None, b"5", 5j, [5.0], np.array(5.0), "5"):
+        with pytest.raises(ValueError, match=r"^friction = .*: must be a finite number"):
+            FRICTION.check(refused)
+    above = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
+    assert above.check(smallest) == smallest
     with pytest.raises(ValueError, match="0 < bristle_length <= 1000"):
-        ABOVE_ZERO.check(0.0)
-
-
-@given(st.floats(0.0, 1e9))
-def test_every_number_in_range_survives_typing(value: float):
-    assert FROM_ZERO.parse(repr(value)) == value
-
-
-@given(st.text(max_size=8))
-def test_text_gives_a_number_in_range_or_a_printable_refusal(text: str):
-    value, refusal = 0.0, ""
-    try:
-        value = FROM_ZERO.parse(text)
-    except ValueError as error:
-        refusal = str(error)
-    assert 0.0 <= value <= 1e9
-    assert refusal.isprintable()
-
-
-@pytest.mark.parametrize("value", [5, np.float32(5), np.float64(5), np.int64(5), Fraction(5)])
-def test_real_numbers_become_plain_floats(value: object):
-    checked = FROM_ZERO.check(value)
-    assert type(checked) is float
-    assert checked == 5.0
-
-
-@pytest.mark.parametrize("value", [True, np.bool_(True), None, b"5", 5j, [5.0], np.array([5.0]), np.array(5.0), "5"])
-def test_a_value_that_is_no_real_number_is_refused(value: object):
-    with pytest.raises(ValueError, match=r"^friction = ") as refusal:
-        FROM_ZERO.check(value)
-    assert str(refusal.value).startswith(f"friction = {value!r}: ")
+        above.check(0.0)
+    with pytest.raises(ValueError, match=r"bristle_length = 1000\.0000000000001:"):  # to its last digit
+        above.check(math.nextafter(1e3, math.inf))
 
 
 def test_a_part_checks_the_fields_it_declares():
     part = Part(length=np.float32(0.25), undeclared=-7)
-    assert type(part.length) is float
+    assert (type(part.length), part) == (float, Part(length="25 cm", undeclared=-7))
     assert (part.length, part.extra, part.word, part.links, part.undeclared) == (0.25, None, "one", 1, -7)
-    assert Part(extra=-1, length="25 cm") == Part(extra=-1.0, length=0.25)
+    for count_given in (8, 8.0, np.int64(8), "8.0"):
+        assert (Part(links=count_given).links, type(Part(links=count_given).links)) == (8, int)
     for wrong in (
-        {"length": 0.0},
-        {"length": None},
-        {"extra": 1.5},
-        {"extra": "none"},
-        {"word": None},
-        {"word": "six"},
+        *({"length": each} for each in (0.0, None)),
+        *({"extra": each} for each in (1.5, "none")),
+        *({"word": each} for each in (None, "six", "One", "one ", 3)),
+        *({"links": each} for each in (0, 65, 2.5, math.nan, True, None, "2.5", "eight", "")),
     ):
-        with pytest.raises(ValueError, match=f"^{next(iter(wrong))} = "):
+        with pytest.raises(ValueError, match=rf"^{next(iter(wrong))} = .*: must be ") as refusal:
             Part(**wrong)
+        assert "\n" not in str(refusal.value)
     with pytest.raises(ValueError, match="length"):
         dataclasses.replace(part, length=3e3)
+    with pytest.raises(ValueError, match="word") as refusal:
+        Choice("word", ("one",), "a source").parse("x" * 100_000)
+    assert len(str(refusal.value)) < 150
 
 
 def test_the_documentation_is_the_declaration():
@@ -251,15 +203,3 @@ Attributes:
     word: a word. Must be one | two. Default one (chosen).
     links: how many. Must be whole number from 1 to 64. Default 1 (a source)."""
     )
-
-
-@pytest.mark.parametrize("value", [8, 8.0, np.int64(8), np.float32(8), "8.0"])
-def test_a_count_is_kept_as_an_int(value: object) -> None:
-    assert Part(links=value).links == 8
-    assert type(Part(links=value).links) is int
-
-
-@pytest.mark.parametrize("value", [0, 65, 2.5, math.nan, math.inf, True, None, "2.5", "eight", ""])
-def test_a_value_that_is_no_count_is_refused(value: object) -> None:
-    with pytest.raises(ValueError, match=r"^links = .*: must be a whole number from 1 to 64 \(dimensionless\)$"):
-        Part(links=value)

@@ -6,6 +6,8 @@ import cmath
 import dataclasses
 import inspect
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,6 @@ import pytest
 
 from bristle_sim import parameters
 from bristle_sim.parameters import (
-    PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
     Bar,
     Belt,
@@ -26,31 +27,14 @@ from bristle_sim.parameters import (
     Workpart,
     operating_point,
 )
-from bristle_sim.units import Choice, Range
+from bristle_sim.units import Choice, Declared, Range, declarations
 
-
-def fields(part: type) -> tuple[dataclasses.Field[Any], ...]:
-    return dataclasses.fields(part) if dataclasses.is_dataclass(part) else ()
-
-
-PARTS = [
-    part
+FIELDS = [
+    (part, name, found)
     for _, part in inspect.getmembers(parameters, inspect.isclass)
-    if any("declaration" in each.metadata for each in fields(part))
+    if issubclass(part, Declared)
+    for name, found in declarations(part).items()
 ]
-
-
-def declared(part: type) -> list[tuple[str, Range | Choice]]:
-    return [(each.name, each.metadata["declaration"]) for each in fields(part) if "declaration" in each.metadata]
-
-
-FIELDS = [(part, name, found) for part in PARTS for name, found in declared(part)]
-NUMBERS = [each for each in FIELDS if isinstance(each[2], Range)]
-WORDS = [each for each in FIELDS if isinstance(each[2], Choice)]
-
-
-def identity(value: object) -> str:
-    return value.__name__ if isinstance(value, type) else str(getattr(value, "key", value))
 
 
 def test_operating_point_is_the_printed_one():
@@ -65,12 +49,6 @@ def test_operating_point_is_the_printed_one():
     assert (Strike().speed_ratio, Strike().impact_angle_deg, Release().retraction_deg) == (3.23, 23.4, 44.5)
     assert (tool.belt.damping_ratio, tool.bar.friction, tool.bar.restitution, tool.gravity) == (0.0, 0.0, 0.0, 0.0)
     assert tool.contact.law == "energetic"
-
-
-def test_belt_stiffness_is_the_printed_number_per_degree():
-    per_degree = Belt().stiffness * math.pi / 180.0
-    assert per_degree == pytest.approx(PRINTED_BELT_STIFFNESS, rel=1e-15)  # one rounding of the conversion
-    assert PRINTED_BELT_STIFFNESS == 0.00041
 
 
 def test_bar_touches_the_wire_at_the_printed_retraction():
@@ -116,70 +94,64 @@ def test_belt_damping_is_that_ratio_of_critical(ratio: float):
     assert roots.real / abs(roots) == pytest.approx(-ratio, abs=1e-7)
 
 
-def test_heights_and_clearances():
-    tool = operating_point()
-    assert tool.workpart_depth == pytest.approx(0.050, rel=1e-15)  # 27.5 + 27 - 4.5 mm
-    assert tool.bar_reach == tool.bar.radius + 3.55e-4
-    # The bar lets go of the wire's end where the end's path passes under it.
-    assert tool.bar_clearance == pytest.approx(abs(0.0275 + 0.027 * cmath.exp(-1j * math.radians(44.5))), rel=1e-14)
+LARGEST_BAR = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
 
 
-def test_workpart_must_clear_the_hub():
-    Tool(workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17))
-    for penetration in (0.027, 0.03):
-        with pytest.raises(
-            ValueError, match=rf"^penetration = {penetration}: must be less than .* 0\.027, .*\(in m\)$"
-        ):
-            Tool(workpart=Workpart(penetration=penetration))
+@pytest.mark.parametrize(
+    ("make", "line"),
+    [
+        (
+            lambda: Tool(workpart=Workpart(penetration=0.027)),
+            r"penetration = 0\.027: must be less .* 0\.027, .*\(in m\)$",
+        ),
+        (
+            lambda: Tool(workpart=Workpart(penetration=0.03)),
+            r"penetration = 0\.03: must be less .* 0\.027, .*\(in m\)$",
+        ),
+        (
+            lambda: Tool(bar=Bar(radius=1.001 * LARGEST_BAR)),
+            f"bar_radius = .*: must be less .* = {LARGEST_BAR:g}, .*in m",
+        ),
+        *(
+            (
+                partial(Contact, law, 1e-4),
+                rf"contact_duration = 0\.0001: must be left out with contact = {law}.*in s\)$",
+            )
+            for law in ("energetic", "engine")
+        ),
+    ],
+)
+def test_values_that_do_not_fit_together(make: Callable[[], object], line: str):
+    with pytest.raises(ValueError, match=f"^{line}"):
+        make()
+
+
+def test_values_that_just_fit_together():
+    Tool(bar=Bar(radius=0.999 * LARGEST_BAR), workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17))
     assert Tool(workpart=Workpart(penetration=-0.1)).workpart_depth == pytest.approx(0.1545, rel=1e-15)
-
-
-def test_bar_must_clear_the_root_circle():
-    largest = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
-    Tool(bar=Bar(radius=0.999 * largest))
-    with pytest.raises(ValueError, match=rf"^bar_radius = .*: must be less than .* = {largest:g}, .*\(in m\)$"):
-        Tool(bar=Bar(radius=1.001 * largest))
-
-
-@pytest.mark.parametrize("law", ["energetic", "engine"])
-def test_only_a_contact_resolved_in_time_has_a_duration(law: str):
-    with pytest.raises(
-        ValueError, match=rf"^contact_duration = 0\.0001: must be left out with contact = {law}.*in s\)$"
-    ):
-        Contact(law, 1e-4)
     assert Contact("compliant", 1e-4).duration == 1e-4
-    assert Contact(law).duration is None
 
 
-@pytest.mark.parametrize(("part", "name", "found"), FIELDS, ids=identity)
-def test_every_declaration_says_its_meaning_and_source(part: type, name: str, found: Range | Choice):
-    """In the class's documentation too."""
-    assert len(found.source) > 5, f"{part.__name__}.{name}"
-    assert len(found.meaning) > 10, f"{part.__name__}.{name}"
+@pytest.mark.parametrize(("part", "name", "found"), FIELDS)
+def test_every_declaration_is_documented_and_kept(part: type, name: str, found: Range | Choice):
+    """Meaning, range and source stand in the class's documentation; a part is frozen and refuses values out of range."""
+    assert min(len(found.source), len(found.meaning)) > 5
     assert found.meaning.isascii()
-    assert found.unit
     shown = " ".join(part.__doc__.split())
-    assert f"{name}: {found.meaning}" in shown
-    assert found.allowed in shown
-    assert f"({found.source})" in shown
-
-
-@pytest.mark.parametrize(("part", "name", "found"), NUMBERS, ids=identity)
-def test_every_number_is_refused_out_of_its_range(part: type, name: str, found: Range):
-    below = math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
-    above = math.nextafter(found.highest, math.inf)
-    for wrong in (below, above, math.nan, math.inf, -math.inf, "none", True, [0.1]):
-        with pytest.raises(ValueError, match=rf"^{found.key} = .*: must be .* \((in |dimensionless)"):
-            part(**{name: wrong})
-
-
-@pytest.mark.parametrize(("part", "name", "found"), WORDS, ids=identity)
-def test_every_word_is_refused_unless_allowed(part: type, name: str, found: Choice):
-    for option in found.options:
-        assert getattr(part(**{name: option}), name) == option
-    for wrong in ("", "other", found.options[0].upper(), None, 1):
-        with pytest.raises(ValueError, match=rf"^{found.key} = .*: must be one of "):
-            part(**{name: wrong})
+    assert all(each in shown for each in (f"{name}: {found.meaning}", found.allowed, f"({found.source})"))
+    value = getattr(part(), name)
+    assert (value is None) == found.optional
+    assert value is None or found.check(value) == value
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        setattr(part(), name, value)
+    wrong: tuple[object, ...] = ("", "other", True, [0.1])
+    if isinstance(found, Range):
+        below = math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
+        wrong += (below, math.nextafter(found.highest, math.inf), math.nan, math.inf, -math.inf)
+    if isinstance(found, Range | Choice):  # any text may be a heading
+        for each in wrong:
+            with pytest.raises(ValueError, match=rf"^{found.key} = .*: must be "):
+                part(**{name: each})
 
 
 def test_a_tool_is_changed_by_the_keys_of_the_command_line():
