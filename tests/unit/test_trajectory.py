@@ -1,4 +1,4 @@
-"""Trajectories: events, motion between samples, tables, summaries, pictures, and files that hold them completely or not at all."""
+"""Trajectories: events, tables, summaries and pictures; how they move between samples is in test_interpolation.py."""
 
 from __future__ import annotations
 
@@ -11,81 +11,37 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Tool
-from bristle_sim.scene.simulate import simulate
+from bristle_sim import simulate
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+from bristle_sim.trajectory import Event, Trajectory
+from swinging_bristle import make_trajectory
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
-def history(samples: int = 7) -> ContactHistory:
-    ramp = np.linspace(0.0, 1.0, samples)
-    return ContactHistory(ramp * 1e-5, np.sin(np.pi * ramp), -0.3 * ramp, ramp**2, 1.0 - 2.0 * ramp, 0.1 - ramp)
-
-
-def impact(time: float, obstacle: str, kept: ContactHistory | None = None) -> ContactRecord:
-    return ContactRecord(
-        obstacle=obstacle,
-        law="compliant" if kept else "energetic",
-        outcome="rebound",
-        time=time,
-        duration=1e-5 if kept else 0.0,
-        impulse=(2e-3, -6e-4),
-        compressive_impulse=None if obstacle == "bar" else (1e-3, -3e-4),
-        compressive_work=None if obstacle == "bar" else (-7e-3, -5e-3),
-        restitutive_work=None if obstacle == "bar" else (1e-3, -1e-3),
-        velocity_before=(-15.0, 33.0),
-        velocity_after=(5.0, 20.0),
-        angles=(0.4, 0.1 + 0.2),
-        rates_before=(877.1, 1.0 / 3.0),
-        rates_after=(-497.1, -0.1),
-        phases=("compression slip", "restitution slip"),
-        history=kept,
-    )
-
-
-@pytest.fixture
+@pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
-    """Two links on a hub at 2 rad/s; the first lags by 0.5 rad and swings at 3 rad/s relative to the hub."""
-    time = np.linspace(0.0, 0.4, 5)
-    hub_angle = -1.0 + 2.0 * time
-    angles = np.column_stack([hub_angle - 0.5 + 3.0 * time, np.pi * time])
-    return Trajectory(
-        time=time,
-        hub_angle=hub_angle,
-        angles=angles,
-        rates=np.column_stack([np.full(5, 5.0), np.full(5, np.pi)]),
-        centre_line=np.arange(30.0).reshape(5, 3, 2) / 7.0,
-        centre_line_velocity=np.arange(30.0).reshape(5, 3, 2) / 3.0,
-        kinetic_energy=np.arange(5.0),
-        potential_energy=np.arange(5.0) ** 2,
-        normal_force=np.zeros(5),
-        hub_speed=2.0,
-        events=(
-            Event("bar touch", 0.1),
-            Event("bar release", 0.15),
-            Event("bar touch", 0.2),
-            Event("strike", 0.1 + 0.2),
-        ),
-        contacts=(impact(0.1, "bar"), impact(0.3, "workpart", history()), impact(0.35, "workpart", history(2))),
-        stop_reason=StopReason.END,
-        cost=Cost(0.25, 0.2, 1234, 1e-9),
-        parameters={"hub_speed": 2.0, "step": None, "law": "energetic", "nested": {"friction": 0.1}},
-    )
-
-
-def test_relative_motion(trajectory: Trajectory):
-    # Differences of numbers near 1: a few roundings.
-    np.testing.assert_allclose(trajectory.relative_angle, -0.5 + 3.0 * trajectory.time, atol=1e-15)
-    np.testing.assert_allclose(trajectory.retraction, 0.5 - 3.0 * trajectory.time, atol=1e-15)
-    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, 2])
-    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, 2])
-    np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
-    np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
+    """A run in closed form, of no tool that it knows."""
+    events = (Event("bar touch", 1e-4), Event("bar release", 1.5e-4), Event("bar touch", 2e-4), Event("strike", 1.4e-3))
+    run = make_trajectory(events=events)
+    on_bar = dataclasses.replace(run.contacts[0], obstacle="bar", time=1e-4)
+    return dataclasses.replace(run, contacts=(on_bar, *run.contacts, run.contacts[0]))
 
 
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
     """A whole pass of the default tool."""
     return simulate(Tool())
+
+
+def test_relative_motion(trajectory: Trajectory):
+    # Differences of numbers near 1: a few roundings.
+    np.testing.assert_allclose(trajectory.retraction, -trajectory.relative_angle, atol=1e-15)
+    np.testing.assert_allclose(trajectory.relative_angle, trajectory.angles[:, 0] - trajectory.hub_angle, atol=1e-15)
+    np.testing.assert_allclose(trajectory.relative_rate, trajectory.rates[:, 0] - 261.8, rtol=1e-15)
+    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, -1])
+    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, -1])
+    np.testing.assert_array_equal(trajectory.total_energy, trajectory.kinetic_energy + trajectory.potential_energy)
 
 
 def test_a_run_is_summarized_in_five_lines(run: Trajectory):
@@ -97,14 +53,15 @@ def test_a_run_is_summarized_in_five_lines(run: Trajectory):
 
 def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajectory):
     page = ET.fromstring(run._repr_html_())
-    drawing = page.find(".//{*}svg")
-    circles = [float(each.attrib["r"]) for each in page.iter("{http://www.w3.org/2000/svg}circle")]
-    assert drawing is not None
+    circles = [float(each.attrib["r"]) for each in page.iter(f"{SVG}circle")]
     assert circles == pytest.approx([Tool().hub.radius, Bar().radius], rel=1e-5)  # six digits
-    path = next(page.iter("{http://www.w3.org/2000/svg}polyline")).attrib["points"].split()
+    path = next(page.iter(f"{SVG}polyline")).attrib["points"].split()
     assert [float(each) for each in path[0].split(",")] == pytest.approx(run.tip[0], rel=1e-5)  # six digits
-    # What was not a tool still shows its path.
+    # A run of no tool still shows its path, and a tool without bar and workpart its hub and wire.
     assert "polyline" in trajectory._repr_html_()
+    bare = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
+    assert (bare.count("<circle"), "<line" in bare) == (1, False)
+    assert run.plot()._repr_png_().startswith(b"\x89PNG")  # matplotlib's own way needs pyplot
 
 
 def test_the_tool_is_known_to_its_run(run: Trajectory, trajectory: Trajectory):
@@ -115,28 +72,20 @@ def test_the_tool_is_known_to_its_run(run: Trajectory, trajectory: Trajectory):
         _ = trajectory.tool
 
 
-def test_a_dataframe_has_a_column_for_each_quantity(run: Trajectory):
-    frame = run.to_dataframe()
+def test_tables_hold_every_sample_with_its_unit(run: Trajectory):
+    columns, frame, table = run.columns(), run.to_dataframe(), run.to_xarray()
+    assert all(len(column) == len(run.time) and name.endswith(")") for name, column in columns.items())
+    np.testing.assert_array_equal(columns["angle_1 (rad)"], run.angles[:, 0])
+    np.testing.assert_array_equal(columns["tip_y (m)"], run.tip[:, 1])
     assert list(frame["time"]) == run.time.tolist()
     assert frame.attrs["units"]["rate_1"] == "rad/s"
     assert set(frame.attrs["units"]) == set(frame.columns)
-
-
-def test_a_dataset_can_be_interpolated_in_time(run: Trajectory):
-    table = run.to_xarray()
+    # Chains of instants in common are moved by a few doubles, so that a time is one of the table's.
     assert np.all(np.diff(table["time"].values) > 0.0)
-    # Chains of instants in common are moved by a few doubles.
     np.testing.assert_allclose(table["time"], run.time, rtol=1e-15)
     assert table["instant"].values.tolist() == run.time.tolist()
-    assert {variable.attrs.get("units") for variable in table.data_vars.values()} <= {
-        "s",
-        "rad",
-        "rad/s",
-        "m",
-        "m/s",
-        "J",
-        "N",
-    }
+    units = {variable.attrs.get("units") for variable in table.data_vars.values()}
+    assert units <= {"s", "rad", "rad/s", "m", "m/s", "J", "N"}
     middle = table.interp(time=0.5 * (run.time[3] + run.time[4]))
     assert float(middle["angle"].sel(link=1)) == pytest.approx(0.5 * (run.angles[3, 0] + run.angles[4, 0]), rel=1e-14)
     assert float(table["event_time"].sel(event="strike")) == run.event_time("strike")
@@ -149,58 +98,39 @@ def test_a_missing_library_is_named_with_its_remedy(run: Trajectory, library: st
         getattr(run, method)()
 
 
-def test_the_first_cell_of_a_notebook():
-    """A notebook asks the value that a cell returns for its picture; matplotlib's own way needs pyplot."""
-    pytest.importorskip("xarray")
-    run = simulate(Tool())
-    table = run.to_xarray().interp(time=[1e-3, 2e-3, 4e-3])
-    # Linear between samples h apart: rate h^2 |d2 rate/dt2|/8 off, some (2 pi/50)^2/8 = 2e-3 of the rates' range.
-    np.testing.assert_allclose(
-        table["rate"].sel(link=1), run.at([1e-3, 2e-3, 4e-3]).rates[:, 0], rtol=0.0, atol=5e-3 * np.ptp(run.rates)
-    )
-    assert run.plot()._repr_png_().startswith(b"\x89PNG")
+def test_events_and_contacts_are_found_by_name(trajectory: Trajectory):
+    assert trajectory.event_time("bar touch") == 1e-4
+    assert trajectory.event_time("bar touch", last=True) == 2e-4
+    assert trajectory.event_time("bar touch", last=True, before=1.9e-4) == 1e-4
+    assert trajectory.event_time("bar touch", last=True, before=2e-4) == 2e-4
+    for name, options in (("bar touch", {"before": 0.5e-4}), ("jam", {}), ("workpart not reached", {})):
+        assert trajectory.event_time(name, **options) is None
+    assert trajectory.first_contact("bar") is trajectory.contacts[0]
+    assert trajectory.first_contact("workpart") is trajectory.contacts[1]
+    assert trajectory.first_contact("wire") is None
 
 
-def test_events_are_found_by_name(trajectory: Trajectory):
-    assert trajectory.event_time("bar touch") == 0.1
-    assert trajectory.event_time("bar touch", last=True) == 0.2
-    assert trajectory.event_time("bar touch", last=True, before=0.19) == 0.1
-    assert trajectory.event_time("bar touch", last=True, before=0.2) == 0.2
-    assert trajectory.event_time("bar touch", before=0.05) is None
-    assert trajectory.event_time("jam") is None
-    assert trajectory.event_time("workpart not reached") is None
-
-
-@pytest.mark.parametrize(("name", "likely"), [("strik", "strike"), ("Strike", "strike"), ("bar relese", "bar release")])
-def test_unknown_event_is_refused_with_the_likely_name(trajectory: Trajectory, name: str, likely: str):
-    with pytest.raises(ValueError, match=rf"^name = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"):
-        trajectory.event_time(name)
+@pytest.mark.parametrize(
+    ("name", "likely"),
+    [("strik", "strike"), ("Strike", "strike"), ("bar relese", "bar release"), ("work part", "workpart")],
+)
+def test_an_unknown_name_is_refused_with_the_likely_one(trajectory: Trajectory, name: str, likely: str):
+    call = trajectory.first_contact if likely == "workpart" else trajectory.event_time
+    with pytest.raises(ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"):
+        call(name)
 
 
 def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp_path: Path):
+    """The advice names the friction of the obstacle that was touched last."""
     for reason in StopReason:
         assert reason.remedy
         assert "{" not in reason.advice("bar")
         stopped = dataclasses.replace(trajectory, stop_reason=reason)
         stopped.save(tmp_path / "run.npz")
         assert Trajectory.load(tmp_path / "run.npz").stop_reason is reason
-
-
-def test_the_advice_names_the_friction_of_the_obstacle_touched_last(trajectory: Trajectory):
-    stopped = dataclasses.replace(trajectory, stop_reason=StopReason.JAM)
-    assert stopped.stop_advice.startswith("less friction")
-    on_bar = dataclasses.replace(stopped, contacts=trajectory.contacts[:1])
-    assert on_bar.stop_advice.startswith("less bar_friction")
-
-
-def test_first_contact(trajectory: Trajectory):
-    assert trajectory.first_contact("workpart") is trajectory.contacts[1]
-    assert trajectory.first_contact("bar") is trajectory.contacts[0]
-    assert trajectory.first_contact("wire") is None
-    with pytest.raises(ValueError, match=r"^obstacle = 'bench': must be one of bar, workpart, wire$"):
-        trajectory.first_contact("bench")
-    with pytest.raises(ValueError, match=r"; did you mean 'workpart'\?$"):
-        trajectory.first_contact("work part")
+    jammed = dataclasses.replace(trajectory, stop_reason=StopReason.JAM)
+    assert jammed.stop_advice.startswith("less friction")
+    assert dataclasses.replace(jammed, contacts=trajectory.contacts[:1]).stop_advice.startswith("less bar_friction")
 
 
 def test_runs_are_equal_by_value(trajectory: Trajectory):
