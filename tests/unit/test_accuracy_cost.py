@@ -93,13 +93,12 @@ class TestCompliantContact:
 
 
 class TestMeasuring:
-    @staticmethod
-    def point(method, error, cpu_s, failure=""):
-        return Point("case", method, "setting", error, cpu_s, cpu_s, 1, failure)
-
-    def test_a_lucky_setting_does_not_count(self):
-        lucky = [self.point("a", 1e-9, 1.0), self.point("a", 1e-3, 2.0), self.point("a", 1e-7, 3.0)]
-        assert measure.cheapest(lucky, 1e-6).cpu_s == 3.0
+    def test_the_cheapest_is_within_the_target_with_all_finer_settings(self):
+        """A lucky setting does not count."""
+        found = ((1e-9, 1.0), (1e-3, 2.0), (1e-7, 3.0))
+        points = [Point("case", "a", "setting", error, cpu_s, cpu_s, 1, "") for error, cpu_s in found]
+        assert measure.cheapest(points, 1e-6).cpu_s == 3.0
+        assert measure.cheapest(points, 1e-8) is None
 
     def test_a_failure_is_shown_and_never_cheapest(self):
         def fail():
@@ -109,8 +108,7 @@ class TestMeasuring:
         assert point.failure == "stepped too far"
         assert measure.cheapest([point], 1e9) is None
         shown = json.loads(json.dumps(measure.plain(point), allow_nan=False))
-        assert shown["error"] is None
-        assert shown["cpu_s"] is None
+        assert (shown["error"], shown["cpu_s"]) == (None, None)
 
     def test_cpu_time_and_not_waiting_is_counted(self):
         def work():
@@ -126,46 +124,45 @@ class TestMeasuring:
         attempts = [Attempt(method, str(number), lambda: Run((), 0)) for method in "ab" for number in range(7)]
         kept = [(each.method, each.setting) for each in measure.thinned(attempts, 2)]
         assert kept == [("a", "0"), ("a", "4"), ("b", "0"), ("b", "4")]
-        assert measure.thinned(attempts, 7) == attempts
 
 
-class TestOurMethods:
-    def test_order_of_plain_steps(self):
-        attempts = own_methods.flight_attempts(FLIGHT)
-        coarse, fine = (
-            FLIGHT.error(attempt_named(attempts, "bristle_sim plain steps", f"steps={count}").run().values)
-            for count in (512, 1024)
-        )
-        # Asymptotic: the next order is below 1 % of the error at 512 steps.
-        assert math.log2(coarse / fine) == pytest.approx(1, abs=0.03)
+@pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
+def test_the_requested_accuracy_is_reached(accuracy):
+    run = attempt_named(own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
+    assert FLIGHT.error(run.values) < float(accuracy)
 
-    @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
-    def test_the_requested_accuracy_is_reached(self, accuracy):
-        run = attempt_named(own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
-        assert FLIGHT.error(run.values) < float(accuracy)
 
-    @pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
-    def test_the_energetic_law_is_exact(self, case):
-        run = attempt_named(own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
-        assert case.error(run.values) < 1e-13
+@pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
+def test_the_energetic_law_is_exact(case):
+    run = attempt_named(own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
+    assert case.error(run.values) < 1e-13
 
 
 class TestPeers:
     """Each tool's model is the same mechanism: it converges to the closed form, at its integrator's order."""
 
-    @pytest.mark.parametrize(("integrator", "order"), [("euler", 1), ("implicitfast", 1), ("rk4", 4)])
-    def test_mujoco_flight(self, integrator, order):
-        pytest.importorskip("mujoco")
-        attempts = peers.mujoco_flight(FLIGHT)
-        coarse, fine = (
-            FLIGHT.error(attempt_named(attempts, f"mujoco {integrator}", f"steps={count}").run().values)
-            for count in (64, 128)
-        )
-        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.06)
-        if order == 4:
-            best = attempt_named(attempts, "mujoco rk4", "steps=512").run()
+    @pytest.mark.parametrize(
+        ("method", "counts", "order", "within"),
+        [
+            # Asymptotic: the next order is below 1 % of the error at 512 plain steps, of some per cent at fewer.
+            ("bristle_sim plain steps", (512, 1024), 1, 0.03),
+            *(
+                (f"mujoco {name}", (64, 128), order, 0.06)
+                for name, order in (("euler", 1), ("implicitfast", 1), ("rk4", 4))
+            ),
+            ("exudyn rk44", (16, 32), 4, 0.06),
+        ],
+    )
+    def test_order_in_flight(self, method, counts, order, within):
+        package = method.split()[0]
+        pytest.importorskip(package)
+        flights = {"mujoco": peers.mujoco_flight, "exudyn": peers.exudyn_flight}
+        attempts = flights.get(package, own_methods.flight_attempts)(FLIGHT)
+        coarse, fine = (FLIGHT.error(attempt_named(attempts, method, f"steps={n}").run().values) for n in counts)
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=within)
+        if method == "mujoco rk4":
             # 512 steps leave 1e-12 of the method's own error, and the hub of finite inertia as much.
-            assert FLIGHT.error(best.values) < 1e-11
+            assert FLIGHT.error(attempt_named(attempts, method, "steps=512").run().values) < 1e-11
 
     def test_mujoco_pass_reaches_the_strike(self):
         pytest.importorskip("mujoco")
@@ -173,14 +170,6 @@ class TestPeers:
         run = attempt_named(peers.mujoco_pass(case), "mujoco rk4", "steps=2000").run()
         # A spring two steps stiff is 2e-3 of the pass soft, and what it keeps of that is a tenth.
         assert case.error(run.values) < 5e-4
-
-    def test_exudyn_flight(self):
-        pytest.importorskip("exudyn")
-        attempts = peers.exudyn_flight(FLIGHT)
-        coarse, fine = (
-            FLIGHT.error(attempt_named(attempts, "exudyn rk44", f"steps={n}").run().values) for n in (16, 32)
-        )
-        assert math.log2(coarse / fine) == pytest.approx(4, abs=0.06)
 
     def test_heyoka_flight(self):
         pytest.importorskip("heyoka")
@@ -194,14 +183,11 @@ class TestPeers:
         attempts = peers.exudyn_flight(FLIGHT)
         coarse, fine = (attempt_named(attempts, "exudyn dopri5", f"rtol={each}").run() for each in ("1e-05", "1e-10"))
         assert coarse.steps < fine.steps
-        # An order-5 pair usually stays within its tolerance.
-        assert FLIGHT.error(fine.values) < 1e-9
+        assert FLIGHT.error(fine.values) < 1e-9  # an order-5 pair usually stays within its tolerance
 
-
-class TestMissingPeers:
     @pytest.mark.parametrize("name", ["mujoco", "exudyn", "heyoka"])
     def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
-        """Installed, but built for another machine: its import fails, and the study goes on without it."""
+        """Installed, but built for another machine: its import fails, and the study goes on without it, unlike our own."""
         (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")
         monkeypatch.syspath_prepend(str(tmp_path))
         monkeypatch.delitem(sys.modules, name, raising=False)
@@ -209,7 +195,6 @@ class TestMissingPeers:
         assert study._offered(name, study.FLIGHT[name], FLIGHT, missing) == []
         assert missing == {name: "installed, but ImportError: lib.so: wrong ELF class"}
 
-    def test_our_own_failure_is_no_missing_peer(self):
         def fail(_):
             raise ImportError("pymunk")
 
@@ -217,43 +202,24 @@ class TestMissingPeers:
             study._offered("bristle_sim", fail, FLIGHT, {})
 
 
-class TestEffects:
-    def test_what_is_not_called_for_is_not_there(self):
-        rows = effects.steps(Effort("quick"))
-        held = {row.effect: row.holds for row in rows}
-        assert held["bare: hub and bristle"] == held["gravity"] == "2 bodies, 1 constraints, 0 shapes"
-        assert held["belt"] == held["belt, damped"] == "2 bodies, 2 constraints, 0 shapes"
-        # Nothing is in touch.
-        assert held["bar"] == held["bar with friction"] == "2 bodies, 1 constraints, 0 shapes"
-        assert held["all of them"] == "2 bodies, 2 constraints, 0 shapes"
-        assert rows[0].ratio == 1.0
+def test_absent_effects_cost_nothing_in_the_engine():
+    rows = effects.steps(Effort("quick"))
+    present = {row.effect: row.holds for row in rows}
+    assert present["bare: hub and bristle"] == present["gravity"] == "2 bodies, 1 constraints, 0 shapes"
+    assert present["belt"] == present["belt, damped"] == "2 bodies, 2 constraints, 0 shapes"
+    # Nothing is in touch.
+    assert present["bar"] == present["bar with friction"] == "2 bodies, 1 constraints, 0 shapes"
+    assert present["all of them"] == "2 bodies, 2 constraints, 0 shapes"
+    assert rows[0].ratio == 1.0
 
 
-@pytest.fixture(scope="module")
-def report():
-    return accuracy_cost(Effort("quick", "none"))
-
-
-class TestStudy:
-    def test_curves_of_all_cases(self, report):
-        curves = json.loads(json.dumps(report.extra, allow_nan=False))["curves"]
-        assert {row["case"] for row in curves} == {"release_flight", "strike", "double_pendulum", "whole_pass"}
-        assert all(row["method"].startswith("bristle_sim ") for row in curves)
-        assert all({"case", "method", "setting", "error", "cpu_s", "steps"} <= set(row) for row in curves)
-        assert not [row for row in curves if row["failure"]]
-
-    def test_requested_errors_are_met(self, report):
-        errors_found = [row for row in report.quantities if row.name.endswith("error_over_accuracy")]
-        assert len(errors_found) == 4
-        assert all(row.ok for row in errors_found)
-
-    def test_times_are_in_seconds(self, report):
-        """As every number of the JSON document is in SI units; and equal to the point's own."""
-        rows = {row.name: row for row in report.quantities if "_cpu_" in row.name}
-        (law,) = (
-            row
-            for row in report.extra["curves"]
-            if row["method"] == "bristle_sim energetic" and row["case"] == "strike"
-        )
-        assert {row.unit for row in rows.values()} == {"s"}
-        assert rows["strike_cpu_energetic"].simulated == law["cpu_s"]
+def test_the_study_has_curves_of_all_cases_meets_the_requested_errors_and_counts_seconds():
+    report = accuracy_cost(Effort("quick", "none"))
+    curves = json.loads(json.dumps(report.extra, allow_nan=False))["curves"]
+    assert {row["case"] for row in curves} == {"release_flight", "strike", "double_pendulum", "whole_pass"}
+    assert all(row["method"].startswith("bristle_sim ") and not row["failure"] for row in curves)
+    assert [row.ok for row in report.quantities if row.name.endswith("error_over_accuracy")] == [True] * 4
+    times = {row.name: row for row in report.quantities if "_cpu_" in row.name}
+    (law,) = (row for row in curves if (row["method"], row["case"]) == ("bristle_sim energetic", "strike"))
+    assert {row.unit for row in times.values()} == {"s"}
+    assert times["strike_cpu_energetic"].simulated == law["cpu_s"]
