@@ -8,7 +8,7 @@ import pytest
 
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import cubics, pieces
+from bristle_sim.studies.contact_course import pieces
 from bristle_sim.studies.force_comparison import force_comparison
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
@@ -33,14 +33,6 @@ def report(history=None, measurement=None, friction=0.31, hub=None):
 
 def row(found, name):
     return next(each for each in found.quantities if each.name == name)
-
-
-def test_a_course_jumps_where_an_instant_is_sampled_twice():
-    course = cubics(np.array([0.0, 1.0, 1.0, 1.0, 3.0]), np.array([0.0, 1.0, 7.0, 5.0, 5.0]))
-    # 1/2 on the ramp and 5 (3 - 1) behind the jump; the lone sample between has no duration.
-    assert course.integrate(0.0, 3.0) == pytest.approx(10.5, rel=1e-14)
-    assert course.integrate(0.5, 2.0) == pytest.approx(0.375 + 5.0, rel=1e-14)
-    assert course(np.array([0.0, 0.5, 1.0, 3.0])) == pytest.approx([0.0, 0.5, 5.0, 5.0])
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 0.31])
@@ -180,8 +172,9 @@ def points_of(curve, path, *, before=0, after=0, origin=0.0, baseline=0.0, step=
     return Measurement(str(path))
 
 
-@pytest.mark.parametrize("sides", [{}, {"before": 100}, {"before": 500, "after": 700, "baseline": 8.0}])
-@pytest.mark.parametrize("origin", [0.0, 1e-4, 0.01, 1.0])
+@pytest.mark.parametrize(
+    ("origin", "sides"), [(0.0, {}), (1.0, {"before": 100}), (0.01, {"before": 500, "after": 700, "baseline": 8.0})]
+)
 def test_a_file_on_another_clock_gives_the_same_contact(tmp_path, origin, sides):
     found = report(measurement=points_of(BRISTLE, tmp_path / "scope.csv", origin=origin, **sides))
     # (3.19) to 50 us, and the 3e-4 by which its printed offset is not (3.3)'s.
@@ -204,12 +197,11 @@ def test_a_force_of_the_opposite_sign_is_a_push_all_the_same(tmp_path):
         def __call__(self, time):
             return -BRISTLE(time)
 
-    for sides in ({"before": 100}, {"before": 300, "after": 200, "baseline": 3.0, "noise": 0.5}):
-        found = report(measurement=points_of(Pulled(), tmp_path / "pulled.csv", **sides))
-        # Noise of 0.5 N on a hundred points: five of its standard deviations in the fit, of 57 N.
-        assert row(found, "peak_force").theory == pytest.approx(56.88, rel=0.01)
-        assert any("opposite sign" in line for line in found.remarks)
-    assert not any("opposite sign" in line for line in report().remarks)
+    noisy = {"before": 300, "after": 200, "baseline": 3.0, "noise": 0.5}
+    found = report(measurement=points_of(Pulled(), tmp_path / "pulled.csv", **noisy))
+    # Noise of 0.5 N on a hundred points: five of its standard deviations in the fit, of 57 N.
+    assert row(found, "peak_force").theory == pytest.approx(56.88, rel=0.01)
+    assert any("opposite sign" in line for line in found.remarks)
 
 
 class Shape:
@@ -233,38 +225,20 @@ FORMS = {
 }
 
 
-@pytest.mark.parametrize("noise", [0.0, 1.0])
 @pytest.mark.parametrize("form", FORMS)
-def test_a_force_of_another_form_is_told_from_the_curves(tmp_path, form, noise):
+def test_a_force_of_another_form_is_distinguished_from_the_curves(tmp_path, form):
     """A half sine differs from (3.3) by 0.027 of its peak, Hertz's form by 0.003, the others by far more than 0.05."""
     shape, like = FORMS[form]
-    found = report(measurement=points_of(Shape(shape), tmp_path / "form.csv", before=100, after=100, noise=noise))
+    found = report(measurement=points_of(Shape(shape), tmp_path / "form.csv", before=100, after=100, noise=1.0))
     assert all(each.ok is not False for each in found.quantities if each.name.startswith("fit")) is like
     if like:
         assert row(found, "fitted_impulse").ok
-        # 2/pi of the peak times the duration for a half sine.
+        # 2/pi of the peak times the duration for a half sine; noise of 1 N of 57.
         whole = np.trapezoid(shape(np.linspace(0.0, 1.0, 10001)), dx=1e-8) * 57.0
-        assert row(found, "fitted_impulse").reference == pytest.approx(whole, rel=0.01 + 0.02 * noise)
+        assert row(found, "fitted_impulse").reference == pytest.approx(whole, rel=0.03)
 
 
 @pytest.mark.parametrize("key", ["time_column", "force_column", "force_per_volt"])
 def test_what_describes_a_file_needs_one(key):
     with pytest.raises(ValueError, match=f"^{key} = .*: must be given with force_csv"):
         Measurement(**{key: 2.0 if key == "force_per_volt" else "2"})
-
-
-@pytest.mark.parametrize(
-    ("settings", "line"),
-    [
-        ({"force_column": " "}, "^force_column = ' ': must be the heading"),
-        ({"force_column": "volts"}, "^force_csv = .*: force_column = 'volts': must be"),
-        ({"force_per_volt": 0.0}, "^force_per_volt = 0: must be positive"),
-        ({"force_per_volt": math.nan}, "^force_per_volt = nan: "),
-        ({"force_per_volt": 2.0}, "^force_csv = .*: force_per_volt must not be given"),
-    ],
-)
-def test_descriptions_that_do_not_fit_the_file(tmp_path, settings, line):
-    path = tmp_path / "points.csv"
-    path.write_text("t (s),F (N)\n0,0\n1,1\n2,1\n3,0\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=line):
-        report(measurement=Measurement(str(path), **settings))
