@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Tool
 from bristle_sim import simulate
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Event, Trajectory
 from swinging_bristle import make_trajectory
