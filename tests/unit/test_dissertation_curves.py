@@ -85,7 +85,7 @@ def test_points_lie_on_their_curves(figures):
             curves = [curve for curve in figure.panels[0].curves if curve.name != "bristle on its hub"]
             assert all(len(curve.points[law][0]) >= 4 for curve in curves for law in found)
         else:
-            assert set(found) <= {"printed", "motion", "table", "contact"}, number
+            assert set(found) <= {"printed", "motion", "table", "contact", "sampled"}, number
 
 
 @pytest.mark.parametrize(
