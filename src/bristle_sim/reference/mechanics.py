@@ -68,7 +68,9 @@ class Kinematics(NamedTuple):
 class Chain:
     """The links, springs and hub of one or several wires as plain numbers, SI units; arrays over the links.
 
-    ``before`` has a 1 in row k and column i where link k is before link i on its wire; ``first`` tells which links begin one.
+    ``before`` has a 1 in row k and column i where link k is before link i on its wire, ``first`` where a link begins one;
+    ``apart`` takes the links' angles to each one's less that of the link before it.
+    ``tips`` are the pieces that end at a wire's tip, ``corners`` those whose end can touch a flat surface: before a knee too.
     """
 
     speed: float
@@ -85,8 +87,12 @@ class Chain:
     damping: Array
     products: Complexes
     moments: Complexes
-    before: Array
-    first: NDArray[np.bool_]
+    inertia_matrix: Array
+    before: Complexes
+    first: Array
+    apart: Array
+    tips: frozenset[int]
+    corners: tuple[int, ...]
 
     @classmethod
     def of(cls, tool: Tool, *start_hub_angles: float) -> Chain:
@@ -96,7 +102,7 @@ class Chain:
         ends = np.tile([each[-1].end for each in cut], count)
         columns = zip(*(_mass(bristle, each) for each in cut), strict=True)
         masses, centres, inertias = (np.tile(column, count) for column in columns)
-        before = np.kron(np.eye(count), np.tri(links, k=-1).T).astype(float)
+        before = np.kron(np.eye(count), np.tri(links, k=-1).T)
         arms = before.T * ends + np.diag(centres)
         hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
         if links > 1:
@@ -104,7 +110,12 @@ class Chain:
             if zeta := bristle.bending_damping_ratio:
                 diameter, length, modulus = wire
                 damper = hinge_damping(bristle.mass, length, diameter, modulus, tool.belt.stiffness, zeta, links)
-        pieces = itertools.chain.from_iterable(cut)
+        lone = list(itertools.chain.from_iterable(cut))
+        pieces = [each._replace(link=each.link + links * number) for number in range(count) for each in lone]
+        tips = frozenset(range(len(lone) - 1, len(pieces), len(lone)))
+        bends = (
+            number for number, (one, two) in enumerate(itertools.pairwise(pieces)) if one.direction != two.direction
+        )
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
@@ -115,35 +126,23 @@ class Chain:
             inertias=inertias,
             ends=ends,
             centres=centres,
-            pieces=tuple(
-                each._replace(link=each.link + links * wire)
-                for wire, each in itertools.product(range(count), tuple(pieces))
-            ),
+            pieces=tuple(pieces),
             stiffness=np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count),
             damping=np.tile([tool.belt_damping] + [damper] * (links - 1), count),
             products=np.conj(arms).T @ (masses[:, None] * arms),
             moments=masses @ arms,
-            before=before,
-            first=np.tile(np.arange(links) == 0, count),
+            inertia_matrix=np.diag(inertias),
+            before=before.astype(complex),
+            first=np.tile(np.arange(links) == 0, count).astype(float),
+            apart=np.eye(count * links) - np.kron(np.eye(count), np.eye(links, k=1)),
+            tips=tips,
+            corners=tuple(sorted({*bends} | tips)),
         )
 
     @property
     def links(self) -> int:
         """Return the number of links of all wires."""
         return len(self.masses)
-
-    @property
-    def tips(self) -> tuple[int, ...]:
-        """Return the pieces that end at a wire's tip."""
-        after = [self.first[each.link] and each.start == 0 for each in self.pieces[1:]]
-        return tuple(number for number, begins in enumerate([*after, True]) if begins)
-
-    @property
-    def corners(self) -> tuple[int, ...]:
-        """Return the pieces whose end can touch a flat surface: those before a knee, and those at a tip."""
-        pairs = enumerate(itertools.pairwise(self.pieces))
-        bends = {number for number, (one, next_one) in pairs if one.direction != next_one.direction}
-        return tuple(sorted(bends | {*self.tips}))
 
     def hub_angle(self, time: Any) -> Any:
         """Return the hub's angle, psi_0 + omega t, rad, of the first wire."""
@@ -158,7 +157,7 @@ class Chain:
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
-        return np.asarray((np.conj(turn)[:, None] * self.products * turn).real + np.diag(self.inertias))
+        return np.asarray((np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix)
 
     def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
         """Return the generalized forces of inertia, belt, hinges and gravity, N m; turn is e^{i theta}."""
@@ -169,13 +168,11 @@ class Chain:
         torques = self.stiffness * self._twists(angles, self._hub_angles(time))
         if self.damping.any():
             torques += self.damping * self._twists(rates, self.speed)
-        springs = -torques
-        springs[:-1] += np.where(self.first[1:], 0.0, torques[1:])
-        return np.asarray(inertia + springs)
+        return np.asarray(inertia - torques @ self.apart.T)
 
     def _twists(self, values: Array, hub: Any) -> Array:
         """Return each link's value less that of the link before it, or the hub's."""
-        return np.asarray(values - np.where(self.first, hub, np.roll(values, 1, axis=-1)))
+        return np.asarray(values @ self.apart - hub * self.first)
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
@@ -191,7 +188,7 @@ class Chain:
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
         """Return d(velocity along a direction)/d(theta') of the point at ``arm`` (in the plane) from a link's joint."""
-        row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link]
+        row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link].real
         row[link] = (np.conj(direction) * 1j * arm).real
         return np.asarray(row)
 
@@ -224,8 +221,7 @@ class Chain:
         The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
         stiffness against mass), the highest rate of its damping, and the hub's speed.
         """
-        twists = self._twists(np.eye(self.links), 0.0).T
-        spring, damper = (twists.T @ (each[:, None] * twists) for each in (self.stiffness, self.damping))
+        spring, damper = ((self.apart * each) @ self.apart.T for each in (self.stiffness, self.damping))
         field = self.masses.sum() / self.first.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
         inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
         squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import time as clock
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
-from bristle_sim.units import quantity, validate
+from bristle_sim.units import ANY, quantity, validate
 
 METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
 
@@ -33,21 +34,22 @@ MOST_SAMPLES = 2e6
 LONGEST = 1e5  # radians of the fastest motion that a run may last
 
 
+requested = functools.partial(quantity, source="requested", usual=ANY)
+
+
 @dataclass(frozen=True, slots=True)
 class Request:
     """What was requested, checked."""
 
-    start_hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad", "", "requested")
-    start_relative_angle: float = quantity(
-        0.0, "-1.57 <= start_relative_angle <= 1.57 rad", "", "requested: within a quarter turn"
-    )
-    start_relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s", "", "requested")
-    hub_turn: float = quantity(1.0, "0 < hub_turn <= 1e6 rad", "", "requested")
-    duration: float | None = quantity(None, "0 < duration <= 1e9 s", "", "requested")
-    accuracy: float = quantity(1e-10, "1e-12 <= accuracy <= 0.1", "", "requested")
-    sample_interval: float | None = quantity(None, "0 < sample_interval <= 1e9 s", "", "requested")
-    contact_stiffness: float | None = quantity(None, "0 < contact_stiffness <= 1e20 N/m", "", "requested")
-    bar_stiffness: float | None = quantity(None, "0 < bar_stiffness <= 1e20 N/m", "", "requested")
+    start_hub_angle: float = requested(0.0, "-1e6 <= start_hub_angle <= 1e6 rad")
+    start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
+    start_relative_rate: float = requested(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s")
+    hub_turn: float = requested(1.0, "0 < hub_turn <= 1e6 rad")
+    duration: float | None = requested(None, "0 < duration <= 1e9 s")
+    accuracy: float = requested(1e-10, "1e-12 <= accuracy <= 0.1")
+    sample_interval: float | None = requested(None, "0 < sample_interval <= 1e9 s")
+    contact_stiffness: float | None = requested(None, "0 < contact_stiffness <= 1e20 N/m")
+    bar_stiffness: float | None = requested(None, "0 < bar_stiffness <= 1e20 N/m")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:

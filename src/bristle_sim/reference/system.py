@@ -12,7 +12,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, WirePairs, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
-from bristle_sim.reference.mechanics import Chain, Kinematics
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
@@ -94,6 +94,11 @@ class Instant:
         self._gaps: dict[str, Array] = {}
 
     @cached_property
+    def turn(self) -> Complexes:
+        """Directions of the links, e^{i theta}."""
+        return np.asarray(np.exp(1j * self.state.angles))
+
+    @cached_property
     def motion(self) -> Kinematics:
         """Kinematics of the links."""
         return self.system.chain.kinematics(*self.state)
@@ -101,12 +106,12 @@ class Instant:
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, kg m^2."""
-        return self.system.chain.mass_matrix(self.motion.turn)
+        return self.system.chain.mass_matrix(self.turn)
 
     @cached_property
     def forces(self) -> Array:
         """Generalized forces without contacts, N m."""
-        return self.system.chain.forces(*self.state, self.motion.turn)
+        return self.system.chain.forces(*self.state, self.turn)
 
     def touch(self, point: Point) -> Touch:
         """Return the kinematics of a contact."""
