@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -35,11 +35,8 @@ g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the ang
 class Effects:
     """What acts in a scene besides its links, in engine units; None, 0 and () leave an effect out altogether.
 
-    Attributes:
-        stiffness, damping: of the torsion spring between hub and first link.
-        gravity: along -y.
-        obstacles: pairs of a link and what it can touch.
-        hinges: (stiffness, damping) of a torsion spring at each joint between two links of a wire, straight at rest.
+    ``stiffness`` and ``damping`` are those of the torsion spring between hub and first link, ``hinges`` (stiffness, damping)
+    of one at each joint between two links of a wire, straight at rest. Gravity acts along -y.
     """
 
     stiffness: float | None = None
@@ -53,11 +50,8 @@ class Scene:
     """A mechanism in a pymunk space.
 
     Attributes:
-        mechanism, effects: what was built.
-        hub: the kinematic body that carries the root, or None.
-        links: the dynamic bodies, in order from the root.
-        joints: the pivots they hang on.
-        step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
+        hub, links, joints: the kinematic body that carries the roots, or None; the dynamic ones from the root; their pivots.
+        engine: takes the steps; ``step`` is its way to take steps of one length.
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
         placed: the state and the drift by which the bodies were placed last.
         turned: whole turns that the engine's angles leave out, rad.
@@ -80,13 +74,13 @@ class Scene:
             self.hub.angular_velocity = mechanism.hub_speed
             space.add(self.hub)
         self.links, self.joints = _add_links(space, mechanism, self.hub)
-        _add_springs(space, mechanism, effects, self.hub, self.links)
-        self._engine = _engine_steps(space, mechanism, effects, self.hub, self.links, self.joints)
-        self.contacts = ContactShapes(space, mechanism, self.links, self._engine.set_iterations)
-        self._engine.set_iterations(self.contacts.in_flight)
+        _add_springs(self, space)
+        self.engine = _engine_steps(self, space)
+        self.contacts = ContactShapes(space, mechanism, self.links, self.engine.set_iterations)
+        self.engine.set_iterations(self.contacts.in_flight)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
-        self.step = self._engine.take
+        self.step = self.engine.take
 
     def place(self, state: State, drift: float = 0.0) -> None:
         """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
@@ -94,7 +88,7 @@ class Scene:
         self.placed = (state, drift)
         if again:
             # Repetitions of one interval all start from one state.
-            self._engine.place(None)
+            self.engine.place(None)
             return
         values: list[float] = []
         if self.hub is not None:
@@ -105,34 +99,25 @@ class Scene:
         for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
             (x, y), (u, v) = pose.centre, pose.centre_velocity
             values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
-        self._engine.place(values)
+        self.engine.place(values)
 
     @property
     def space(self) -> pymunk.Space:
         """The pymunk space."""
-        return self._engine.space
+        return self.engine.space
 
     @property
     def steps(self) -> int:
         """Engine steps taken so far."""
-        return self._engine.steps
-
-    @property
-    def work(self) -> int:
-        """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
-        return self._engine.work
+        return self.engine.steps
 
     def angles(self) -> list[float]:
         """Return those of the links as they are in the engine, rad, less ``turned``."""
-        return self._engine.angles()
+        return self.engine.angles()
 
     def rates(self) -> list[float]:
         """Return those of the links as they are in the engine."""
-        return self._engine.rates()
-
-    def warm_up(self, length: float) -> None:
-        """Take an engine step and put the bodies back."""
-        self._engine.warm_up(length)
+        return self.engine.rates()
 
     @property
     def connected(self) -> Connected:
@@ -147,27 +132,13 @@ class Scene:
         return self.contacts.in_flight < MOST_ITERATIONS
 
     @property
-    def solves_contacts(self) -> bool:
-        """Whether sustained contacts are solved for with the joints, rather than left to the engine's own contact."""
-        return type(self._engine) is not EngineSteps
-
-    @property
     def joint_solver(self) -> WireVelocities:
-        """The solver of joints and sustained contacts."""
-        return cast("WireSteps", self._engine).joint_solver
+        """The solver of joints and sustained contacts of several links."""
+        return cast("WireSteps", self.engine).joint_solver
 
     def hold(self, contacts: Sequence[Held]) -> None:
         """Have sustained contacts of several links solved for in the engine's steps from now on."""
-        cast("WireSteps", self._engine).hold(contacts)
-
-    def release(self) -> None:
-        """Let nothing touch any more."""
-        self.contacts.release()
-
-    @property
-    def step_symmetrically(self) -> Callable[..., list[float]] | None:
-        """Takes steps symmetric in time, from bodies placed half a step early; None where the engine solves the joints."""
-        return self._engine.take_symmetric
+        cast("WireSteps", self.engine).hold(contacts)
 
     def correct_joints(self, *, completely: bool) -> None:
         """Have the joints closed at every step, or leave them alone."""
@@ -177,23 +148,17 @@ class Scene:
             joint.error_bias = 0.0 if completely else 1.0
 
 
-def _engine_steps(
-    space: pymunk.Space,
-    mechanism: Mechanism,
-    effects: Effects,
-    hub: pymunk.Body | None,
-    links: Sequence[pymunk.Body],
-    joints: Sequence[pymunk.Constraint],
-) -> EngineSteps:
+def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     """Return the object that takes the engine's steps; of several links it also solves joints, damping and contacts."""
+    mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
     if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
-        return EngineSteps(space, hub, links, joints)
+        return EngineSteps(space, *bodies)
     from bristle_sim.scene.contact.solver import WireSteps
 
     belt = effects.damping if effects.stiffness is not None else 0.0
-    hinges = effects.hinges or ((0.0, 0.0),) * len(links)
+    hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
     damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
-    return WireSteps(space, mechanism, damping, hub, links, joints, bending=bool(effects.hinges))
+    return WireSteps(space, mechanism, damping, *bodies, bending=bool(effects.hinges))
 
 
 def _add_links(
@@ -215,23 +180,18 @@ def _add_links(
     return bodies, joints
 
 
-def _add_springs(
-    space: pymunk.Space,
-    mechanism: Mechanism,
-    effects: Effects,
-    hub: pymunk.Body | None,
-    links: Sequence[pymunk.Body],
-) -> None:
+def _add_springs(scene: Scene, space: pymunk.Space) -> None:
     """Add the belt of every wire, and a torsion spring at each hinge.
 
     They come after the joints: damping then sees velocities that the joints have settled, not what their warm start left of
     an earlier step, and stays smooth in the step.
     """
-    size = mechanism.wire_links
-    if hub is not None and effects.stiffness is not None:
-        for wire, link in enumerate(links[::size]):
-            space.add(pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping))
-    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
+    mechanism, effects, size = scene.mechanism, scene.effects, scene.mechanism.wire_links
+    if scene.hub is not None and effects.stiffness is not None:
+        for wire, link in enumerate(scene.links[::size]):
+            spring = (wire * mechanism.pitch, effects.stiffness, effects.damping)
+            space.add(pymunk.DampedRotarySpring(scene.hub, link, *spring))
+    joints = [pair for number, pair in enumerate(itertools.pairwise(scene.links), 1) if number % size]
     if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(
             f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
@@ -244,10 +204,9 @@ def _add_springs(
 def _flight_iterations(links: Sequence[Link]) -> int:
     """Return the number of iterations that solve the joints to rounding.
 
-    The joints at the ends of a link share its response, most of it along a straight chain: 1/m of a link of mass m joins two
-    joints, each of which yields by the sum of it and that of its other link, the root's by its one link alone. Of the matrix
-    with these entries, divided by the roots of its diagonal, an iteration (Gauss and Seidel's) leaves the square of the
-    largest eigenvalue of what is off the diagonal: 1/(1 + r) for two links, r being the first one's mass over the second's.
+    1/m of a link of mass m joins two joints, each of which yields by the sum of it and that of its other link, the root's by
+    its one link alone. Of the matrix with these entries, divided by the roots of its diagonal, an iteration (Gauss and
+    Seidel's) leaves the square of the largest eigenvalue of what is off the diagonal.
     """
     if len(links) == 1:
         return 1

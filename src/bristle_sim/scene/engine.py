@@ -40,13 +40,11 @@ Pusher = Callable[[Vector, Vector], None]
 class EngineSteps:
     """Places the bodies of a space, takes its steps, and counts them.
 
-    Attributes:
-        space: the space, with all its bodies, joints and shapes.
-        joints: pivots between them.
-        steps: engine steps taken so far.
-        work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
-        place: puts the bodies somewhere.
+    ``work`` are its steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
+    ``solves_contacts`` says whether sustained contacts are solved for with the joints, not left to the engine's own contact.
     """
+
+    solves_contacts = False
 
     def __init__(
         self,

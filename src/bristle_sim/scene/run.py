@@ -40,13 +40,13 @@ def run(
     Raises:
         ValueError: if the start overlaps an obstacle.
     """
-    budget = scene.work + plan.maximum_steps
+    budget = scene.engine.work + plan.maximum_steps
     progress = Progress(scene, start, stepper, plan, obstacles)
     motion, recording = _first_motion(progress), progress.recording
     while recording.stop_reason is None:
         if progress.state.time >= plan.end * (1.0 - 1e-15):
             progress.stop(StopReason.END)
-        elif scene.work >= budget:
+        elif scene.engine.work >= budget:
             progress.stop(StopReason.STEP_BUDGET)
         else:
             found = motion.integrate()
@@ -109,7 +109,7 @@ def _following(progress: Progress, sustained: Sequence[Sustained], separating: S
 def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
     """End sustained contacts, all or those of some obstacles, and record them."""
     progress = motion.progress
-    progress.scene.release()
+    progress.scene.contacts.release()
     for each in motion.sustained:
         if obstacles is None or each.obstacle in obstacles:
             record = each.record(progress.gaps, progress.state, outcome)
@@ -213,7 +213,7 @@ def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, *, rests:
         _release(motion, [each.obstacle for each in lasting if each.spring is None])
         lasting = [each for each in lasting if each.spring is not None]
     left = _least_opening_rate(progress, obstacle) if lone else math.inf
-    progress.scene.release()
+    progress.scene.contacts.release()
     try:
         record = _resolve(progress, obstacle, rests=rests or left <= LEAST_SLIP)
     except ValueError as error:

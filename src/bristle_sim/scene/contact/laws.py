@@ -180,7 +180,7 @@ class EngineLaw(ContactLaw):
         scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)
         scene.step(ENGINE_STEP, 1)
         impulse = scene.contacts.totals(obstacle)[:2]
-        scene.release()
+        scene.contacts.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
         velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity

@@ -169,7 +169,7 @@ class EngineContact(RigidContacts):
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback to run before each step; it notes the previous step's contact impulse."""
         if step != self._step:
-            self.scene.warm_up(step)
+            self.scene.engine.warm_up(step)
         if self._record is None:
             return super().begin(step)
         self._step = step
@@ -241,7 +241,7 @@ def rigid_contacts(
     scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool = True
 ) -> RigidContacts:
     """Return the contacts of a scene, by the engine or by the linear solve."""
-    kind = SolvedContacts if scene.solves_contacts else EngineContact
+    kind = SolvedContacts if scene.engine.solves_contacts else EngineContact
     return kind(scene, obstacles, slips, paired)
 
 

@@ -247,6 +247,8 @@ class WireVelocities:
 class WireSteps(EngineSteps):
     """Engine steps, each followed by a linear solve: always of wires that bend, of rigid links in sustained contact only."""
 
+    solves_contacts = True
+
     def __init__(
         self,
         space: pymunk.Space,

@@ -146,7 +146,7 @@ class Extrapolation:
 
     def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
-        symmetric = scene.step_symmetrically if load is None or load.symmetric else None
+        symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
         if (table := EVEN if symmetric else self._given) is not self.repetitions:
             self._use(table)
