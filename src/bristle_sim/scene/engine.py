@@ -17,9 +17,7 @@ import pymunk
 from bristle_sim.contact_space.engine_calls import ffi, lib
 from bristle_sim.scene.mechanism import Vector
 
-ITERATIONS_OF_A_STEP = 100
-"""Solver iterations that take as long as the rest of an engine step: measured, 35 ns each and 3 to 5 us a step with what
-Python does around it."""
+ITERATIONS_OF_A_STEP = 100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us
 
 LONGEST_WARM_RATIO, LONGEST_SINGLE_RATIO = 1e3, 2.0
 """Steps up to this many times as long as the one before start from its impulses; the rounding of impulses that are scaled
@@ -27,11 +25,8 @@ further would show. A step on its own bears less: the engine scales the impulse 
 it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
 step in turn would make it grow without bound."""
 
-LOG_SOLVED = math.log(1e-17)
-"""Iterations leave this fraction of the error: rounding."""
-
-MOST_ITERATIONS = 40_000
-"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
+LOG_SOLVED = math.log(1e-17)  # iterations leave this fraction of the error: rounding
+MOST_ITERATIONS = 40_000  # of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them
 
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""

@@ -17,9 +17,9 @@ Vector = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid link; ``centre``, ``tip`` and ``knees`` are seen from its joint when the link's angle is 0, along (0, -1).
+    """A rigid link, inertia about its centre of mass; engine units.
 
-    Engine units: mass, inertia about the centre of mass, lengths. ``knees`` are corners of its centre line before the tip.
+    ``centre``, ``tip`` and ``knees``, corners of its centre line, are seen from its joint when its angle is 0, along (0, -1).
     """
 
     mass: float

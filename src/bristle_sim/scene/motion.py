@@ -36,31 +36,20 @@ LONGEST_TURN = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
 
-BEYOND_RELEASE = 1.02
-"""Multiple of the time until a force is expected to vanish that the next interval takes: the release is within it then."""
-
-SHORTEST_CONTACT_INTERVAL = 1e-9
-"""Intervals shorter than this fraction of a contact with a spring mean that none is short enough: rounding exceeds the tolerance."""
-
-OVERDUE_DURATIONS = 10.0
-"""Durations after which a contact in the rigid-body limit, or a single one, is no impact: something presses the point on."""
-
-SHORTEST_SAMPLED = 2e-3
-"""Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
-
-CUBIC_RATE_ERROR = 0.1
-"""Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
+BEYOND_RELEASE = 1.02  # multiple of the time to an expected release that the next interval takes, to contain it
+SHORTEST_CONTACT_INTERVAL = 1e-9  # fraction of a contact with a spring in which rounding exceeds the tolerance
+OVERDUE_DURATIONS = 10.0  # after which a contact in the rigid-body limit is no impact: it is pressed on
+SHORTEST_SAMPLED = 2e-3  # shorter intervals are left to the cubic: its error falls with their third power
+CUBIC_RATE_ERROR = 0.1  # fraction of the requested error of the rate above which the middle alone is not enough
 
 
 class SmoothMotion:
     """One smooth motion of the links, up to the next change of contact.
 
     Attributes:
-        progress: of the run.
         sustained: contacts that last; ``ordered`` the rigid ones of them, ``springs`` those with springs.
         separating: pairs that have left each other but whose gaps are not open yet.
-        rigid: what keeps the rigid ones closed; None where there is none.
-        load: the forces of all contacts; None where there is none.
+        rigid, load: what keeps the rigid ones closed, and the forces of all; None where there are none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
         events: of the contacts, and of the motion as a whole.

@@ -17,8 +17,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
-MOST_GROWTH = 16.0
-"""Largest ratio of an interval after a contact to the one before it: a polynomial through the samples of both is accurate."""
+MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial through the samples of both is accurate
 
 SLOW_FRACTION = 1e-8
 """Fraction of the fastest point's speed below which an impact gets no restitution: ever smaller bounces would otherwise
@@ -27,13 +26,10 @@ follow each other without end within a finite time."""
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """When a run ends and how finely it is recorded; engine units.
+    """When a run ends, how accurate it is and how finely it is recorded; engine units.
 
     Attributes:
-        end: time at which the run stops.
-        accuracy: relative requested accuracy; sets how finely events are located.
         stop_after: name of an event that ends the run.
-        longest_interval: upper bound of the distance between samples.
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
@@ -88,12 +84,9 @@ class Progress:
     """What is common to the smooth motions of one run.
 
     Attributes:
-        scene, mechanism, flight, plan: the scene, its mechanism, the integrator of motion without springs, and the plan.
         state: the last state that was reached.
-        gaps: between links and what they can touch.
         obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
-        recording: samples, events and contacts so far.
-        stepper: the integrator of the present motion.
+        flight, stepper: the integrators of motion without springs and of the present motion.
         noise: rates and accelerations below this have no sign.
 
     Raises:

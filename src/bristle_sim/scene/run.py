@@ -28,8 +28,7 @@ from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
-MOST_IMPACTS_AT_ONCE = 64
-"""Impacts at one instant after which links are wedged, times the square of the number of contacts that pass them on."""
+MOST_IMPACTS_AT_ONCE = 64  # times the square of the number of contacts that pass them on; then links are wedged
 
 
 def run(

@@ -21,20 +21,11 @@ from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Declared, quantity, shown
 
-METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
-"""Say in a trajectory's parameters that the scene was simulated."""
-
-REST_PERIODS = 3.0
-"""Length of a run on a hub at rest, in the scene's periods."""
-
-RETRACTION_LIMIT = math.pi / 2.0
-"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
-
-OVERLAP_ROUNDING = 1e-11
-"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
-
-PLACE_KEYS = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
-"""Keys that say where an obstacle stands."""
+METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"  # names in a trajectory's parameters
+REST_PERIODS = 3.0  # length of a run on a hub at rest, in the scene's periods
+RETRACTION_LIMIT = math.pi / 2.0  # angle from the radial direction at which a bristle lies on the hub, rad
+OVERLAP_ROUNDING = 1e-11  # fraction of the bristle's length by which it may overlap an obstacle at the start
+PLACE_KEYS = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}  # where they stand
 
 
 @dataclass(frozen=True, slots=True)

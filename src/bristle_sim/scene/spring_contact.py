@@ -12,18 +12,14 @@ from bristle_sim.scene.contact.sustained import Outcome, Sustained
 from bristle_sim.scene.events.table import SpringChange, SpringEvent
 from bristle_sim.scene.motion import SmoothMotion, follow_bodies
 
-STOPS_TOGETHER = 1e-5
-"""Fraction of the approach with which slip and compression of one degree of freedom stop together."""
+STOPS_TOGETHER = 1e-5  # fraction of the approach with which slip and compression of one freedom stop together
 
 LEAST_UNLOADING = 1e-5
 """A contact is over with less than this fraction of its spring's unloading left where slip starts or stops: 1e-10 of its
 impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
 
-PROBED_FRACTION = 0.02
-"""Fraction of a contact over which the force that stick takes is extrapolated back to the instant at which slip stops."""
-
-CONE_ROUNDING = 1e-9
-"""Fraction of friction's limit by which rounding may lead the force in stick beyond it."""
+PROBED_FRACTION = 0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
+CONE_ROUNDING = 1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
 
 
 def begin_spring(motion: SmoothMotion, obstacle: Obstacle, spring: Spring) -> Sustained:

@@ -126,8 +126,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     )
 
 
-SLOWEST_RATE = 1e-300
-"""Rates below this, in rad/s, have no reciprocal to serve as a unit of time, and are small in that of this one."""
+SLOWEST_RATE = 1e-300  # rad/s; smaller ones have no reciprocal to serve as a unit of time
 
 
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
@@ -159,10 +158,7 @@ UNSOLVED = {
 def struck(
     scene: Scene, start: State, obstacle: WorkpartObstacle, settings: Settings
 ) -> tuple[State, ContactRecord, list[State]]:
-    """Carry a scene through one contact with an obstacle that it touches, by the obstacle's law.
-
-    Returns:
-        The state after the contact, its record, and the states at its samples.
+    """Carry a scene through a contact that it touches, by its law; return the state after it, its record, and its samples.
 
     Raises:
         ValueError: if a contact with a spring comes to no end.
@@ -182,12 +178,10 @@ def struck(
 
 @dataclass(frozen=True, slots=True)
 class WireStrike:
-    """A contact of a wire that bends, resolved in time, and its free motion afterwards; SI units.
+    """A contact of a wire that bends, with its history, and samples of the motion from the first touch on; SI units.
 
-    Attributes:
-        contact: from the first touch to the release, with its history.
-        time, angles, rates: samples from the first touch on, s, rad and rad/s, of each link in its own column.
-        centre_line: root, knee, joints and tip from the hub's centre, shape (samples, corners, 2), m.
+    Each link has a column of ``angles`` and ``rates``. ``centre_line`` is root, knee, joints and tip from the hub's centre,
+    shape (samples, corners, 2).
     """
 
     contact: ContactRecord
@@ -216,8 +210,7 @@ def strike_wire(
 
     Args:
         tool: with a workpart, whose surface passes through the wire's end; its bar is left out.
-        hub_angle: psi at the first touch, rad.
-        angles, rates: absolute angles and rates of the links then, rad and rad/s.
+        hub_angle, angles, rates: psi at the first touch, and absolute angles and rates of the links then, rad and rad/s.
         stiffness: of the contact in compression, N/m.
         settings: of the scene.
         duration: expected duration of the contact, s. Samples are at most a 24th of it apart, and the contact of a rigid bristle
@@ -274,11 +267,8 @@ def build_wire(
     return scene, units, _below(scene.mechanism, State(0.0, tuple(angles), (0.0,) * links), part)
 
 
-SMALL_ANGLE = 1e-8
-"""Angle of a link, rad, at which its mass matrix differs from that of the straight wire by 5e-17 of itself."""
-
-SHORT_STEP = 1e-8
-"""Length of the step from rest, in the scene's time units; the rates it gives are in proportion to it."""
+SMALL_ANGLE = 1e-8  # rad; the mass matrix differs from that of the straight wire by 5e-17 of itself
+SHORT_STEP = 1e-8  # from rest, in the scene's time units; the rates it gives are in proportion to it
 
 
 def wire_frequencies(tool: Tool) -> Array:

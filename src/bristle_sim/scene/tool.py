@@ -20,17 +20,10 @@ from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
-START = -math.pi / 2.0
-"""Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
-
-DEFAULT_ACCURACY = Settings().accuracy
-"""Accuracy of contacts resolved in time, where no run has another one."""
-
-SLOWEST_MOTION = 1e-100
-"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
-
-SHORTEST_PIECE = 1e-12
-"""Fraction of the wire's length below which a straight piece of a link is rounding: the knee is at the joint."""
+START = -math.pi / 2.0  # angle of the root at the start of a pass: 90 degrees before the workpart's normal
+DEFAULT_ACCURACY = Settings().accuracy  # of contacts resolved in time, where no run has another one
+SLOWEST_MOTION = 1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
+SHORTEST_PIECE = 1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
 
 
 class Units:
@@ -56,8 +49,7 @@ class Row(Declared):
     restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1", "", "requested")
 
 
-LONE = Row()
-"""One bristle."""
+LONE = Row()  # one bristle
 
 
 def tool_units(tool: Tool) -> Units:

@@ -19,24 +19,16 @@ if TYPE_CHECKING:
     from bristle_sim.scene.events.table import Change
     from bristle_sim.scene.progress import Progress
 
-SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12
-"""A bracket is an instant below this time, in the scene's unit, and this fraction of the interval that is searched."""
-
-LEAST_VALUE = 1e-10
-"""Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
-
-LOCATED_VALUE = 1e-3
-"""Fraction of the accuracy to which a change of sign is located, relative to the values at the interval's ends."""
-
-RATE_ROUNDING = 1e-13
-"""Rounding of the difference of two rates of which an acceleration is made."""
+SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12  # time, and fraction of the searched interval, of an instant
+LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
+LOCATED_VALUE = 1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
+RATE_ROUNDING = 1e-13  # of the difference of two rates of which an acceleration is made
 
 EXTREME_ERROR = 0.1
 """Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
 between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384 = 1 % of its amplitude."""
 
-ENDS_WITHOUT_EXTREME = 0.01
-"""Fraction of an interval from its ends within which no extreme is looked for: the function hardly moves there."""
+ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a function hardly moves
 
 
 class Interval(NamedTuple):
@@ -184,11 +176,8 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
     return interval._replace(end=part) if sense * function.value(part) < 0.0 else interval
 
 
-MOST_TRIALS = 110
-"""A smooth function takes three with a guess and six without; a jump is halved for the last digit of a double."""
-
-LEAST_PART = 1e-10
-"""Closest to the ends of the bracket that the root is looked for, as a fraction of it."""
+MOST_TRIALS = 110  # a smooth function takes three to six; a jump is halved for the last digit of a double
+LEAST_PART = 1e-10  # fraction of the bracket: closest to its ends that the root is looked for
 
 
 def locate(
@@ -237,17 +226,10 @@ def locate(
     return max(last, other)
 
 
-MOST_GUESSES = 4
-"""Two or three bring a touch that is found on the cubic of a whole interval to rounding."""
-
-ROUNDED_TOLERANCES = 10.0
-"""Tolerances within which the last guess must be, where rounding of many repetitions lets none come nearer."""
-
-SLOPE_SPAN = 1e-3
-"""Fraction of an interval over which a slope is taken on its cubic; a secant step makes up for its error."""
-
-GUESS_TOLERANCE = 1e-9
-"""To which a guess is located, relative; the cubic is not that good."""
+MOST_GUESSES = 4  # two or three bring a touch that is found on the cubic of a whole interval to rounding
+ROUNDED_TOLERANCES = 10.0  # within which the last guess must be, where rounding lets none come nearer
+SLOPE_SPAN = 1e-3  # fraction of an interval over which its cubic's slope is taken, before a secant step
+GUESS_TOLERANCE = 1e-9  # to which a guess is located, relative; the cubic is not that good
 
 
 def settle(

@@ -25,11 +25,8 @@ from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
-LEAST_GRIP = 1e-3
-"""With less, the force that keeps a contact closed grows beyond bounds: a jam."""
-
-LOCATED_VELOCITY = 0.1
-"""Fraction of an interval's error in velocity to which the events of a spring are located."""
+LEAST_GRIP = 1e-3  # with less, the force that keeps a contact closed grows beyond bounds: a jam
+LOCATED_VELOCITY = 0.1  # fraction of an interval's error in velocity to which a spring's events are located
 
 
 class Touch(NamedTuple):

@@ -24,30 +24,14 @@ CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety. In the
 same way h^4 w^3/384 bounds it for a rate of 1 that vibrates with the fastest rate w."""
 
-SHORTEST_ADVANCE = 1e-9
-"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the interval begins."""
-
-LEAST_ADVANCE = 1.0 / 8.0
-"""Least advance in a search, as a fraction of the interval; least values of the gap in between show in its slopes."""
-
-GAP_TOLERANCE = 1e-13
-"""Least gap to which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
-
-LOCATED_GAP = 1e-6
-"""Gap to which a touch is located, as a fraction of the accuracy: a slow approach makes more of it in time."""
-
-SHORTEST_INTERVAL = 1e-13
-"""An interval shorter than this fraction of the scene's time unit means that no interval is short enough. A motion of that
-fraction of the scene's length, too, is an instant."""
-
-MUCH_SHORTER = 0.25
-"""Fraction of an interval below which many repetitions give no more accuracy, but their weights more rounding."""
-
-LEAST_HOP = 1e-6
-"""Fraction of an interval within which a rebound that is shorter is taken for none."""
-
-MOST_HALVINGS = 40
-"""Bisections of a fraction of an interval down to rounding."""
+SHORTEST_ADVANCE = 1e-9  # time and length; a least gap sooner is the one at which the interval begins
+LEAST_ADVANCE = 1.0 / 8.0  # fraction of the interval; least values of the gap in between show in its slopes
+GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an extrapolated interval
+LOCATED_GAP = 1e-6  # to which a touch is located, over the accuracy: a slow approach makes more of it in time
+SHORTEST_INTERVAL = 1e-13  # in the scene's time units; none shorter is accurate. A motion of that length is an instant
+MUCH_SHORTER = 0.25  # fraction of an interval below which more repetitions bring rounding alone
+LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound is none
+MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
 
 Found = tuple[Advance, Touch | None]
 """The interval up to a touch, and the touch; or up to where a link comes nearest to an obstacle that it does not touch."""

@@ -21,24 +21,16 @@ from bristle_sim.scene.mechanism import State
 if TYPE_CHECKING:
     from bristle_sim.scene.contact.spring import ContactLoad
 
-PLACING_COST = 6.0
-"""Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
-
-ANGLE_ROUNDING = 4e-16
-"""Rounding of an angle of some radians; extrapolation weights amplify it."""
-
-LEAST_CORRECTED_STEP = 1e-6
-"""Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
+PLACING_COST = 6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
+ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
+LEAST_CORRECTED_STEP = 1e-6  # shorter steps, in time units, open joints by less than rounding matters
 
 
 class Advance(NamedTuple):
-    """Result of carrying a scene over an interval.
+    """Result of carrying a scene over an interval: the state at its end, the links' accelerations there, the sums of a load.
 
     Attributes:
-        state: at the end.
-        accelerations: of the links at the end (extrapolated) or over the last step (plain).
-        totals: sums of a load.
-        error: estimated error of the state, of angles in rad and of rates per time unit; 0 where there is no estimate.
+        error: estimated error of angles in rad and of rates per time unit; 0 where there is no estimate.
         failed: the load could not act as it should; the rest of the result is then of no use.
         errors: estimated error after each repetition by its number, where a stepper repeats the interval.
     """
@@ -61,15 +53,12 @@ class Advance(NamedTuple):
 
 
 class Repetitions:
-    """Numbers of steps in which an interval is repeated, with what extrapolating their results takes.
+    """Numbers of steps in which an interval is repeated, and the weights that extrapolate the results up to each repetition.
 
     Attributes:
-        counts: steps in each repetition.
         costs: of the repetitions up to each one, in engine steps.
-        weights: that extrapolate the results up to each one to zero step.
-        first_order: such weights for results whose error has all powers of the step.
+        weights, first_order: for results whose error is a polynomial in a power of the step, and in the step itself.
         differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
-        power: of the step in which the error is a polynomial.
         noise: rounding that the weights make of that of an angle.
     """
 
@@ -91,38 +80,23 @@ def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ..
     return tuple(math.prod(n**power / (n**power - other**power) for other in counts if other != n) for n in counts)
 
 
-CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)
-"""Few steps for an order, for motion that is computed to rounding."""
-
-WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)
-"""Small weights, for stiff contacts whose forces carry the rounding of a small penetration."""
-
-EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)
-"""Steps symmetric in time; an odd number of them has an error of its own."""
-
-LEAST_ROWS = 4
-"""Repetitions to begin with."""
-
-LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]
-"""Rounding of an interval, of angles in rad and rates per time unit; no interval is known to be more accurate."""
-
-CUT_SHORT = 0.25
-"""Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
+CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # few steps for an order
+WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)  # small weights, for forces with the rounding of a small penetration
+EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)  # symmetric in time; odd numbers have an error of their own
+LEAST_ROWS = 4  # repetitions to begin with
+LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]  # rounding of an interval: none is known to be more accurate
+CUT_SHORT = 0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
 
 
 class Extrapolation:
-    """Engine steps extrapolated to zero step, to a tolerance for each interval.
+    """Engine steps extrapolated to zero step, to a tolerance for each interval, relative to the ``scale`` of the motion.
 
-    Args:
-        tolerance: of the error of an interval, relative to ``scale``.
-        scale: size of the motion: angles in rad and rates per time unit.
-        repetitions: in how many steps an interval is repeated.
-        longest: bounds the intervals that follow from an error estimate, so that more accuracy than they need is not paid for;
-            the first one, and one that is stretched by a tenth to save a stub, may be longer.
+    ``longest`` bounds the intervals that follow from an error estimate, so that more accuracy than they need is not paid for;
+    the first one, and one that is stretched by a tenth to save a stub, may be longer.
 
     Attributes:
         noise: the error that an interval may have.
-        straightness: a link's tip is off the cubic through an interval's ends by the cubic's own error alone.
+        straightness: 0, as a link's tip is off the cubic through an interval's ends by the cubic's own error alone.
     """
 
     straightness = 0.0
@@ -213,11 +187,8 @@ class PlainSteps:
     In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
     such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
 
-    Attributes:
-        step: the length, engine units.
-        noise: the error of first order.
-        straightness: fraction of the length times the changes of the rates by which a link's tip may be off the cubic through
-            an interval's ends: twice a straight line's largest distance, as the engine goes straight on at the old rates.
+    ``straightness`` times the length and the changes of the rates bounds a link's tip off the cubic through an interval's
+    ends: twice a straight line's largest distance, as the engine goes straight on at the old rates.
     """
 
     straightness = 0.3
@@ -232,7 +203,7 @@ class PlainSteps:
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
-        """Take one engine step of the given length, in flight from where the bodies are if they were left there.
+        """Take one engine step, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.

@@ -109,8 +109,7 @@ LONGEST_PROBE = 0.3
 """Longest step of a probed acceleration, in the scene's time units and time constants of the engine's damping. Measured:
 rounding and what extrapolation leaves are then some 1e-12 both, times the rate of the damping."""
 
-PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)
-"""The steps are this many times shorter."""
+PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # its steps are this many times shorter
 
 PROBE_WEIGHTS = lagrange_weights(PROBES)
 
