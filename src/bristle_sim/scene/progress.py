@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.gaps import Gaps
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import LEAST_VALUE
@@ -88,9 +88,6 @@ class Progress:
         obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
         flight, stepper: the integrators of motion without springs and of the present motion.
         noise: rates and accelerations below this have no sign.
-
-    Raises:
-        ValueError: if the start overlaps an obstacle.
     """
 
     def __init__(
@@ -105,11 +102,6 @@ class Progress:
         damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
         self.noise = max(LEAST_VALUE, flight.noise * (1.0 + damping))
         self.sample()
-        for obstacle in self.obstacles:
-            if (gap := self.gaps.gap(obstacle, start)) < -GAP_ROUNDING:
-                raise ValueError(
-                    f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
-                )
 
     @property
     def slow(self) -> float:

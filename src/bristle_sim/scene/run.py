@@ -34,11 +34,7 @@ MOST_IMPACTS_AT_ONCE = 64  # times the square of the number of contacts that pas
 def run(
     scene: Scene, start: State, stepper: Stepper, plan: Plan, obstacles: Sequence[Obstacle] | None = None
 ) -> Recording:
-    """Run a scene from a state to the plan's end; ``obstacles`` are the pairs, those of the scene by default.
-
-    Raises:
-        ValueError: if the start overlaps an obstacle.
-    """
+    """Run a scene from a state to the plan's end; ``obstacles`` are the pairs, those of the scene by default."""
     budget = scene.engine.work + plan.maximum_steps
     progress = Progress(scene, start, stepper, plan, obstacles)
     motion, recording = _first_motion(progress), progress.recording
@@ -51,7 +47,7 @@ def run(
             found = motion.integrate()
             change = motion.up_to_first_event(found) if isinstance(found, Interval) else found
             motion = motion if change is None else _enter(motion, change)
-    _end(motion, str(recording.stop_reason))
+    _end(motion, str(recording.stop_reason), [each.obstacle for each in motion.sustained])
     return recording
 
 
@@ -74,7 +70,7 @@ def _touches(progress: Progress, obstacle: Obstacle) -> bool:
 
 def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
     """Return the motion that follows a change of contact."""
-    progress, sustained, separating = motion.progress, list(motion.sustained), list(motion.separating)
+    progress, sustained, separating = motion.progress, motion.sustained, motion.separating
     match change:
         case Touch():
             return _after_touch(motion, change)
@@ -87,11 +83,10 @@ def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
                 progress.obstacles[dent] = dented(progress.obstacles[dent], 0.0)
         case HandOver(obstacle, following):
             _end(motion, following.name, [obstacle])
-            sustained = [*(each for each in sustained if each.obstacle is not obstacle), Sustained(following)]
+            sustained = (*motion.sustained, Sustained(following))
         case Release(obstacles):
             _release(motion, obstacles)
-            sustained = [each for each in sustained if each.obstacle not in obstacles]
-            separating += obstacles
+            sustained, separating = motion.sustained, (*separating, *obstacles)
     return _following(progress, sustained, separating)
 
 
@@ -105,15 +100,14 @@ def _following(progress: Progress, sustained: Sequence[Sustained], separating: S
     return SmoothMotion(progress, first_interval, sustained, separating)
 
 
-def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
-    """End sustained contacts, all or those of some obstacles, and record them."""
+def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle]) -> None:
+    """End the sustained contacts of some obstacles, and record them."""
     progress = motion.progress
     progress.scene.contacts.release()
     for each in motion.sustained:
-        if obstacles is None or each.obstacle in obstacles:
-            record = each.record(progress.gaps, progress.state, outcome)
-            if record is not None:
-                progress.contact(record, each.obstacle)
+        if each.obstacle in obstacles and (record := each.record(progress.gaps, progress.state, outcome)):
+            progress.contact(record, each.obstacle)
+    motion.sustained = tuple(each for each in motion.sustained if each.obstacle not in obstacles)
 
 
 def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = Outcome.RELEASE) -> None:
@@ -123,25 +117,19 @@ def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str =
         motion.progress.event(f"{each.name} release", motion.progress.wires_of(each))
 
 
-def _jammed(motion: SmoothMotion, lasting: Sequence[Sustained], obstacle: Obstacle) -> SmoothMotion:
-    """Stop the run at an impact that jams a link; return a motion without contacts."""
+def _jammed(motion: SmoothMotion, obstacle: Obstacle) -> SmoothMotion:
+    """Stop the run at an impact that jams a link."""
     motion.progress.stop(StopReason.JAM)
     motion.progress.event("jam", motion.progress.wires_of(obstacle))
-    return _stopped(motion, lasting)
+    return motion
 
 
-def _given_up(motion: SmoothMotion, lasting: Sequence[Sustained], error: ValueError) -> SmoothMotion:
-    """End the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
+def _given_up(motion: SmoothMotion, error: ValueError) -> SmoothMotion:
+    """Stop the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
     if not motion.progress.recording.contacts:
         raise error
     motion.progress.stop(StopReason.UNRESOLVED, str(error))
-    return _stopped(motion, lasting)
-
-
-def _stopped(motion: SmoothMotion, lasting: Sequence[Sustained]) -> SmoothMotion:
-    """Record the contacts of a run that an impact has stopped; return a motion without any."""
-    _end(motion, str(motion.progress.recording.stop_reason), [each.obstacle for each in lasting])
-    return _following(motion.progress, (), ())
+    return motion
 
 
 def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
@@ -150,7 +138,6 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
     outcome, spring, obstacle = change_spring(motion, change), contact.spring, contact.obstacle
     if outcome is None or spring is None:
         return _following(progress, motion.sustained, motion.separating)
-    kept = [each for each in motion.sustained if each is not contact]
     if outcome is Outcome.REBOUND:
         spring.course.let_go()
     _end(motion, outcome, [obstacle])
@@ -164,13 +151,13 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
         progress.stop(StopReason.JAM)
         progress.sample()
         progress.event("jam", wires)
-        return _following(progress, kept, motion.separating)
+        return motion
     # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
     spent = outcome is Outcome.NO_REBOUND and spring.expected.moves
     if spent or (outcome is Outcome.REBOUND and progress.approach(obstacle) > progress.slow):
         progress.event(f"{obstacle.name} release", wires)
-        return _following(progress, kept, [*motion.separating, obstacle])
-    return _following(progress, [*kept, Sustained(obstacle)], motion.separating)
+        return _following(progress, motion.sustained, [*motion.separating, obstacle])
+    return _following(progress, [*motion.sustained, Sustained(obstacle)], motion.separating)
 
 
 def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
@@ -192,7 +179,7 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         try:
             spring = obstacle.law.spring(progress.scene, progress.state, obstacle)
         except ValueError as error:
-            return _given_up(motion, motion.sustained, error)
+            return _given_up(motion, error)
         contact = None if spring is None else begin_spring(motion, obstacle, spring)
     if contact is None:
         return _after_impact(motion, obstacle, name, rests=touch.rests)
@@ -203,29 +190,27 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
 
 def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, *, rests: bool) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
-    progress, lasting, lone = motion.progress, list(motion.sustained), motion.progress.mechanism.lone
-    if any(each.obstacle is obstacle for each in lasting):
+    progress, lone = motion.progress, motion.progress.mechanism.lone
+    if any(each.obstacle is obstacle for each in motion.sustained):
         # Another piece of the same link takes over.
         _end(motion, obstacle.name, [obstacle])
-        lasting = [each for each in lasting if each.obstacle is not obstacle]
     elif lone:
-        _release(motion, [each.obstacle for each in lasting if each.spring is None])
-        lasting = [each for each in lasting if each.spring is not None]
+        _release(motion, [each.obstacle for each in motion.ordered])
     left = _least_opening_rate(progress, obstacle) if lone else math.inf
     progress.scene.contacts.release()
     try:
         record = _resolve(progress, obstacle, rests=rests or left <= LEAST_SLIP)
     except ValueError as error:
-        return _given_up(motion, lasting, error)
+        return _given_up(motion, error)
     jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
     if jams:
         progress.stop(StopReason.JAM)
     progress.event(name, progress.wires_of(obstacle))
     if jams:
-        return _jammed(motion, lasting, obstacle)
+        return _jammed(motion, obstacle)
     if not lone:
-        return _after_all_touches(motion, obstacle, lasting)
-    springs = after_impact(motion, lasting)
+        return _after_all_touches(motion, obstacle)
+    springs = after_impact(motion)
     if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= progress.slow:
         return _following(progress, [*springs, Sustained(obstacle)], ())
     return _following(progress, springs, [obstacle])
@@ -239,10 +224,10 @@ def _least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
     return min(rates, default=math.inf)
 
 
-def _after_all_touches(motion: SmoothMotion, touched: Obstacle, before: Sequence[Sustained]) -> SmoothMotion:
+def _after_all_touches(motion: SmoothMotion, touched: Obstacle) -> SmoothMotion:
     """Resolve what the impact makes of other closed contacts, the fastest approach first; return the motion after it."""
     progress = motion.progress
-    lasting = {each.obstacle: each for each in before if each.spring is None}
+    lasting = {each.obstacle: each for each in motion.sustained if each.spring is None}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
     for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
         rates = {each: progress.approach(each) for each in closed}
@@ -250,14 +235,14 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, before: Sequence
         if rates[fastest] >= -progress.slow:
             break
         if _resolve(progress, fastest, rests=False).outcome == Outcome.JAM:
-            return _jammed(motion, before, fastest)
+            return _jammed(motion, fastest)
     else:
-        return _jammed(motion, before, fastest)
+        return _jammed(motion, fastest)
     leaving = [each for each in closed if rates[each] > progress.slow]
     _release(motion, [each for each in lasting if each in leaving], touched.name)
     for contact in lasting.values():
         contact.slip = None
-    springs = after_impact(motion, [each for each in before if each.spring is not None])
+    springs = after_impact(motion)
     staying = [lasting.get(each) or Sustained(each) for each in closed if each not in leaving]
     return _following(progress, [*staying, *springs], leaving)
 

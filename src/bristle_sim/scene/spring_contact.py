@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS
@@ -29,14 +28,13 @@ def begin_spring(motion: SmoothMotion, obstacle: Obstacle, spring: Spring) -> Su
     return contact
 
 
-def after_impact(motion: SmoothMotion, contacts: Sequence[Sustained]) -> list[Sustained]:
-    """Return contacts with springs after an impact elsewhere, which changes the sense of their motion."""
-    for each in contacts:
-        if each.spring is not None:
-            if each.spring.loading and motion.progress.approach(each.obstacle) > 0.0:
-                _unload(motion, each, each.spring)
-            _look_up_slip(motion, each, each.spring)
-    return list(contacts)
+def after_impact(motion: SmoothMotion) -> list[Sustained]:
+    """Return a motion's contacts with springs after an impact elsewhere, which changes the sense of their motion."""
+    for each, spring in motion.springs:
+        if spring.loading and motion.progress.approach(each.obstacle) > 0.0:
+            _unload(motion, each, spring)
+        _look_up_slip(motion, each, spring)
+    return [each for each, _ in motion.springs]
 
 
 def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
