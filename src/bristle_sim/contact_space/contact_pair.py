@@ -112,8 +112,9 @@ class ContactPair:
         """The two types in any order."""
         return frozenset((self.collision_type_a, self.collision_type_b))
 
-    def impact(self, space: ContactSpace, restitution: float) -> Impact:
-        """Return the law's answer for a contact."""
+    def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
+        """Return the law's answer for a contact, without restitution for one that comes to rest."""
+        restitution = 0.0 if rests else self.restitution
         return self._call(space.inverse_mass, space.velocity, restitution, space.stick_compliance)
 
     def _call(self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float) -> Impact:

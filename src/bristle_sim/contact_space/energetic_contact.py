@@ -16,7 +16,7 @@ import pymunk
 from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, number_from_zero, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
-from bristle_sim.contact_space.touching import Contacts, Shapes, TouchingPoint, read_contact
+from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 LONGEST = 1e9
@@ -151,13 +151,24 @@ class EnergeticContact:
         finally:
             rest.end()
         self.time += duration
-        if rest.skipped:
-            rest.motion.finish(duration)
+        if rest.met:
             try:
-                self._resolve(rest)
+                if rest.skipped:
+                    self._resolve(rest, duration)
             finally:
-                rest.skipped.clear()
-                rest.motion.clear()
+                rest.clear()
+
+    def _resolve(self, rest: RestFilter, duration: float) -> None:
+        rest.motion.finish(duration)
+        sequence = ImpactSequence(rest, self._record)
+        sequence.resolve()
+        rest.jammed |= sequence.jammed
+        for body in sequence.struck:
+            self.space.reindex_shapes_for_body(body)
+
+    def _record(self, point: TouchingPoint, impact: Impact) -> None:
+        if self.report is not None:
+            self.report(point.located(impact, self.time))
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
@@ -182,7 +193,7 @@ class EnergeticContact:
     def _attached(self) -> RestFilter:
         """Return the filter that looks at the contacts first, before users' callbacks that are newer than ours."""
         if self._filter is None:
-            self._filter = RestFilter(self.space, self.resting_speed)
+            self._filter = RestFilter(self.space)
             self._filter.jammed |= self.__dict__.pop("_jammed", set())
             ours = [each for each in _handlers(self.space).values() if _owner(each.pre_solve) is self]
             self._callbacks = [(each, each.pre_solve, each.pre_solve.args[0]) for each in ours]
@@ -198,44 +209,7 @@ class EnergeticContact:
                 pair.chained(arbiter, space, data)
         finally:
             if self._filter is not None:
-                self._filter.divide(pair.friction, arbiter)
-
-    def _resolve(self, rest: RestFilter) -> None:
-        skipped = rest.skipped
-        touching = (each.body for shapes, _ in skipped.values() for each in shapes)
-        moved = {each: None for each in touching if each is not None and each.body_type == pymunk.Body.DYNAMIC}
-
-        def record(point: TouchingPoint, impact: Impact) -> None:
-            if self.report is not None:
-                self.report(point.located(impact, self.time))
-
-        points_of = functools.partial(self._read, rest)
-        sequence = ImpactSequence(points_of, skipped, rest.resting_approach(), rest.motion, record)
-        sequence.resolve(moved)
-        for body in sequence.struck:
-            self.space.reindex_shapes_for_body(body)
-        rest.jammed |= sequence.jammed
-
-    def _read(self, rest: RestFilter, body: pymunk.Body, known: Contacts) -> list[Shapes]:
-        """Add the contacts of a body in all pairs to the known ones, and return the shapes of all of its.
-
-        They are without those that the engine was told to ignore.
-        """
-        found: list[Shapes] = []
-
-        def read(arbiter: pymunk.Arbiter) -> None:
-            """Add a contact if its shapes are those of a pair."""
-            first, second = arbiter.shapes
-            shapes = frozenset((first, second))
-            if shapes not in known:
-                pair = self.pairs.get(frozenset((first.collision_type, second.collision_type)))
-                if pair is None:
-                    return
-                known[shapes] = read_contact(arbiter, pair, rest.surface_velocity((first, second)))
-            found.append(shapes)
-
-        body.each_arbiter(read)
-        return found
+                self._filter.divide(pair, arbiter)
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:

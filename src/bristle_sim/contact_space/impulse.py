@@ -3,17 +3,15 @@
 With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and tangential velocity
 of the first body's point relative to the other's), an impulse p at the contact changes the velocities by
 dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In coordinates scaled by the square root of the mass this is a projection:
-the part B' of B = M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^T gives
+the part (n, t) of M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^T gives
 
-    K = B'^T B'    and    dV = M^-1/2 B' p.
+    K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
-One orthogonal factorization [A B] = Q R gives both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
-semidefinite whatever the mass ratios. With the tangential column first, R_22 = ((t, c), (0, s)) also tells what K has lost
-to rounding where a heavy body leaves a sticking tip hardly any compliance: the normal compliance in stick, s^2, which is
-K_nn - K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their
-effects nearly cancel in dV; the same dV comes without cancellation from what they do to the tip,
-
-    dV = M^-1/2 Q_2 (dv_t/t, s p_n).
+A^T A gives that part in a few operations; where it is ill-conditioned, as with dependent joints or masses of different size,
+one orthogonal factorization [A M^-1/2 C^T] = Q R does. The part of n that is orthogonal to t as well, the motion in stick,
+tells how much K has lost to rounding where a heavy body leaves a sticking tip hardly any compliance: its square is K_nn -
+K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their effects nearly
+cancel in dV; the same dV comes without cancellation from what they do to the tip, t dv_t/K_tt and the motion in stick.
 
 Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by row (Cox and Higham 1998).
 Static and kinematic bodies have no inverse mass.
@@ -24,10 +22,12 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from operator import mul
 
 import numpy as np
 import pymunk
+from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.jacobian import (
@@ -39,27 +39,29 @@ from bristle_sim.contact_space.jacobian import (
     joined,
     joint_rows,
     point_entry,
-    scaled_jacobian,
+    scaled_columns,
 )
+from bristle_sim.contact_space.projection import DEPENDENT, of_length_one, span
 
 CANCELS = 100.0
 """An impulse whose parts change the tangential velocity this many times as much as their sum does is applied by what it
 does: two digits are kept in any case."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
-"""A compliance in stick whose root is below this fraction of the normal column is rounding: the contact has one degree of
-freedom."""
+"""A motion in stick below this fraction of the normal column is rounding: the contact has one degree of freedom."""
 
 WEAK = 1e-2
-"""A compliance in stick whose root is below this fraction of the normal column has lost digits worth getting back."""
+"""A motion in stick below this fraction of the normal column has lost digits worth getting back."""
 
-DEPENDENT = 1e-12
-"""A joint whose scaled rows are shortened to this fraction by orthogonalization repeats what other joints already say."""
+WELL_CONDITIONED, SOFT = 10.0, 0.1
+"""Largest entry of (A^T A)^-1, columns of length 1, and least motion in stick, as a fraction of the normal column, with which
+the joints' products serve: they leave an error of some roundings."""
 
 OPENS = 1e-9
 """A joint at its limit opens if its rate is above this fraction of the bodies' own speeds; the rest is rounding."""
 
-NO_LIMITS = np.zeros((0, 2))
+Column = list[float]
+"""A column, scaled or not: three numbers a body."""
 
 
 @dataclass(slots=True)
@@ -70,9 +72,9 @@ class ContactSpace:
         inverse_mass: K, shape (2, 2), order (normal, tangential), 1/kg (in the scene's units).
         velocity: (v_n, v_t) of the first body's point relative to the other's; v_n < 0 approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
-        response: change of (v_x, v_y, angular velocity) of each body per unit impulse, shape (3 bodies, 2).
-        stick_compliance: gain of v_n per unit normal impulse while the point does not slip, 1/kg; 0 where it cannot move.
-        basis, factor: response, its columns in the other order, is basis times factor, which is upper triangular.
+        response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit tangential impulse.
+        in_stick: that change per unit normal impulse while the point does not slip.
+        stick_compliance: gain of v_n per unit normal impulse meanwhile, 1/kg; 0 where it cannot move.
         limits: rows of the joints that are at a limit, taken as rigid here.
         limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2); rows scaled to
             length 1 in the norm of the kinetic energy, and so comparable with ``sizes``, of the contact's own rows.
@@ -81,12 +83,11 @@ class ContactSpace:
     inverse_mass: Array
     velocity: Vector
     bodies: tuple[pymunk.Body, ...]
-    response: Array
+    response: tuple[Column, Column]
+    in_stick: Column
     stick_compliance: float
-    basis: Array
-    factor: Array
     limits: tuple[JointRow, ...] = ()
-    limit_response: Array = field(default_factory=lambda: NO_LIMITS)
+    limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
     sizes: Array = field(default_factory=lambda: np.zeros(2))
 
     def limits_push(self, impulse: Sequence[float]) -> bool:
@@ -99,8 +100,7 @@ class ContactSpace:
     def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
         """Whether a limit that takes no part is passed after an impact with this contact impulse."""
         value, size = limit.excess()
-        given = np.asarray(impulse, dtype=float)
-        change = (self.response @ given).tolist()
+        change = self._change(*self.response, *impulse)
         for body, *factors in limit.entries:
             if body in self.bodies:
                 at = 3 * self.bodies.index(body)
@@ -108,31 +108,29 @@ class ContactSpace:
                     value += factor * gain
                     size += abs(factor * gain)
         # Where other joints stop these bodies, all terms are rounding of what the impulse would do without joints.
-        return value < -OPENS * max(size, _row_length(limit, self.bodies) * float(self.sizes @ np.abs(given)))
+        alone = float(self.sizes @ np.abs(np.asarray(impulse, dtype=float)))
+        return value < -OPENS * max(size, _row_length(limit, self.bodies) * alone)
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
         """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
 
         ``velocity_after`` (v_n, v_t), where it is known, keeps the result accurate if parts of the impulse cancel.
         """
-        if velocity_after is not None and self._cancels(impulse, velocity_after[1]):
-            gain = velocity_after[1] - self.velocity[1]
-            change = self.basis[:, :2] @ (gain / self.factor[0, 0], self.factor[1, 1] * impulse[0])
-        else:
-            change = self.response @ np.asarray(impulse, dtype=float)
-        self._change(change.tolist())
-
-    def _cancels(self, impulse: Sequence[float], after: float) -> bool:
-        """Whether normal impulse and friction take each other's effect on v_t away, but for rounding."""
         coupling, tangential = self.inverse_mass[1].tolist()
-        parts = abs(coupling * impulse[0]) + abs(tangential * impulse[1])
-        return self.stick_compliance > 0.0 and parts > CANCELS * (abs(self.velocity[1]) + abs(after))
-
-    def _change(self, change: Sequence[float]) -> None:
+        change = self._change(*self.response, *impulse)
+        if velocity_after is not None and self.stick_compliance > 0.0:
+            parts = abs(coupling * impulse[0]) + abs(tangential * impulse[1])
+            if parts > CANCELS * (abs(self.velocity[1]) + abs(velocity_after[1])):
+                gain = (velocity_after[1] - self.velocity[1]) / tangential
+                change = self._change(self.in_stick, self.response[1], impulse[0], gain)
         for index, body in enumerate(self.bodies):
-            x, y, turn = change[3 * index : 3 * index + 3]
-            body.velocity = (body.velocity.x + x, body.velocity.y + y)
-            body.angular_velocity += turn
+            raw, (x, y, turn) = body._body, change[3 * index : 3 * index + 3]
+            velocity = lib.cpBodyGetVelocity(raw)
+            lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
+            lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
+
+    def _change(self, normal: Column, tangential: Column, push: float, rub: float) -> Column:
+        return [push * a + rub * b for a, b in zip(normal, tangential, strict=True)]
 
 
 def contact_space(
@@ -155,7 +153,7 @@ def contact_space(
         other: the body that is touched; it takes the opposite impulse.
         surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
         released: joints whose limits take no part.
-        connected: what ``joined`` returns for the two bodies, where it is known already.
+        connected: the result of ``joined`` for the two bodies, where it is known already.
 
     Returns:
         The contact space.
@@ -173,110 +171,121 @@ def contact_space(
     if limited:
         rows = [row for row in rows if not (row.limit and (row.joint in released or _opens(row, bodies)))]
     contact, velocity = _relative_motion(ends, centres, point, normal, surface_velocity)
-    columns, scale = scaled_jacobian([*[row.entries for row in rows], *contact], bodies)
-    free, basis, factor = _free_part(columns, len(rows))
-    stick = abs(float(factor[1, 1])) if len(factor) > 1 else 0.0
-    response = free[:, ::-1]
+    columns, scale = scaled_columns([*[row.entries for row in rows], *contact], bodies)
+    n, t, in_stick, size = _free_part(columns)
+    coupling, tangential = _dot(n, t), _dot(t, t)
     found = ContactSpace(
-        inverse_mass=response.T @ response,
+        inverse_mass=np.array([[_dot(n, n), coupling], [coupling, tangential]]),
         velocity=velocity,
         bodies=tuple(bodies),
-        response=scale[:, None] * response,
-        stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[:, -1].tolist()) else 0.0,
-        basis=scale[:, None] * basis,
-        factor=factor,
+        response=(list(map(mul, scale, n)), list(map(mul, scale, t))),
+        in_stick=list(map(mul, scale, in_stick)),
+        stick_compliance=size * size if size > SINGULAR * math.hypot(*columns[-1]) else 0.0,
     )
-    return _with_limits(found, rows, columns) if limited else found
-
-
-def _with_limits(space: ContactSpace, rows: Sequence[JointRow], columns: Array) -> ContactSpace:
-    """Return a contact space with what tells whether limits push and are kept."""
-    return replace(
-        space,
-        limits=tuple(row for row in rows if row.limit),
-        limit_response=_limit_response(columns, [row.limit for row in rows]),
-        sizes=_lengths(columns[:, :-3:-1]),
-    )
+    if limited:
+        matrix, limits = np.array(columns).T, [row.limit for row in rows]
+        found.limits = tuple(row for row in rows if row.limit)
+        found.sizes = np.sqrt((matrix[:, :-3:-1] ** 2).sum(axis=0))
+        if any(limits):
+            rigid = of_length_one(matrix[:, :-2])
+            impulses = np.asarray(np.linalg.lstsq(rigid, matrix[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
+            found.limit_response = -impulses[limits]
+    return found
 
 
 def _relative_motion(
     ends: Sequence[pymunk.Body], centres: MassCentres, point: Vector, normal: Vector, surface_velocity: Vector
 ) -> tuple[list[list[Entry]], Vector]:
     """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
-    signed = list(zip(ends, (1.0, -1.0), strict=False))
-    moving = [each.velocity_at_world_point(point) for each in ends]
-    rows, velocity = [], []
-    for x, y in ((normal[1], -normal[0]), (normal[0], normal[1])):
-        speed = 0.0
-        for (_, sign), (u, v) in zip(signed, moving, strict=True):
-            speed += sign * (u * x + v * y)
-        rows.append([point_entry(each, centres[each], point, (x, y), sign) for each, sign in signed])
-        velocity.append(speed - (surface_velocity[0] * x + surface_velocity[1] * y))
-    return rows, (velocity[1], velocity[0])
+    x, y = normal
+    relative_x, relative_y = -surface_velocity[0], -surface_velocity[1]
+    tangential, across = [], []
+    for body, sign in zip(ends, (1.0, -1.0), strict=False):
+        moving, centre = lib.cpBodyGetVelocityAtWorldPoint(body._body, point), centres[body]
+        relative_x += sign * moving.x
+        relative_y += sign * moving.y
+        tangential.append(point_entry(body, centre, point, (y, -x), sign))
+        across.append(point_entry(body, centre, point, (x, y), sign))
+    return [tangential, across], (relative_x * x + relative_y * y, relative_x * y - relative_y * x)
 
 
-def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
-    """Return the part of the last two columns that is orthogonal to the first ones, and its factors Q_2 and R_22."""
-    if not constraints and columns[:, 0].any():
-        return columns, *_of_two(columns)
+def _free_part(columns: list[Column]) -> tuple[Column, Column, Column, float]:
+    """Return the parts n, t of the last two columns that are orthogonal to the others, the motion in stick and its size."""
+    *_, t, n = columns
+    joints = len(columns) - 2
+    if joints:
+        matrix = np.array(columns).T
+        free = _by_products(matrix, joints)
+        if free is None:
+            return _by_factorization(matrix, joints)
+        t, n = free
+    if len(t) - joints == 1:
+        return n, t, [0.0] * len(n), 0.0
+    in_stick, square = n, _dot(t, t)
+    # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
+    for _ in range(2 if square else 0):
+        factor = _dot(in_stick, t) / square
+        in_stick = [a - factor * b for a, b in zip(in_stick, t, strict=True)]
+    size = math.sqrt(_dot(in_stick, in_stick))
+    if joints and size < SOFT * math.hypot(*n):
+        return _by_factorization(matrix, joints)
+    return n, t, in_stick, size
+
+
+def _dot(first: Column, second: Column) -> float:
+    return sum(map(mul, first, second), 0.0)
+
+
+def _by_products(columns: Array, joints: int) -> list[Column] | None:
+    """Return the free part by the joints' products; None where they are ill-conditioned."""
+    products = columns.T @ columns
+    lengths = np.sqrt(products.diagonal()[:joints])
+    if not lengths.all():
+        return None
+    span_, contact = columns[:, :joints] / lengths, columns[:, joints:]
+    try:
+        inverse = np.linalg.inv(products[:joints, :joints] / (lengths[:, None] * lengths))
+    except np.linalg.LinAlgError:
+        return None
+    if not np.abs(inverse).max() < WELL_CONDITIONED:
+        return None
+    for _ in range(2):
+        contact = contact - span_ @ (inverse @ (span_.T @ contact))
+    free: list[Column] = contact.T.tolist()
+    return free
+
+
+def _by_factorization(columns: Array, joints: int) -> tuple[Column, Column, Column, float]:
+    """Return the same by an orthogonal factorization, whatever the masses and joints."""
     basis, triangle = np.linalg.qr(columns)
-    if not constraints:
-        return columns, basis, triangle
-    lengths, pivots = _lengths(columns).tolist(), list(map(abs, triangle.diagonal().tolist()))
-    independent = [pivot > DEPENDENT * length for pivot, length in zip(pivots, lengths[:constraints], strict=False)]
-    if len(independent) == constraints and all(independent):
-        moves = len(pivots) == constraints + 2 and pivots[-2] > SINGULAR * lengths[-2]
-        if moves and pivots[-1] < WEAK * max(abs(float(triangle[-2, -1])), pivots[-1]):
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    pivots = np.abs(triangle.diagonal())
+    if len(pivots) >= joints and (pivots[:joints] > DEPENDENT * lengths[:joints]).all():
+        moves = len(pivots) == joints + 2 and pivots[-2] > SINGULAR * lengths[-2]
+        if moves and pivots[-1] < WEAK * max(abs(float(triangle[-2, -1])), float(pivots[-1])):
             _refine(basis, triangle, columns)
-        basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
-        return basis @ triangle, basis, triangle
-    free = _orthogonal(columns[:, constraints:], columns[:, :constraints])
-    return free, *np.linalg.qr(free)
-
-
-def _of_two(columns: Array) -> tuple[Array, Array]:
-    """Return Q and R of two columns by Gram and Schmidt, twice: what two free bodies need, in a quarter of the time."""
-    first, rest = columns.T
-    length = math.sqrt(first @ first)
-    first = first / length
-    coupling = first @ rest
-    rest = rest - coupling * first
-    again = first @ rest
-    rest = rest - again * first
-    size = math.sqrt(rest @ rest)
-    unit = rest / size if size > 0.0 else np.zeros_like(rest)
-    return np.array([first, unit]).T, np.array([[length, coupling + again], [0.0, size]])
+        basis, triangle = basis[:, joints:], triangle[joints:, joints:]
+    else:
+        free, rigid = columns[:, joints:], span(columns[:, :joints])
+        for _ in range(2):
+            free = free - rigid @ (rigid.T @ free)
+        basis, triangle = np.linalg.qr(free)
+    t, n = (basis @ triangle).T.tolist()
+    if len(triangle) < 2:
+        return n, t, [0.0] * len(n), 0.0
+    return n, t, (basis[:, 1] * triangle[1, 1]).tolist(), abs(float(triangle[1, 1]))
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
     """Restore the digits of the motion left in stick, the last column of the basis, and of its part of the normal column.
 
-    Nearly all of it is motion of the heavy bodies; what the light ones do is small beside rounding of the whole. It is
-    what the joints and stick, the other columns, make of it, and that correction is accurate (iterative refinement).
+    Nearly all of it is motion of the heavy bodies; that of the light ones is small beside rounding of the whole. The
+    joints and stick, the other columns, determine it, and that correction is accurate (iterative refinement).
     """
     others, out = basis[:, :-1], basis[:, -1]
     for _ in range(2):
         out -= others @ np.linalg.solve(triangle[:-1, :-1].T, columns[:, :-1].T @ out)
     triangle[-1, -1] = columns[:, -1] @ out
-
-
-def _orthogonal(vectors: Array, span: Array) -> Array:
-    """Return the part of vectors that is orthogonal to columns some of which repeat the others."""
-    directions, sizes, _ = np.linalg.svd(_of_length_one(span), full_matrices=False)
-    kept = directions[:, sizes > DEPENDENT * sizes[0]]
-    # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
-    for _ in range(2):
-        vectors = vectors - kept @ (kept.T @ vectors)
-    return vectors
-
-
-def _limit_response(columns: Array, limits: list[bool]) -> Array:
-    """Return the limits' impulses per unit contact impulse (normal, tangential): lambda of J dV = 0, but for units."""
-    if not any(limits):
-        return np.zeros((0, 2))
-    joints = _of_length_one(columns[:, : len(limits)])
-    impulses = np.asarray(np.linalg.lstsq(joints, columns[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
-    return -impulses[limits]
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
@@ -294,13 +303,3 @@ def _row_length(row: JointRow, bodies: Sequence[pymunk.Body]) -> float:
     """Return the length of a joint's row in the norm of the kinetic energy."""
     parts = ((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in row.entries if body in bodies)
     return math.sqrt(sum(parts))
-
-
-def _lengths(columns: Array) -> Array:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->j", columns, columns)))
-
-
-def _of_length_one(columns: Array) -> Array:
-    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
-    lengths = _lengths(columns)
-    return columns / np.where(lengths > 0.0, lengths, 1.0)

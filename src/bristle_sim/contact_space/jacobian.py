@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
+from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
 
@@ -57,13 +58,18 @@ class JointRow(NamedTuple):
         return value, size
 
 
+def world(body: pymunk.Body, point: Vector) -> Vector:
+    """Return the world coordinates of a body's point."""
+    place = lib.cpBodyLocalToWorld(body._body, point)
+    return place.x, place.y
+
+
 class MassCentres(dict[pymunk.Body, Vector]):
     """Places of bodies' centres of gravity, where their velocities are, each looked up once; positions may be elsewhere."""
 
     def __missing__(self, body: pymunk.Body) -> Vector:
-        x, y = body.local_to_world(body.center_of_gravity)
-        self[body] = x, y
-        return x, y
+        found = self[body] = world(body, body.center_of_gravity)
+        return found
 
 
 def point_entry(body: pymunk.Body, centre: Vector, point: Vector, direction: Vector, sign: float) -> Entry:
@@ -90,12 +96,42 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
         if body in bodies:
             continue
         bodies.append(body)
-        for joint in body.constraints:
-            if joint in joints or not passes_impulse(joint):
-                continue
-            joints.append(joint)
-            waiting += [each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC]
+        for joint in body._constraints and body.constraints:
+            if joint not in joints and passes_impulse(joint):
+                joints.append(joint)
+                waiting += [each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC]
     return sorted(bodies, key=lambda each: each.mass), joints
+
+
+def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
+    """Return the columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
+
+    Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
+    """
+    columns, scale = scaled_columns(rows, bodies)
+    return np.array(columns).T, np.array(scale)
+
+
+def scaled_columns(
+    rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
+) -> tuple[list[list[float]], list[float]]:
+    """Return the same as lists, one column after the other."""
+    places, scale = {}, []
+    for at, each in enumerate(bodies):
+        linear, angular = 1.0 / math.sqrt(each.mass), 1.0 / math.sqrt(each.moment)
+        places[each] = 3 * at, linear, angular
+        scale += [linear, linear, angular]
+    columns = []
+    for entries in rows:
+        column = [0.0] * len(scale)
+        for body, x, y, turn in entries:
+            if body in places:
+                first, linear, angular = places[body]
+                column[first] += linear * x
+                column[first + 1] += linear * y
+                column[first + 2] += angular * turn
+        columns.append(column)
+    return columns, scale
 
 
 def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]:
@@ -104,142 +140,79 @@ def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
     """
-    known = (_ROWS[kind] for kind in type(joint).__mro__ if kind in _ROWS)
-    rows = next(known, None)
-    if rows is not None:
-        return list(rows(joint, centres))
-    raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
-
-
-def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
-    """Return the columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
-
-    Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
-    """
-    roots = [(1.0 / math.sqrt(each.mass), 1.0 / math.sqrt(each.moment)) for each in bodies]
-    places = {each: index for index, each in enumerate(bodies)}
-    columns = []
-    for entries in rows:
-        column = [0.0] * (3 * len(bodies))
-        for body, x, y, turn in entries:
-            if body in places:
-                at, (linear, angular) = 3 * places[body], roots[places[body]]
-                column[at] += linear * x
-                column[at + 1] += linear * y
-                column[at + 2] += angular * turn
-        columns.append(column)
-    scale = np.array([root for linear, angular in roots for root in (linear, linear, angular)])
-    return np.array(columns).T, scale
+    if isinstance(joint, pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint):
+        return _anchored(joint, centres)
+    if isinstance(joint, pymunk.GrooveJoint):
+        return list(_groove(joint, centres))
+    return _turning(joint)
 
 
 def _across(
     joint: pymunk.Constraint, centres: MassCentres, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
 ) -> JointRow:
     """Return the row of the velocity of body a's end relative to body b's along a direction."""
-    a, b = joint.a, joint.b
-    entries = (
-        point_entry(a, centres[a], ends[0], direction, 1.0),
-        point_entry(b, centres[b], ends[1], direction, -1.0),
-    )
+    pairs = zip((joint.a, joint.b), ends, (1.0, -1.0), strict=True)
+    entries = tuple([point_entry(body, centres[body], end, direction, sign) for body, end, sign in pairs])
     return JointRow(joint, entries, 0.0, limit)
 
 
-def _turn(joint: pymunk.Constraint, on_a: float, on_b: float, rate: float = 0.0, limit: bool = False) -> JointRow:
-    return JointRow(joint, ((joint.a, 0.0, 0.0, on_a), (joint.b, 0.0, 0.0, on_b)), rate, limit)
+def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint, centres: MassCentres) -> list[JointRow]:
+    """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
+    ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
+    if isinstance(joint, pymunk.PivotJoint):
+        return [_across(joint, centres, ends, each) for each in ((1.0, 0.0), (0.0, 1.0))]
+    distance, (x, y) = _between(*ends)
+    if distance == 0.0:
+        return []
+    if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
+        return [_across(joint, centres, ends, (x, y))]
+    margin = REACHED * max(distance, joint.max)
+    if distance >= joint.max - margin:
+        return [_across(joint, centres, ends, (x, y), limit=True)]
+    return [_across(joint, centres, ends, (-x, -y), limit=True)] if distance <= joint.min + margin else []
 
 
-def _anchors(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> tuple[Vector, Vector]:
-    first, second = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
-    return (first.x, first.y), (second.x, second.y)
-
-
-def _pivot(joint: pymunk.PivotJoint, centres: MassCentres) -> Iterator[JointRow]:
-    a, b = joint.a, joint.b
-    (x, y), (u, v) = _anchors(joint)
-    (centre_x, centre_y), (other_x, other_y) = centres[a], centres[b]
-    yield JointRow(joint, ((a, 1.0, 0.0, centre_y - y), (b, -1.0, 0.0, v - other_y)))
-    yield JointRow(joint, ((a, 0.0, 1.0, x - centre_x), (b, 0.0, -1.0, other_x - u)))
-
-
-def _between(ends: tuple[Vector, Vector]) -> tuple[float, Vector]:
-    """Return the distance of the second anchor from the first, and its direction; (0, 0) where they coincide."""
-    span = pymunk.Vec2d(*ends[1]) - pymunk.Vec2d(*ends[0])
+def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
+    """Return the distance between two points and the direction from one to the other; (0, 0) where they coincide."""
+    span = pymunk.Vec2d(end[0] - start[0], end[1] - start[1])
     along = span.normalized()
     return span.length, (along.x, along.y)
 
 
-def _pin(joint: pymunk.PinJoint, centres: MassCentres) -> Iterator[JointRow]:
-    ends = _anchors(joint)
-    distance, along = _between(ends)
-    if distance > 0.0:
-        yield _across(joint, centres, ends, along)
-
-
-def _slide(joint: pymunk.SlideJoint, centres: MassCentres) -> Iterator[JointRow]:
-    """Yield rows that keep the anchors' distance between ``min`` and ``max``."""
-    ends = _anchors(joint)
-    distance, (x, y) = _between(ends)
-    margin = REACHED * max(distance, joint.max)
-    if distance == 0.0:
-        return
-    if joint.min >= joint.max:
-        yield _across(joint, centres, ends, (x, y))
-    elif distance >= joint.max - margin:
-        yield _across(joint, centres, ends, (x, y), limit=True)
-    elif distance <= joint.min + margin:
-        yield _across(joint, centres, ends, (-x, -y), limit=True)
-
-
 def _groove(joint: pymunk.GrooveJoint, centres: MassCentres) -> Iterator[JointRow]:
     """Yield rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
-    start, end = joint.a.local_to_world(joint.groove_a), joint.a.local_to_world(joint.groove_b)
-    anchor = joint.b.local_to_world(joint.anchor_b)
-    length, along = (end - start).length, (end - start).normalized()
-    reached = (anchor - start).dot(along)
-    on_groove = start + along * min(max(reached, 0.0), length)
-    ends = (on_groove.x, on_groove.y), (anchor.x, anchor.y)
-    yield _across(joint, centres, ends, (-along.y, along.x))
+    start, anchor = world(joint.a, joint.groove_a), world(joint.b, joint.anchor_b)
+    length, (x, y) = _between(start, world(joint.a, joint.groove_b))
+    reached = (anchor[0] - start[0]) * x + (anchor[1] - start[1]) * y
+    within = min(max(reached, 0.0), length)
+    ends = (start[0] + x * within, start[1] + y * within), anchor
+    yield _across(joint, centres, ends, (-y, x))
     if reached <= REACHED * length:
-        yield _across(joint, centres, ends, (-along.x, -along.y), limit=True)
+        yield _across(joint, centres, ends, (-x, -y), limit=True)
     elif reached >= length * (1.0 - REACHED):
-        yield _across(joint, centres, ends, (along.x, along.y), limit=True)
+        yield _across(joint, centres, ends, (x, y), limit=True)
 
 
-def _rotary_limit(joint: pymunk.RotaryLimitJoint, _: MassCentres) -> Iterator[JointRow]:
-    """Yield rows that keep the angle of b relative to a between ``min`` and ``max``."""
-    angle = joint.b.angle - joint.a.angle
-    margin = REACHED * max(1.0, abs(joint.a.angle), abs(joint.b.angle))
-    if joint.min >= joint.max:
-        yield _turn(joint, -1.0, 1.0)
-    elif angle >= joint.max - margin:
-        yield _turn(joint, 1.0, -1.0, limit=True)
-    elif angle <= joint.min + margin:
-        yield _turn(joint, -1.0, 1.0, limit=True)
-
-
-def _ratchet(joint: pymunk.RatchetJoint, _: MassCentres) -> Iterator[JointRow]:
-    """Yield rows that keep the angle of b relative to a from falling behind the tooth that it has passed, ``angle``."""
-    way = math.copysign(1.0, joint.ratchet)
-    past = (joint.b.angle - joint.a.angle - joint.angle) * way
-    if past <= REACHED * max(1.0, abs(joint.a.angle), abs(joint.b.angle)):
-        yield _turn(joint, -way, way, limit=True)
-
-
-def _gear(joint: pymunk.GearJoint, _: MassCentres) -> Iterator[JointRow]:
-    yield _turn(joint, -1.0, joint.ratio)
-
-
-def _motor(joint: pymunk.SimpleMotor, _: MassCentres) -> Iterator[JointRow]:
-    yield _turn(joint, -1.0, 1.0, rate=-joint.rate)
-
-
-_ROWS: dict[type[pymunk.Constraint], Any] = {
-    pymunk.PivotJoint: _pivot,
-    pymunk.PinJoint: _pin,
-    pymunk.SlideJoint: _slide,
-    pymunk.GrooveJoint: _groove,
-    pymunk.RotaryLimitJoint: _rotary_limit,
-    pymunk.RatchetJoint: _ratchet,
-    pymunk.GearJoint: _gear,
-    pymunk.SimpleMotor: _motor,
-}
+def _turning(joint: Any) -> list[JointRow]:
+    """Return the row of a joint between two angles."""
+    a, b = joint.a, joint.b
+    on_a, on_b, rate, limit = -1.0, 1.0, 0.0, False
+    margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
+    if isinstance(joint, pymunk.RotaryLimitJoint) and joint.min < joint.max:
+        angle, limit = b.angle - a.angle, True
+        if angle >= joint.max - margin:
+            on_a, on_b = 1.0, -1.0
+        elif angle > joint.min + margin:
+            return []
+    elif isinstance(joint, pymunk.RatchetJoint):
+        way, limit = math.copysign(1.0, joint.ratchet), True
+        on_a, on_b = -way, way
+        if (b.angle - a.angle - joint.angle) * way > margin:
+            return []
+    elif isinstance(joint, pymunk.GearJoint):
+        on_b = joint.ratio
+    elif isinstance(joint, pymunk.SimpleMotor):
+        rate = -joint.rate
+    elif not isinstance(joint, pymunk.RotaryLimitJoint):
+        raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
+    return [JointRow(joint, ((a, 0.0, 0.0, on_a), (b, 0.0, 0.0, on_b)), rate, limit)]

@@ -26,6 +26,18 @@ DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to joints that repeat what others say."""
 
 
+def span(columns: Array) -> Array:
+    """Return an orthonormal basis of the space of columns some of which may repeat the others, shape (rows, rank)."""
+    directions, sizes, _ = np.linalg.svd(of_length_one(columns), full_matrices=False)
+    return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
+
+
+def of_length_one(columns: Array) -> Array:
+    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    return np.asarray(columns / np.where(lengths > 0.0, lengths, 1.0))
+
+
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
     """Change the velocities of jointed bodies so that no joint opens, as little as possible.
 
@@ -40,15 +52,13 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
         return
     rates, sizes = np.array([row.excess() for row in rows]).T
     limits: Flags = np.array([row.limit for row in rows])
-    wrong = np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes
-    if not wrong.any():
+    if not (np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes).any():
         return
     columns, scale = scaled_jacobian([row.entries for row in rows], bodies)
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
     change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
-    for index, body in enumerate(bodies):
-        x, y, turn = change[3 * index : 3 * index + 3].tolist()
+    for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)
         body.angular_velocity += turn
 
@@ -60,10 +70,9 @@ def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     if not rows:
         return changes
     columns, scale = scaled_jacobian(rows, bodies)
-    lengths = np.sqrt((columns**2).sum(axis=0))
-    rigid = columns / np.where(lengths > 0.0, lengths, 1.0)
+    rigid = span(columns)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
-    return np.asarray(scale * (scaled - rigid @ np.linalg.lstsq(rigid, scaled, rcond=DEPENDENT)[0]))
+    return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
 
 
 def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:

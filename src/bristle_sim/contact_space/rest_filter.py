@@ -1,13 +1,19 @@
-"""Contacts of a step are divided into those at rest, which the engine keeps, and impacts, which a law resolves."""
+"""Contacts of a step are divided into those at rest, which the engine keeps, and impacts, which a law resolves.
+
+A look at a contact takes the engine's calls without their wrappers: a space at rest has many.
+"""
 
 from __future__ import annotations
 
-import pymunk
+from typing import Any
 
-from bristle_sim.contact_space.engine_calls import approach_reader, contact_tuner
-from bristle_sim.contact_space.jacobian import Vector, joined
-from bristle_sim.contact_space.sequence import ROUNDING
+import pymunk
+from pymunk._chipmunk_cffi import ffi, lib
+
+from bristle_sim.contact_space.contact_pair import ContactPair
+from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.step_motion import StepMotion
+from bristle_sim.contact_space.touching import ROUNDING, Met, Shapes, overlaps, shapes_of
 
 STEPS_OF_GRAVITY = 2.0
 """An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that
@@ -23,74 +29,94 @@ class RestFilter:
     Attributes:
         space: the space.
         resting_speed: slower approach is rest.
-        skipped: contacts of this step that the engine was kept from, with their shapes and surface velocity.
+        met: contacts of this step.
+        skipped: shapes of those of them that the engine was kept from.
         jammed: contacts that jammed in the last step; they are left to the engine while they last.
-        still_jammed: those of them that were met in this step.
         motion: of the bodies of skipped contacts, and of those joined to them.
-        active: whether a step is being taken.
-        resting: approach at rest in this step; None before its first contact.
     """
 
-    def __init__(self, space: pymunk.Space, resting_speed: float) -> None:
+    def __init__(self, space: pymunk.Space) -> None:
         """Nothing has touched yet."""
-        self.space = space
-        self.resting_speed = resting_speed
-        self.skipped: dict[frozenset[pymunk.Shape], tuple[tuple[pymunk.Shape, pymunk.Shape], Vector]] = {}
-        self.jammed: set[frozenset[pymunk.Shape]] = set()
-        self.still_jammed: set[frozenset[pymunk.Shape]] = set()
-        self.motion = StepMotion()
-        self.active = False
-        self.resting: float | None = None
-        self._approach_of, self._tune = approach_reader(space), contact_tuner(space)
+        self.space, self.motion = space, StepMotion()
+        self.resting_speed = 0.0
+        self.met: list[Met] = []
+        self.skipped: set[Shapes] = set()
+        self.jammed: set[Shapes] = set()
+        self._still_jammed: set[Shapes] = set()
+        self._active, self._resting = False, -1.0
+        self._ends = lib.cpSpaceGetStaticBody(space._space), ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
 
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
-        self.resting_speed, self.active, self.resting = resting_speed, True, None
+        self.resting_speed, self._active, self._resting = resting_speed, True, -1.0
 
     def end(self) -> None:
         """End a step: contacts that jammed and were not met again are over."""
-        self.active = False
+        self._active = False
         if self.jammed:
-            self.jammed, self.still_jammed = self.still_jammed, set()
+            self.jammed, self._still_jammed = self._still_jammed, set()
+
+    def clear(self) -> None:
+        """Forget the contacts of the step."""
+        self.met.clear()
+        self.skipped.clear()
+        self.motion.clear()
 
     def resting_approach(self) -> float:
         """Return the largest approach that counts as rest in the last step."""
         return max(self.resting_speed, STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step)
 
-    def divide(self, friction: float, arbiter: pymunk.Arbiter) -> None:
-        """Leave a contact at rest to the engine, with this friction and no restitution; keep the engine from an impact."""
-        if not self.active:
+    def divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
+        """Leave a contact at rest to the engine, with its pair's friction and no restitution; keep the engine from an impact."""
+        if not self._active:
             return
-        if self.resting is None:
-            self.resting = self.resting_approach()
-        approach, speeds = self._approach_of(arbiter)
+        if self._resting < 0.0:
+            self._resting = self.resting_approach()
+        raw = arbiter._arbiter
+        found = lib.cpArbiterGetContactPointSet(raw)
+        approach, speeds = self._approach(raw, found)
+        lib.cpArbiterSetRestitution(raw, 0.0)
+        rests = approach <= self._resting or approach <= ROUNDING * speeds
         # Contacts at rest are many; their shapes are not even looked up.
-        if (approach <= self.resting or approach <= ROUNDING * speeds) and not self.jammed:
-            self._tune(arbiter, friction)
-            return
-        shapes = arbiter.shapes
-        jams = frozenset(shapes) in self.jammed
-        if jams:
-            self.still_jammed.add(frozenset(shapes))
-        if jams or approach <= self.resting or approach <= ROUNDING * speeds:
-            self._tune(arbiter, friction)
+        if not rests or self.jammed:
+            shapes = shapes_of(raw)
+            jams = (key := frozenset(shapes)) in self.jammed
+            if jams:
+                self._still_jammed.add(key)
+            rests = rests or jams
+        if rests:
+            lib.cpArbiterSetFriction(raw, pair.friction)
+            self.met.append(Met(raw, pair))
             return
         # The engine keeps the contact and wakes its bodies, but takes it to fly apart, and to have no overlap to reduce.
         for each in shapes:
             if each.body is not None:
                 self.motion.note(joined([each.body]))
-        normal, slide = arbiter.normal, arbiter.surface_velocity
-        self.skipped[frozenset(shapes)] = (shapes, (slide.x, slide.y))
-        self._tune(arbiter, 0.0)
-        found = arbiter.contact_point_set
-        for point in found.points:
-            point.point_b = point.point_a
-        arbiter.contact_point_set = found
-        arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
+        slide = lib.cpArbiterGetSurfaceVelocity(raw)
+        self.skipped.add(key)
+        self.met.append(Met(raw, pair, shapes, overlaps(found), (slide.x, slide.y)))
+        lib.cpArbiterSetFriction(raw, 0.0)
+        for index in range(found.count):
+            found.points[index].pointB = found.points[index].pointA
+        lib.cpArbiterSetContactPointSet(raw, ffi.addressof(found))
+        lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
 
-    def surface_velocity(self, shapes: tuple[pymunk.Shape, pymunk.Shape]) -> Vector | None:
-        """Return the surface velocity that a skipped contact had, of the second shape less the first; None for others."""
-        if frozenset(shapes) not in self.skipped:
-            return None
-        (first, _), (x, y) = self.skipped[frozenset(shapes)]
-        return (x, y) if first is shapes[0] else (-x, -y)
+    def _approach(self, raw: Any, found: Any) -> tuple[float, float]:
+        """Return the speed at which the fastest point approaches, and the bodies' speeds there, to which it is rounded."""
+        still, first, second = self._ends
+        lib.cpArbiterGetBodies(raw, first, second)
+        a, b, x, y = first[0], second[0], found.normal.x, found.normal.y
+        fastest = (0.0, 0.0)
+        for index in range(found.count):
+            point = found.points[index].pointA
+            u = v = p = q = 0.0
+            if a != still:
+                moving = lib.cpBodyGetVelocityAtWorldPoint(a, point)
+                u, v = moving.x, moving.y
+            if b != still:
+                moving = lib.cpBodyGetVelocityAtWorldPoint(b, point)
+                p, q = moving.x, moving.y
+            approach = (u - p) * x + (v - q) * y
+            if approach > fastest[0]:
+                fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
+        return fastest

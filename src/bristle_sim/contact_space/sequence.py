@@ -1,45 +1,41 @@
-"""Impacts of one instant, one after the other: the fastest approach first, until no point approaches.
+"""Impacts of one step, one after the other: the earliest touch and of those the fastest approach first, until no point approaches.
 
-An impact at one point can drive others of the same bodies, or of bodies joined to them, into their surfaces. Contacts of
-bodies that have nothing to do with each other do not notice each other's order.
+An impact at one point can drive others of the same bodies, or of bodies joined to them, into their surfaces. Bodies that
+contacts and joints connect are a group; groups have nothing to do with each other.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
+from typing import Any
 
 import pymunk
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.contact_space.jacobian import Connected, JointRow, joined
 from bristle_sim.contact_space.projection import close_joints
+from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
-from bristle_sim.contact_space.step_motion import StepMotion
-from bristle_sim.contact_space.touching import Contacts, Shapes, TouchingPoint
+from bristle_sim.contact_space.touching import ROUNDING, Met, Shapes, TouchingPoint
 from bristle_sim.theory.impact_result import JAM, Impact
 
-ROUNDING = 1e-9
-"""Fraction of the bodies' speed at a point below which its approach is rounding."""
-
 COLLAPSE = 12
-"""Impacts at one point after which all are resolved at once, this one without restitution: it would bounce without end."""
+"""Impacts at one point after which its group is resolved at once: it would bounce without end."""
 
 TRIALS = 255
 """Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are rigid."""
 
 MOST = 40
-"""Impacts of a step, one after the other, after which all are resolved at once, which bounds the cost of a step."""
+"""Impacts in a group, one after the other, after which it is resolved at once, which bounds the cost of a step."""
 
 
 class ImpactSequence:
     """Resolve what touches and approaches at the end of a step.
 
     Args:
-        points_of: adds the contacts of a body to the known ones, and returns the shapes of all of its.
-        skipped: shapes of contacts which the engine was kept from responding to; others are its own if they approach slowly.
-        resting_speed: slower approach takes no restitution, and is left to the engine where it can be.
-        motion: of the step.
+        found: contacts of the step; the engine was kept from those in ``skipped``, others are its own if they approach slowly.
         record: called with each faster impact.
 
     Attributes:
@@ -47,51 +43,70 @@ class ImpactSequence:
         jammed: shapes of contacts that no impulse can part.
     """
 
-    def __init__(
-        self,
-        points_of: Callable[[pymunk.Body, Contacts], Iterable[Shapes]],
-        skipped: Collection[Shapes],
-        resting_speed: float,
-        motion: StepMotion,
-        record: Callable[[TouchingPoint, Impact], None],
-    ) -> None:
+    def __init__(self, found: RestFilter, record: Callable[[TouchingPoint, Impact], None]) -> None:
         """See the class."""
-        self._points_of, self._skipped, self._resting_speed = points_of, skipped, resting_speed
-        self._motion, self._record = motion, record
-        self._contacts: Contacts = {}
+        self._found, self._motion, self._record = found, found.motion, record
+        self._resting = found.resting_approach()
+        self._met: dict[pymunk.Body, list[Met]] = {}
+        for met in found.met:
+            for body in met.bodies():
+                if body.body_type == pymunk.Body.DYNAMIC:
+                    self._met.setdefault(body, []).append(met)
+        self._contacts: dict[Any, list[TouchingPoint]] = {}
         self._points: dict[pymunk.Body, list[TouchingPoint]] = {}
         self._approaching: dict[TouchingPoint, None] = {}
+        self._heads: dict[pymunk.Body, pymunk.Body] = {}
+        self._impacts: dict[pymunk.Body, int] = {}
         self.struck: dict[pymunk.Body, float] = {}
         self.jammed: set[Shapes] = set()
 
-    def resolve(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Resolve the contacts of these dynamic bodies, and those that their impacts reach."""
-        self._measure(self._read(bodies))
-        for _ in range(MOST):
-            if not self._approaching:
-                return
-            point = max(self._approaching, key=lambda each: (each.time, each.approach))
-            if point.impacts == COLLAPSE:
-                break
-            self._strike(point)
-        if self._approaching:
-            self._strike_all()
+    def resolve(self) -> None:
+        """Resolve all contacts that approach, and those that their impacts reach."""
+        touching = (each.body for shapes in self._found.skipped for each in shapes)
+        self._measure(self._read(dict.fromkeys(each for each in touching if each in self._met)))
+        while self._approaching:
+            point = max(self._approaching, key=attrgetter("time", "approach"))
+            head = self._head(point.bodies[0])
+            if point.impacts == COLLAPSE or self._impacts.get(head, 0) == MOST:
+                self._strike_all(point)
+            else:
+                self._impacts[head] = self._impacts.get(head, 0) + 1
+                self._strike(point)
 
     def _read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
         """Read the points of bodies, before they are set in motion anew, and return those that were not known."""
-        known = len(self._contacts)
+        new: list[TouchingPoint] = []
         for body in bodies:
             if body not in self._points:
-                shapes = self._points_of(body, self._contacts)
-                self._points[body] = [point for each in shapes for point in self._contacts[each]]
-        return [point for each in itertools.islice(self._contacts.values(), known, None) for point in each]
+                self._points[body] = []
+                for met in self._met.get(body, ()):
+                    points = self._contacts.get(met.arbiter)
+                    if points is None:
+                        points = self._contacts[met.arbiter] = met.points()
+                        new += points
+                        self._unite(each for each in met.bodies() if each in self._met)
+                    self._points[body] += points
+        return new
+
+    def _head(self, body: pymunk.Body) -> pymunk.Body:
+        """Return the body that stands for its group."""
+        while body in self._heads:
+            body = self._heads[body]
+        return body
+
+    def _unite(self, bodies: Iterable[pymunk.Body]) -> None:
+        """Let bodies belong to one group, with the impacts of all."""
+        first, *others = dict.fromkeys(map(self._head, bodies))
+        for each in others:
+            self._heads[each] = first
+            self._impacts[first] = self._impacts.get(first, 0) + self._impacts.pop(each, 0)
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
         """Find out which points approach."""
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             shapes = frozenset(point.shapes)
-            least = 0.0 if shapes in self._skipped else self._resting_speed
+            least = 0.0 if shapes in self._found.skipped else self._resting
             if point.approach > max(least, ROUNDING * point.speed) and shapes not in self.jammed:
                 self._approaching[point] = None
             else:
@@ -99,30 +114,34 @@ class ImpactSequence:
 
     def _latest(self, point: TouchingPoint) -> float:
         """Return the time before the end of the step since which both bodies have moved as they do."""
-        return min(self.struck.get(each, self._motion.duration) for each in point.bodies)
+        first, second = point.bodies
+        step = self._motion.duration
+        return min(self.struck.get(first, step), self.struck.get(second, step))
 
     def _rests(self, approach: float, point: TouchingPoint) -> bool:
-        return approach <= max(self._resting_speed, ROUNDING * point.speed)
+        return approach <= max(self._resting, ROUNDING * point.speed)
 
     def _strike(self, point: TouchingPoint) -> None:
         """Resolve one point at the instant of its touch."""
         point.impacts += 1
         motion, connected = self._motion, joined(point.bodies)
         bodies, joints = connected
+        self._unite(bodies)
         self._measure(self._read(bodies))
         others = dict.fromkeys([*point.bodies, *(end for joint in joints for end in (joint.a, joint.b))])
         moved = [*bodies, *(each for each in others if each.body_type == pymunk.Body.KINEMATIC)]
         point.go_back(motion, moved, self._latest(point))
         steps = motion.steps(point.time)
         motion.kick(bodies, -steps)
-        close_joints(bodies, joints)
+        if joints:
+            close_joints(bodies, joints)
         space, impact = self._law(point, connected)
         space.apply(
             (impact.impulse_normal, impact.impulse_tangential), (impact.velocity_normal, impact.velocity_tangential)
         )
         motion.kick(bodies, steps)
         motion.drift(moved, point.time)
-        if point.time:
+        if joints and point.time:
             close_joints(bodies, joints, with_limits=False)
         if impact.outcome == JAM:
             self.jammed.add(frozenset(point.shapes))
@@ -132,31 +151,38 @@ class ImpactSequence:
         self.struck.update(dict.fromkeys(bodies, point.time))
         self._measure(dict.fromkeys(each for body in bodies for each in self._points[body]), point.time)
 
-    def _strike_all(self) -> None:
-        """Resolve all contacts that touch these, directly or over further bodies, at once, at the end of the step."""
-        reached = dict.fromkeys(self._points)
-        for body in (rest := list(reached)):
-            ends = [end for point in self._points[body] for end in point.bodies if end not in reached]
-            found, _ = joined(ends)
-            self._read(found)
+    def _strike_all(self, point: TouchingPoint) -> None:
+        """Resolve all contacts of a point's group, directly or over further bodies, at once, at the end of the step."""
+        reached: dict[pymunk.Body, None] = {}
+        waiting = [each for each in point.bodies if each.body_type == pymunk.Body.DYNAMIC]
+        while waiting:
+            found = [each for each in joined(waiting)[0] if each not in reached]
             reached.update(dict.fromkeys(found))
-            rest += found
-        points = [each for shapes, contact in self._contacts.items() if shapes not in self.jammed for each in contact]
-        restitution = [0.0 if self._rests(each.approach, each) else each.pair.restitution for each in points]
+            self._read(found)
+            touched = dict.fromkeys(end for body in found for each in self._points[body] for end in each.bodies)
+            waiting = [each for each in touched if each not in reached and each.body_type == pymunk.Body.DYNAMIC]
+        every = dict.fromkeys(each for body in reached for each in self._points[body])
+        points = [each for each in every if frozenset(each.shapes) not in self.jammed]
         self._motion.kick(reached, -0.5)
-        impacts = resolve_at_once(points, restitution)
+        impacts = resolve_at_once(points, self._rests)
         self._motion.kick(reached, 0.5)
-        for point, impact in zip(points, impacts, strict=True):
+        self.struck.update(dict.fromkeys(reached, 0.0))
+        for each, impact in zip(points, impacts, strict=True):
+            self._approaching.pop(each, None)
             if impact.impulse_normal > 0.0:
-                point.time = 0.0
-                self._record(point, impact)
+                each.time = 0.0
+                self._record(each, impact)
 
     def _law(self, point: TouchingPoint, connected: Connected) -> tuple[ContactSpace, Impact]:
         """Return the impact in which limits of joints push only and are not passed."""
         rigid = self._with_limits(point, connected, ())
-        if _agrees(*rigid, ()):
+        if not rigid[0].limits or _agrees(*rigid, ()):
             return rigid
-        for released in itertools.islice(_subsets(rigid[0].limits), TRIALS):
+        limits = rigid[0].limits
+        choices = itertools.chain.from_iterable(
+            itertools.combinations(limits, count + 1) for count in range(len(limits))
+        )
+        for released in itertools.islice(choices, TRIALS):
             found = self._with_limits(point, connected, released)
             if _agrees(*found, released):
                 return found
@@ -165,23 +191,14 @@ class ImpactSequence:
     def _with_limits(
         self, point: TouchingPoint, connected: Connected, released: Sequence[JointRow]
     ) -> tuple[ContactSpace, Impact]:
+        """Return the impact in which the limits of these joints take no part."""
         first, second = point.bodies
+        place, normal, _ = point.overlap
+        slide, joints = point.surface_velocity, [each.joint for each in released]
         space = contact_space(
-            first,
-            point.overlap.point,
-            point.overlap.normal,
-            second,
-            surface_velocity=point.surface_velocity,
-            released=[each.joint for each in released],
-            connected=connected,
+            first, place, normal, second, surface_velocity=slide, released=joints, connected=connected
         )
-        rests = self._rests(-space.velocity[0], point)
-        return space, point.pair.impact(space, 0.0 if rests else point.pair.restitution)
-
-
-def _subsets(limits: Sequence[JointRow]) -> Iterator[tuple[JointRow, ...]]:
-    """Return every choice of some of the limits, few first."""
-    return itertools.chain.from_iterable(itertools.combinations(limits, count + 1) for count in range(len(limits)))
+        return space, point.pair.impact(space, rests=self._rests(-space.velocity[0], point))
 
 
 def _agrees(space: ContactSpace, impact: Impact, released: Sequence[JointRow]) -> bool:

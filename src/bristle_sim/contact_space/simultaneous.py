@@ -15,7 +15,7 @@ is scaled by at most -2 p.v/(p.W p), which keeps the cones, so that no energy is
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,8 +98,10 @@ class Contacts:
         return share * first, share * second
 
 
-def resolve_at_once(points: Sequence[TouchingPoint], restitution: Sequence[float]) -> list[Impact]:
+def resolve_at_once(points: Sequence[TouchingPoint], rests: Callable[[float, TouchingPoint], bool]) -> list[Impact]:
     """Set the velocities of all bodies that touch here, and of those joined to them, to those after the impact at all points.
+
+    ``rests``: whether an approach at a point has no restitution.
 
     Returns:
         The record of each point. The works of all of them sum up to the change of the kinetic energy.
@@ -127,6 +129,8 @@ def resolve_at_once(points: Sequence[TouchingPoint], restitution: Sequence[float
         friction=np.array([point.pair.friction for point in points]),
         joints=_joint_basis(groups, index),
     )
+    speeds = zip((-contacts.velocity[:, 0]).tolist(), points, strict=True)
+    restitution = [0.0 if rests(speed, each) else each.pair.restitution for speed, each in speeds]
     first, second = contacts.resolve(np.array(restitution))
     after = velocities + scale * contacts.change(first + second).reshape(-1, 3)
     for body, velocity, changed in zip(bodies, after.tolist(), (after != velocities).any(axis=1), strict=True):

@@ -16,14 +16,21 @@ from collections.abc import Iterable
 
 import numpy as np
 import pymunk
+from pymunk._chipmunk_cffi import lib
 
-from bristle_sim.contact_space.jacobian import Connected, Vector
+from bristle_sim.contact_space.jacobian import Connected, Vector, world
 from bristle_sim.contact_space.projection import allowed_part
 
-Gain = tuple[float, float, float]
-"""Change of (v_x, v_y, angular velocity) by forces, joints and contacts at rest in the step."""
+Motion = tuple[float, float, float]
+"""v_x, v_y and angular velocity, or their change by forces, joints and contacts at rest in the step."""
 
 NONE = (0.0, 0.0, 0.0)
+
+
+def velocity_of(body: pymunk.Body) -> Motion:
+    """Return a body's velocities."""
+    velocity = lib.cpBodyGetVelocity(body._body)
+    return velocity.x, velocity.y, lib.cpBodyGetAngularVelocity(body._body)
 
 
 class StepMotion:
@@ -37,25 +44,23 @@ class StepMotion:
     def __init__(self) -> None:
         """No step has been taken."""
         self.duration = 0.0
-        self.gains: dict[pymunk.Body, Gain] = {}
+        self.gains: dict[pymunk.Body, Motion] = {}
         self._groups: list[Connected] = []
-        self._states: dict[pymunk.Body, tuple[Gain, Gain, Vector]] = {}
+        self._states: dict[pymunk.Body, tuple[Motion, Motion, Vector]] = {}
 
     def note(self, connected: Connected) -> None:
         """Note velocities of jointed bodies within the step, before the engine changes them."""
         if connected[0] and connected[0][0] not in self.gains:
             self._groups.append(connected)
-            for body in connected[0]:
-                (x, y), turn = body.velocity, body.angular_velocity
-                self.gains[body] = (-x, -y, -turn)
+            self.gains.update({body: velocity_of(body) for body in connected[0]})
 
     def finish(self, duration: float) -> None:
-        """Add the velocities after the step; the gain that joints do not let pass is a correction of them, not motion."""
+        """Take the velocities after the step; the gain that joints do not let pass is a correction of them, not motion."""
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
-                (u, v, turn), (x, y) = self.gains[body], body.velocity
-                self.gains[body] = (x + u, y + v, turn + body.angular_velocity)
+                (u, v, turn), (x, y, w) = self.gains[body], velocity_of(body)
+                self.gains[body] = (x - u, y - v, w - turn)
             if joints:
                 gains = np.array([self.gains[body] for body in bodies]).ravel()
                 allowed = allowed_part(bodies, joints, gains).reshape(-1, 3).tolist()
@@ -70,12 +75,11 @@ class StepMotion:
         """Return the number of gains from the velocities at a time before the end of the step to those after it."""
         return time / self.duration + 0.5 if self.duration else 0.5
 
-    def state(self, body: pymunk.Body) -> tuple[Gain, Gain, Vector]:
+    def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
         """Return a body's velocities after the step, its gains and its mass centre, until it is forgotten."""
         found = self._states.get(body)
         if found is None:
-            (x, y), centre = body.velocity, body.local_to_world(body.center_of_gravity)
-            found = (x, y, body.angular_velocity), self.gains.get(body, NONE), (centre.x, centre.y)
+            found = velocity_of(body), self.gains.get(body, NONE), world(body, body.center_of_gravity)
             self._states[body] = found
         return found
 
@@ -87,21 +91,15 @@ class StepMotion:
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
         """Move bodies on by a time, or back, as the engine moves them within the step."""
         for body in bodies if time else ():
-            (x, y), (u, v, turn) = body.velocity, self.gains.get(body, NONE)
-            centre = body.local_to_world(body.center_of_gravity)
-            body.angle += time * (body.angular_velocity - turn)
-            after = body.local_to_world(body.center_of_gravity)
-            place = body.position
-            body.position = (
-                place.x + centre.x - after.x + time * (x - u),
-                place.y + centre.y - after.y + time * (y - v),
-            )
+            raw, (x, y, w), (u, v, turn) = body._body, velocity_of(body), self.gains.get(body, NONE)
+            lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (w - turn))  # about the mass centre
+            place = lib.cpBodyGetPosition(raw)
+            lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
     def kick(self, bodies: Iterable[pymunk.Body], steps: float) -> None:
-        """Add the gain of so many steps to the velocities."""
+        """Add the gain of a number of steps to the velocities."""
         for body in bodies:
             if body in self.gains:
-                u, v, turn = self.gains[body]
-                x, y = body.velocity
-                body.velocity = (x + steps * u, y + steps * v)
-                body.angular_velocity += steps * turn
+                (x, y, w), (u, v, turn) = velocity_of(body), self.gains[body]
+                lib.cpBodySetVelocity(body._body, (x + steps * u, y + steps * v))
+                lib.cpBodySetAngularVelocity(body._body, w + steps * turn)

@@ -6,23 +6,29 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pymunk
+from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact
 from bristle_sim.contact_space.jacobian import Vector
 from bristle_sim.contact_space.step_motion import StepMotion
 from bristle_sim.theory.impact import Impact
 
+ROUNDING = 1e-9
+"""Fraction of the bodies' speed at a point below which its approach is rounding."""
+
 HALVINGS = 4
-"""A touch is looked for so often, each time half as long ago, until the shapes overlap half of that time later."""
+"""A touch is looked for at most this many times, each time half as long ago, until the shapes overlap half of that time later."""
 
 FARTHER = 1.5
 """A touch is at most this many times as long ago as it seems at the end of the step."""
 
 ENTRIES = attrgetter(*(each.name for each in fields(Impact)))
 """All entries of an impact's record."""
+
+Shapes = frozenset[pymunk.Shape]
 
 
 class Overlap(NamedTuple):
@@ -39,16 +45,56 @@ class Overlap(NamedTuple):
         return Overlap((x + factor * (u - x), y + factor * (v - y)), (normal.x, normal.y), 0.0)
 
 
-def overlaps(first: pymunk.Shape, second: pymunk.Shape) -> list[Overlap]:
-    """Return the overlaps of two shapes where they were when their bounding boxes were last taken."""
-    try:
-        found = first.shapes_collide(second)
-    except AssertionError:  # pymunk's answer for shapes apart
-        return []
-    x, y = found.normal
-    ends = [(each.point_a, each.point_b) for each in found.points]
-    # The distance that pymunk gives has the sign of one order of the shapes only.
-    return [Overlap(((a.x + b.x) / 2, (a.y + b.y) / 2), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y) for a, b in ends]
+def overlaps(found: Any, towards: float = -1.0) -> list[Overlap]:
+    """Return the overlaps of the engine's contact points, with normals towards their first shape (-1) or their second (1)."""
+    x, y, normal = found.normal.x, found.normal.y, (towards * found.normal.x, towards * found.normal.y)
+    ends = [(found.points[index].pointA, found.points[index].pointB) for index in range(found.count)]
+    # The distance that the engine gives has the sign of one order of the shapes only.
+    return [Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), normal, (a.x - b.x) * x + (a.y - b.y) * y) for a, b in ends]
+
+
+def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
+    """Return the shapes of the engine's own arbiter."""
+    first, second = ffi.new("cpShape *[1]"), ffi.new("cpShape *[1]")
+    lib.cpArbiterGetShapes(arbiter, first, second)
+    return tuple(ffi.from_handle(lib.cpShapeGetUserData(each[0])) for each in (first, second))
+
+
+class Met(NamedTuple):
+    """A contact that the engine has found: its arbiter, and what it was before the engine was kept from it, if it was.
+
+    Outside callbacks an arbiter may have its shapes in the other order.
+    """
+
+    arbiter: Any
+    pair: ContactPair
+    shapes: tuple[pymunk.Shape, pymunk.Shape] | None = None
+    overlaps: list[Overlap] | None = None
+    slide: Vector | None = None
+
+    def bodies(self) -> list[pymunk.Body]:
+        """Return the two bodies, in any order."""
+        ends = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
+        lib.cpArbiterGetBodies(self.arbiter, *ends)
+        return [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in ends]
+
+    def points(self) -> list[TouchingPoint]:
+        """Return the points where they touch; none of a sensor, and where the engine was told to ignore them."""
+        if not lib.cpArbiterGetProcessCollision(self.arbiter):
+            return []
+        if self.shapes is None or self.overlaps is None or self.slide is None:
+            shapes, found = shapes_of(self.arbiter), overlaps(lib.cpArbiterGetContactPointSet(self.arbiter))
+            slide = lib.cpArbiterGetSurfaceVelocity(self.arbiter)
+            x, y = slide.x, slide.y
+        else:
+            shapes, found, (x, y) = self.shapes, self.overlaps, self.slide
+        if any(each.sensor for each in shapes):
+            return []
+        bodies: Any = [each.body for each in shapes]
+        if bodies[0].body_type != pymunk.Body.DYNAMIC:
+            shapes, bodies, x, y = shapes[::-1], bodies[::-1], -x, -y
+            found = [each._replace(normal=(-each.normal[0], -each.normal[1])) for each in found]
+        return [TouchingPoint(self.pair, shapes, (bodies[0], bodies[1]), (x, y), each) for each in found]
 
 
 @dataclass(slots=True, eq=False)
@@ -101,8 +147,8 @@ class TouchingPoint:
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
         """Move the bodies that take part back to the touch, and take its place from the shapes on their way there."""
         time = self.time
-        for _ in range(HALVINGS if time else 0):
-            after = self._look()
+        after = self._look() if time else None
+        for _ in range(HALVINGS if after else 0):
             motion.drift(bodies, -0.5 * time)
             half = self._look()
             if after and half and half.depth > 0.0:
@@ -119,9 +165,10 @@ class TouchingPoint:
 
     def _look(self) -> Overlap | None:
         """Return the overlap of the shapes where their bodies are now, the nearest to the one known; None if there is none."""
-        for each in self.shapes:
-            each.cache_bb()
-        found = overlaps(*self.shapes)
+        first, second = (each._shape for each in self.shapes)
+        lib.cpShapeCacheBB(first)
+        lib.cpShapeCacheBB(second)
+        found = overlaps(lib.cpShapesCollide(first, second))
         return min(found, key=lambda each: math.dist(each.point, self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
@@ -129,19 +176,3 @@ class TouchingPoint:
         point, normal, _ = self.overlap
         entries = (*ENTRIES(impact), end - self.time, point, normal, self.bodies)
         return LocatedImpact(*entries)
-
-
-Shapes = frozenset[pymunk.Shape]
-Contacts = dict[Shapes, list[TouchingPoint]]
-"""Touching points by the two shapes."""
-
-
-def read_contact(arbiter: pymunk.Arbiter, pair: ContactPair, slide: Vector | None = None) -> list[TouchingPoint]:
-    """Return the points of a contact; ``slide``: surface velocity of its second shape less the first's, if known better."""
-    shapes = first, second = arbiter.shapes
-    slide = slide or arbiter.surface_velocity
-    if first.body is None or first.body.body_type != pymunk.Body.DYNAMIC:
-        shapes = second, first
-        slide = (-slide[0], -slide[1])
-    bodies = arbiter.bodies if shapes[0] is first else arbiter.bodies[::-1]
-    return [TouchingPoint(pair, shapes, bodies, (slide[0], slide[1]), each) for each in overlaps(*shapes)]

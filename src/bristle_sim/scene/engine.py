@@ -13,8 +13,8 @@ from operator import sub
 from typing import Any
 
 import pymunk
+from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.contact_space.engine_calls import ffi, lib
 from bristle_sim.scene.mechanism import Vector
 
 ITERATIONS_OF_A_STEP = 100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us

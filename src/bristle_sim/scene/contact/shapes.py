@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 import pymunk
+from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.contact_space.engine_calls import ffi, lib
 from bristle_sim.scene.contact.obstacles import Obstacle, WirePair
 from bristle_sim.scene.mechanism import Mechanism, Vector
 
