@@ -14,7 +14,9 @@ from pathlib import Path
 import pytest
 
 import bristle_sim
+from bristle_sim import commit as commits
 from bristle_sim.cli import command
+from bristle_sim.commit import commit
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.tool_file import write_tool
 
@@ -32,11 +34,47 @@ def test_alone_it_lists_every_scenario_with_its_question(capsys: pytest.CaptureF
 
 def test_help_and_version(capsys: pytest.CaptureFixture[str]):
     assert command.main(["--version"]) == 0
-    assert capsys.readouterr().out == f"bristle-sim {bristle_sim.__version__}\n"
+    assert capsys.readouterr().out == f"bristle-sim {bristle_sim.__version__} (commit {commit()})\n"
     assert command.main(["--help"]) == 0
     out = capsys.readouterr().out
     assert out.startswith(command.overview())
     assert "--list-keys" in out
+
+
+@pytest.mark.parametrize(
+    ("line", "completed"),
+    [
+        ("bristle-sim cue_t", ["cue_timing"]),
+        ("bristle-sim exp", ["explore"]),
+        ("bristle-sim cue_and_impact --set hub_r", ["hub_radius="]),
+        ("bristle-sim cue_and_impact --set contact=e", ["energetic", "engine"]),
+        ("bristle-sim cue_and_impact --sweep frict", ["friction="]),
+        ("bristle-sim single_pendulum --list", ["--list-keys"]),
+    ],
+)
+def test_a_shell_completes_scenarios_options_and_keys(line: str, completed: list[str], tmp_path: Path):
+    """As the shell asks: the line in the environment, the answer in the file that the environment names."""
+    pytest.importorskip("argcomplete")
+    answer = tmp_path / "answer"
+    breaks = " \t\n\"'><=;|&(:"
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
+    asked |= {
+        "_ARGCOMPLETE_IFS": "\n",
+        "_ARGCOMPLETE_COMP_WORDBREAKS": breaks,
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer),
+    }
+    subprocess.run([sys.executable, "-m", "bristle_sim"], env=os.environ | asked, check=False, timeout=60)
+    assert [each.rstrip() for each in answer.read_text().split("\n")] == completed
+
+
+def test_a_distribution_carries_its_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Built from a checkout it has a file; without file and checkout nothing is known."""
+    package = tmp_path / "lib" / "site-packages" / "bristle_sim"
+    package.mkdir(parents=True)
+    monkeypatch.setattr(commits, "__file__", str(package / "commit.py"))
+    assert commits.commit.__wrapped__() == ""
+    (package / "commit.txt").write_text("0123456789ab\n")
+    assert commits.commit.__wrapped__() == "0123456789ab"
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
     "arrays": -1,
+    "commit": 0,
     "conversion": -1,
     "units": 0,
     "files": 0,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import os
 import runpy
 import sys
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
 from bristle_sim.cli.output import say, tell
 from bristle_sim.cli.scenario import Scenario
+from bristle_sim.commit import commit
 from bristle_sim.units import likely_key
 
 PROGRAM = "bristle-sim"
@@ -37,9 +39,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
     name, known = first.removesuffix(".py"), scripts()
+    if "_ARGCOMPLETE" in os.environ:
+        _complete(known)
     try:
         if first == "--version":
-            say(f"{PROGRAM} {bristle_sim.__version__}")
+            say(f"{PROGRAM} {bristle_sim.__version__}" + (f" (commit {commit()})" if commit() else ""))
         elif first in ("", "-h", "--help"):
             say("\n\n".join([overview(), *([HELP] if first else [])]))
         elif first in COMMANDS:
@@ -55,6 +59,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         tell(f"{PROGRAM}: error: {error}")
         return BAD_INPUT
     return 0
+
+
+def _complete(known: dict[str, Path]) -> None:
+    """Answer the shell that completes a command line, if the extra is installed."""
+    try:
+        from bristle_sim.cli.completion import complete, typed_words
+    except ImportError:
+        return
+    scenario = next((load(known[word]) for word in typed_words()[1:2] if word in known), None)
+    complete(scenario, [*known, *COMMANDS])
 
 
 def _command(name: str, given: Sequence[str]) -> int:

@@ -46,7 +46,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
             sweeping = any(each.startswith("--sweep") for each in arguments)
-            options = _parser(scenario, program, sweeping=sweeping).parse_args(arguments)
+            options = parser_of(scenario, program, sweeping=sweeping).parse_args(arguments)
             if options.list_keys:
                 say(scenario.key_list())
                 return 0
@@ -206,7 +206,7 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(message)
 
 
-def _parser(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Parser:
+def parser_of(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Parser:
     """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
     has_tool, pictures = "hub_speed" in scenario.keys(), scenario.plot or scenario.plots  # noqa: SIM118

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim import __version__
+from bristle_sim.commit import named_commit
 from bristle_sim.comparison import WIDTH, Report, finite, table
 from bristle_sim.files import complete_or_absent
 
@@ -77,6 +78,7 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
         "scenario": name,
         "answer": report.answer,
         "version": __version__,
+        **named_commit(),
         "parameters": dict(values),
         "outcome": report.outcome,
         "quantities": [row.as_dict() for row in report.quantities],

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from bristle_sim import __version__
 from bristle_sim.cli.output import csv_text, plain, say, tell, write_text
 from bristle_sim.cli.scenario import Scenario
+from bristle_sim.commit import named_commit
 from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
 from bristle_sim.files import checked_target
 from bristle_sim.units import Range, likely_key
@@ -52,6 +53,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
         "scenario": scenario.name,
         "answer": answer,
         "version": __version__,
+        **named_commit(),
         "parameters": {key: value for key, value in scenario.values_of(options.set).items() if key not in axes},
         "columns": plain(columns),
     }

@@ -18,6 +18,7 @@ import jinja2
 from markupsafe import Markup
 
 import bristle_sim
+from bristle_sim.commit import named_commit
 from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
@@ -86,7 +87,7 @@ def write_report(
         "figures": figures,
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
         "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
-        "versions": {"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
+        "versions": {"bristle_sim": bristle_sim.__version__, **named_commit(), "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
     }
     _write(path, "report.html.jinja", alone=False, **content)

@@ -1,0 +1,40 @@
+"""Completion in the shell: scenarios, their options, and the keys of ``--set`` and ``--sweep``; needs the extra."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterable
+
+import argcomplete
+
+from bristle_sim.cli.main import parser_of
+from bristle_sim.cli.scenario import Scenario
+from bristle_sim.units import Choice
+
+
+def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
+    """Answer the shell and exit; ``names`` are those of all scenarios and commands."""
+    parser = argparse.ArgumentParser() if scenario is None else parser_of(scenario, scenario.name, sweeping=True)
+    for action in parser._actions:
+        if scenario is not None and action.dest in ("set", "sweep"):
+            words = dict.fromkeys(_assignments(scenario, sweeping=action.dest == "sweep"), "")
+            action.completer = argcomplete.ChoicesCompleter(words)  # type: ignore[attr-defined]
+    parser.add_argument("scenario", choices=[*names])
+    if scenario is None:
+        parser.add_argument("tools", nargs="*")  # files of a command
+    argcomplete.autocomplete(parser)
+
+
+def typed_words() -> list[str]:
+    """Return the words of the line that is completed."""
+    return os.environ.get("COMP_LINE", "").split()
+
+
+def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:
+    """Return what ``--set`` or ``--sweep`` may begin with: each key, and for a word its options, which none can sweep."""
+    found = []
+    for key, (declared, _) in scenario.keys().items():
+        options = declared.options if isinstance(declared, Choice) else ("",)
+        found += [] if sweeping and options != ("",) else [f"{key}={option}" for option in options]
+    return found

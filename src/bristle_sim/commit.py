@@ -1,0 +1,30 @@
+"""The commit that this package's source stands at."""
+
+import functools
+from pathlib import Path
+
+
+@functools.cache
+def commit() -> str:
+    """Return the commit of the checkout, or the one that the distribution was built from; empty where neither is known.
+
+    A checkout with changes of its own ends in ``-dirty``.
+    """
+    package = Path(__file__).parent
+    built, checkout = package / "commit.txt", package.parents[1]
+    if built.is_file():
+        return built.read_text(encoding="utf-8").strip()
+    if not (checkout / ".git").exists():
+        return ""
+    import subprocess
+
+    describe = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        return subprocess.run(describe, capture_output=True, text=True, check=True, timeout=10.0).stdout.strip()
+    except (OSError, subprocess.SubprocessError):  # without git, or not its owner
+        return ""
+
+
+def named_commit() -> dict[str, str]:
+    """Return the commit by its name; nothing where it is not known."""
+    return {"commit": commit()} if commit() else {}
