@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.cli import Scenario, command
-from bristle_sim.render.cost_figure import cost_figure
+from bristle_sim.render.cost_figure import LEAST, best_methods, cost_figure, verdict
 from bristle_sim.render.crater_figure import MEASURED, MICRO
 from bristle_sim.render.style import add_panel, blank_figure
 from bristle_sim.render.wire_figure import wire_figure
@@ -112,28 +112,55 @@ def at(method: str, error: float, cpu_s: float) -> Point:
     return Point("case", method, "step=1", error, cpu_s, cpu_s, 1, "" if np.isfinite(error) else "failed")
 
 
-def test_methods_of_the_cost_are_told_apart_and_captions_are_of_what_is_drawn():
-    points = [
+EFFECTS = [Effect(what, str(size), 1e-3 * size, size, "") for what in ("links", "bristles") for size in (1, 2, 4)]
+REACHED = [
+    *(
         at(f"bristle_sim {name}", 10.0**-power, 1e-4 * power)
         for name in ("simulate", "extrapolation", "plain steps")
         for power in (3, 6)
-    ]
-    points += [at("scipy dop853", 1e-6, 3e-4), at("scipy rk45", 1e-2, 1e-3), at("mujoco rk4", np.inf, np.nan)]
+    ),
+    *(at("scipy dop853", error, cpu_s) for error, cpu_s in ((1e-6, 8e-4), (0.0, 9e-4))),
+    *(at("scipy rk45", 1e-2, 1e-3), at("mujoco rk4", np.inf, np.nan)),
+]
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_drawn(count: int):
+    """The best method of each package has a colour, and the others are grey; a failure is not drawn, an error of 0 is."""
     notes = ("scipy: derived by hand", "mujoco: cannot", "exudyn, mujoco cannot express it")
-    effects = [Effect(what, str(size), 1e-3 * size, size, "") for what in ("links", "bristles") for size in (1, 2, 4)]
-    for count in (1, 2, 3, 4):
-        cases = tuple(SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count))
-        figure = cost_figure(SimpleNamespace(cases=cases, effects=effects, of=lambda _: points))  # type: ignore[arg-type]
-        assert faults(figure) == []
-        looks = {
-            (line.get_color(), line.get_marker())
-            for line in figure.axes[0].lines
-            if str(line.get_gid()).startswith("bristle_sim")
-        }
-        assert len({color for color, _ in looks}) == 3
-        said = "\n".join(text.get_text() for text in figure.axes[0].texts)
-        assert "scipy: derived by hand" in said
-        assert "mujoco" not in said
+    cases = tuple(SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count))
+    figure = cost_figure(SimpleNamespace(cases=cases, effects=EFFECTS, of=lambda _: REACHED))  # type: ignore[arg-type]
+    assert faults(figure) == []
+    lines = {str(line.get_gid()): line for line in figure.axes[0].lines}
+    own = [name for name in lines if name.startswith("bristle_sim")]
+    assert len({lines[name].get_color() for name in own}) == len(own) == 3
+    assert "mujoco rk4" not in lines
+    assert list(lines["scipy dop853"].get_ydata()) == [1e-6, LEAST]
+    said = "\n".join(text.get_text() for text in figure.axes[0].texts)
+    assert "scipy: derived by hand" in said
+    assert "grey: scipy rk45" in said
+    assert "mujoco" not in said
+    assert "to $10^{-6}$: simulate 0.6 ms, scipy dop853 0.8 ms" in said
+
+
+@pytest.mark.parametrize(
+    ("points", "best", "words"),
+    [
+        (REACHED, {"bristle_sim": "bristle_sim simulate", "scipy": "scipy dop853"}, "to $10^{-6}$: simulate 0.6 ms"),
+        ([at("bristle_sim energetic", 2e-16, 1e-3)], None, "to $10^{-6}$: energetic 1 ms, no peer gets there"),
+        # A package that does not get to 1e-6 is judged by the least error that it reaches.
+        (
+            [at("numpy rk44", 1e-2, 1e-3), at("mujoco euler", 1e-1, 1e-2), at("mujoco rk4", 1e-2, 1e-1)],
+            {"numpy": "numpy rk44", "mujoco": "mujoco rk4"},
+            "none of our methods is within 1",
+        ),
+    ],
+)
+def test_the_best_methods_and_the_words_above_the_panel(points: list[Point], best: dict[str, str] | None, words: str):
+    assert best is None or best_methods(points) == best
+    assert verdict(points).startswith(words)
+    with pytest.raises(ValueError, match="must be one case or more"):
+        cost_figure(SimpleNamespace(cases=(), effects=(), of=None))  # type: ignore[arg-type]
 
 
 def test_a_fault_is_seen():

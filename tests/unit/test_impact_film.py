@@ -1,4 +1,4 @@
-"""The film of an impact shows what was computed, to scale."""
+"""Figure and film of an impact show the computed motion, to scale, and say where there is none."""
 
 from __future__ import annotations
 
@@ -11,13 +11,26 @@ import pytest
 from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.render.impact_film import ContactMotion, ImpactFilm, draw_chain
+from bristle_sim.render.impact_figure import impact_figure
+from bristle_sim.render.impact_film import ImpactFilm, draw_chain
+from bristle_sim.render.style import save_figure
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import Impacts, oblique_impact
+from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.timed_contact import with_visible_contact
-from impact_cases import bristle, line, rods
+from impact_cases import TRAPEZOIDAL, bristle, data, line, panel, rods, words
+
+
+@pytest.fixture(scope="module")
+def strike() -> Impacts:
+    return bristle()
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Impacts:
+    return rods()
 
 
 def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
@@ -58,9 +71,9 @@ def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> N
         assert shown.strikes == impacts.strikes
 
 
-def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
+def test_film_shows_the_motion(pendulum: Impacts) -> None:
     scene = ImpactFilm(pendulum, width=320, height=180, duration=4.0)
-    stop = pendulum_motion.slip_stop
+    stop = scene.motion.slip_stop
     assert stop is not None
     film_time = float(scene.warp.film_time(stop))
     scene.show(film_time)
@@ -68,7 +81,7 @@ def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion
         (x,), (y,) = (np.asarray(values) for values in marker.get_data())
         instant = x / scene.clock.factor
         assert instant == pytest.approx(stop, rel=1e-3)  # the warp is linear between 4001 nodes
-        expected = pendulum_motion.at(name, instant) * factor
+        expected = scene.motion.at(name, instant) * factor
         assert y == pytest.approx(expected, abs=1e-9 * max(1.0, abs(expected)))
     for later, caption in ((-0.1, "restitution: the tip slips"), (0.1, "restitution: the tip slips back")):
         scene.show(film_time + later)
@@ -93,3 +106,30 @@ def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="not resolved in time"):
         ImpactFilm(unresolved)
     assert not list(tmp_path.iterdir())
+
+
+def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(strike: Impacts) -> None:
+    plane = panel(impact_figure(strike), "a")
+    course = energetic_course(strike.chain, strike.surface)
+    assert "mN·s" in plane.get_xlabel()
+    for name in ("normal_velocity", "tangential_velocity"):
+        x, y = data(plane, name)
+        np.testing.assert_allclose(x, course.impulse * 1e3)
+        np.testing.assert_allclose(y, getattr(course, name))
+        x, y = data(plane, f"{name}, resolved in time")
+        assert x.size > 5
+        np.testing.assert_allclose(
+            y,
+            np.interp(x, course.impulse * 1e3, getattr(course, name)),
+            atol=3.0 * TRAPEZOIDAL * np.ptp(getattr(course, name)),
+        )
+
+
+def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
+    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
+    assert "no contact" in words(panel(resting, "a"))
+    save_figure(resting, tmp_path / "resting.png")
+    unresolved = rods()
+    del unresolved.strikes["compliant"]
+    names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
+    assert not any(name and "resolved" in name for name in names)
