@@ -85,7 +85,7 @@ def force_history_figures() -> Figures:
         "eq. 3.20: compression time": Figure(BRISTLE.peak_time()),
         "eq. 3.21: largest force": Figure(BRISTLE.peak_force()),
         "eqs. 3.9, 3.19: impulse of the fitted curve": Figure(
-            fitted, 1 - fitted / BRISTLE_IMPULSE, BRISTLE.amplitude[0] * BRISTLE_IMPULSE / fitted
+            fitted, 1 - fitted / BRISTLE_IMPULSE, BRISTLE.amplitude * BRISTLE_IMPULSE / fitted
         ),
         "sec. 3.3: the two impacts are aligned in normalized time": within(
             aligned, 0.001, rescaled.peak_force(), 1e6 * rescaled.duration
@@ -142,7 +142,7 @@ def plies_figures() -> Figures:
         "eq. 4.52: friction angle": Figure(beta),
         "eq. 4.52: shear angle": Figure(eta),
         "eq. 4.53: shear yield stress of API 5L": Figure(None),
-        "eq. 4.55: amplitude of the cutting force": Figure(BRISTLE.amplitude[0] * math.cos(angles.resultant_angle)),
+        "eq. 4.55: amplitude of the cutting force": Figure(BRISTLE.amplitude * math.cos(angles.resultant_angle)),
         "eq. 4.56: angle of the resultant to the shear plane": Figure(eta + beta - rake),
         "eq. 4.56: angle of the resultant to the path": Figure(beta - rake),
         "eq. 4.56: 2/cos(gamma)": Figure(2 / math.cos(IMPACT_ANGLE)),

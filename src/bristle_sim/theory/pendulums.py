@@ -161,9 +161,8 @@ class _Rods:
 
     def kinetic_energy(self, q: Array) -> float:
         """Return T (2.93), J."""
-        coupled = self.c * q[0] * q[1]
         own = (self.ratio / 6.0 + 0.5) * q[0] ** 2 + 2.0 / 3.0 * q[1] ** 2
-        return self.mass * float(own + coupled)
+        return self.mass * float(own + self.c * q[0] * q[1])
 
     def tip_velocity(self, q: Array) -> tuple[float, float]:
         """Return v_C (2.95), m/s."""
@@ -200,32 +199,23 @@ class _RodImpact:
         self.phases: list[str] = []
         across = 2.0 * _PARALLEL if rods.parallel else 0.0
         self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
-        self.first_slip = self.slip
+        self.first_slip = math.copysign(1.0, self.tip[0]) if self.tip[0] else 0.0
         self.slip_stop = math.inf if self.first_slip else 0.0
 
     @property
-    def tip(self) -> tuple[float, float]:
+    def tip(self) -> list[float]:
         """Return v_C without its rounding."""
-        along, away = self.rods.tip_velocity(self.speeds)
-        return along if abs(along) > self._least else 0.0, away if abs(away) > self._least else 0.0
+        return [each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)]
 
-    @property
-    def slip(self) -> float:
-        """Return the direction in which C slips; 0 if it does not."""
-        along, _ = self.tip
-        return math.copysign(1.0, along) if along else 0.0
-
-    def slipping(self, direction: float, mu: float) -> tuple[str, Array]:
-        """Return what a slip is called, beside the first one of the impact, and its change (2.74, 2.80, 2.98)."""
-        self.first_slip = self.first_slip or direction
-        return "slip" if direction == self.first_slip else "reverse slip", self.rods.response(-mu * direction, 1.0)
-
-    def after_slip(self, mu: float) -> tuple[str, Array]:
-        """Return what C does once slip has stopped, stick or slip as the normal impulse drives it, and its change."""
-        if mu >= stick_friction(self.rods.ratio, *self.rods.angles):
+    def motion(self, mu: float, *, slips: bool) -> tuple[str, Array]:
+        """Return what C does, slipping or once slip has stopped, as the normal impulse drives it; and the change of q per dp_y."""
+        driven = self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
+        if not slips and mu >= stick_friction(self.rods.ratio, *self.rods.angles):
             return "stick", self.rods.sticking()
-        driven, _ = self.rods.tip_velocity(self.rods.response(0.0, 1.0))
-        return self.slipping(math.copysign(1.0, driven), mu)
+        direction = math.copysign(1.0, driven)
+        self.first_slip = self.first_slip or direction
+        name = "slip" if direction == self.first_slip else "reverse slip"
+        return name, self.rods.response(-mu * direction, 1.0)
 
     def until_zero(self, axis: int, change: Array) -> float:
         """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
@@ -247,17 +237,17 @@ class _RodImpact:
         self.work += work
         self.impulse += impulse
         self.phases.append(phase)
-        if math.isinf(self.slip_stop) and not self.slip:
+        if math.isinf(self.slip_stop) and not self.tip[0]:
             self.slip_stop = self.impulse
         return work
 
     def compress(self, mu: float) -> bool:
-        """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests; tell whether it can."""
-        if self.slip:
-            motion, change = self.slipping(self.slip, mu)
+        """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests; return whether it can."""
+        if self.tip[0]:
+            motion, change = self.motion(mu, slips=True)
             self.follow(f"compression {motion}", change, min(self.until_zero(0, change), self.until_zero(1, change)))
         if self.tip[1] < 0.0:
-            motion, change = self.after_slip(mu)
+            motion, change = self.motion(mu, slips=False)
             end = self.until_zero(1, change)
             if math.isinf(end):
                 return False
@@ -270,8 +260,8 @@ class _RodImpact:
         if restitution == 0.0:
             return "no rebound"
         wanted = -(restitution**2) * self.work
-        if self.slip:
-            motion, change = self.slipping(self.slip, mu)
+        if self.tip[0]:
+            motion, change = self.motion(mu, slips=True)
             if self.rods.tip_velocity(change)[1] <= 0.0:
                 # More friction than in compression: it would drive C back as soon as C leaves.
                 change = self.rods.sliding_at_rest()
@@ -279,7 +269,7 @@ class _RodImpact:
             wanted -= self.follow(f"restitution {motion}", change, min(stop, end))
             if end <= stop:
                 return "rebound"
-        motion, change = self.after_slip(mu)
+        motion, change = self.motion(mu, slips=False)
         end = self.until_work(change, wanted)
         if math.isinf(end):
             return "stiction"
