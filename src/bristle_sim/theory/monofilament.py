@@ -82,24 +82,20 @@ def monofilament_impact(
     Beside p_cy: W_y(p_cy) = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1 p_cy (2.56) and W_x(p_cx) = v_C cos gamma p_cx/2
     (2.58). The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
     """
-    friction_in_restitution = friction if restitution_friction is None else restitution_friction
-    speed = tip_speed(length, hub_radius, hub_speed, speed_ratio)
+    later = friction if restitution_friction is None else restitution_friction
+    speed, hub = tip_speed(length, hub_radius, hub_speed, speed_ratio), (length, hub_radius, hub_speed)
     pressed = normal_compressive_impulse(mass, speed, impact_angle, friction)
     rubbed = 0.0 - np.multiply(friction, pressed)
-    leaves = np.less(friction_in_restitution, stiction_friction(impact_angle))
+    leaves = np.less(later, stiction_friction(impact_angle))
     ending = np.where(np.greater(restitution, 0.0), np.where(leaves, REBOUND, STICTION), NO_REBOUND)
     return MonofilamentImpact(
         normal_compressive_impulse=pressed,
-        normal_final_impulse=normal_final_impulse(
-            mass, speed, impact_angle, friction, restitution, friction_in_restitution
-        ),
+        normal_final_impulse=normal_final_impulse(mass, speed, impact_angle, friction, restitution, later),
         tangential_compressive_impulse=rubbed,
         normal_compressive_work=-0.5 * np.multiply(speed, np.sin(impact_angle)) * pressed,
         tangential_compressive_work=0.5 * np.multiply(speed, np.cos(impact_angle)) * rubbed,
         initial_bristle_rate=np.multiply(speed_ratio, hub_speed),
-        final_bristle_rate=final_rate(
-            speed, length, hub_radius, hub_speed, impact_angle, friction, restitution, friction_in_restitution
-        ),
+        final_bristle_rate=final_rate(speed, *hub, impact_angle, friction, restitution, later),
         outcome=np.where(speed > 0.0, ending, NO_CONTACT)[()],
     )
 
@@ -117,7 +113,7 @@ def stiction_friction(impact_angle: Number) -> Number:
 
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
-    return mass * np.maximum(tip_speed, 0.0) / (3.0 * _s_1(impact_angle, friction))
+    return mass * np.maximum(tip_speed, 0.0) / (3.0 * _levers(impact_angle, friction)[0])
 
 
 def normal_final_impulse(
@@ -133,10 +129,9 @@ def normal_final_impulse(
     It grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
     e* = 0.
     """
-    impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
-    s_2 = _s_2(impact_angle, friction if restitution_friction is None else restitution_friction)
-    root = np.sqrt(_s_1(impact_angle, friction) / np.where(s_2 > 0.0, s_2, np.inf))
-    return impulse * (1.0 + restitution * root)
+    s_1, s_2 = _levers(impact_angle, friction, restitution_friction)
+    root = np.sqrt(s_1 / np.where(s_2 > 0.0, s_2, np.inf))
+    return normal_compressive_impulse(mass, tip_speed, impact_angle, friction) * (1.0 + restitution * root)
 
 
 def final_rate(
@@ -153,20 +148,18 @@ def final_rate(
 
     With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
     """
-    s_2 = _s_2(impact_angle, friction if restitution_friction is None else restitution_friction)
-    thrown = restitution * np.sqrt(s_2 / _s_1(impact_angle, friction))
-    factor = np.where(tip_speed > 0.0, -thrown, 1.0)
+    s_1, s_2 = _levers(impact_angle, friction, restitution_friction)
+    factor = np.where(tip_speed > 0.0, -restitution * np.sqrt(s_2 / s_1), 1.0)
     return -(hub_radius / length) * hub_speed + factor * tip_speed / length
 
 
-def _s_1(impact_angle: Number, friction: Number) -> Number:
-    """Return s_1; impulses divide by it."""
+def _levers(
+    impact_angle: Number, friction: Number, restitution_friction: Number | None = None
+) -> tuple[Number, Number]:
+    """Return s_1, by which impulses divide, and s_2, which is zero from the stiction friction on."""
     least = f"must be at least {LEAST_ANGLE:g}, as impulses grow as its inverse (in rad)"
     require("impact_angle", impact_angle, np.greater_equal(impact_angle, LEAST_ANGLE), least)
-    return np.sin(impact_angle) + friction * np.cos(impact_angle)
-
-
-def _s_2(impact_angle: Number, friction: Number) -> Number:
-    """Return s_2, zero from the stiction friction on."""
-    lever = np.sin(impact_angle) - friction * np.cos(impact_angle)
-    return np.where(friction < stiction_friction(impact_angle), np.maximum(lever, 0.0), 0.0)[()]
+    later = friction if restitution_friction is None else restitution_friction
+    sine, cosine = np.sin(impact_angle), np.cos(impact_angle)
+    s_2 = np.where(later < stiction_friction(impact_angle), np.maximum(sine - later * cosine, 0.0), 0.0)
+    return sine + friction * cosine, s_2[()]
