@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
 from bristle_sim.theory.impact import OUTCOMES, Impact, energetic_impact
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact
 
 
 def lever_contact(lever: np.ndarray, inertia: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -143,35 +142,3 @@ def test_monofilaments_at_random():
     # Identity of eqs. 2.40 and 2.58: all of the approach's energy goes into compression, m v_C^2/6.
     spent = law.compressive_work[0] + law.compressive_work[1]
     np.testing.assert_allclose(spent, -mass * speed**2 / 6, rtol=1e-13)
-
-
-def test_single_pendulums_at_random():
-    rng = np.random.default_rng(6)
-    for _ in range(500):
-        mass, length, rate = 10.0 ** rng.uniform(-4, 2), 10.0 ** rng.uniform(-2, 1), -(10.0 ** rng.uniform(-2, 3))
-        angle, mu, e = rng.uniform(0.05, math.pi / 2), rng.exponential(0.5), rng.uniform(0.01, 1)
-        closed = single_pendulum_impact(mass, length, angle, rate, mu, e)
-        lever = np.array([math.sin(angle), -math.cos(angle)])
-        law = energetic_impact(*lever_contact(lever, np.array(mass / 3), np.array(length * rate)), mu, e)
-        near = math.sin(angle) / abs(math.sin(angle) - mu * math.cos(angle))
-        assert law.outcome_name == closed.outcome
-        assert law.compressive_impulse_normal == pytest.approx(closed.normal_compressive_impulse, rel=1e-13)
-        assert law.impulse_normal == pytest.approx(closed.normal_final_impulse, rel=1e-13 * near)
-        after = math.copysign(math.hypot(law.velocity_normal, law.velocity_tangential), closed.final_rate) / length
-        assert after == pytest.approx(closed.final_rate, rel=1e-13 * near, abs=1e-14 * abs(rate))
-
-
-def test_three_mechanisms_are_one_in_their_limits():
-    """A parallel double pendulum with a heavy first rod is the monofilament with r_h = L; a hub at rest the pendulum."""
-    angle, mass, length, hub, rate = math.radians(23.4), 8.387e-5, 0.027, 261.8, 845.6
-    for mu in (0.0, 0.2, 0.31, 0.5):
-        heavy = double_pendulum_impact(mass, 1e12, length, angle, angle, -hub, -rate, mu, 0.42)
-        bristle = monofilament_impact(mass, length, length, hub, rate / hub, angle, mu, 0.42)
-        assert heavy.outcome == bristle.outcome_name
-        # 1/n, and the roundings of q_1 that the heavy rod passes on.
-        assert heavy.normal_final_impulse == pytest.approx(bristle.normal_final_impulse, rel=1e-10)
-        assert heavy.final_rate_2 == pytest.approx(-bristle.final_bristle_rate, rel=1e-10)
-        resting = double_pendulum_impact(mass, 1e12, length, angle, angle, 0.0, -rate, mu, 0.42)
-        single = single_pendulum_impact(mass, length, angle, -rate, mu, 0.42)
-        assert resting.normal_final_impulse == pytest.approx(single.normal_final_impulse, rel=1e-10)
-        assert resting.final_rate_2 == pytest.approx(single.final_rate, rel=1e-10, abs=1e-12 * rate)

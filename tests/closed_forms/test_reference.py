@@ -120,23 +120,6 @@ class TestOperatingPoint:
 
 
 class TestImpact:
-    @pytest.mark.parametrize(
-        ("friction", "impulse", "rate"), [(0.0, 3.001874e-3, -733.798), (0.31, 2.504205e-3, -456.550)]
-    )
-    def test_radial_strike_of_the_monofilament(self, friction, impulse, rate):
-        """Zhang 2020, eqs. 2.48 and 2.65, evaluated to seven digits; tolerances are half of the last digit."""
-        angle = math.radians(23.4)
-        penetration = 0.0545 * (1.0 - math.cos(angle))
-        tool = Tool(bar=None, workpart=Workpart(penetration=penetration, friction=friction))
-        relative = 3.23 * 261.8 - 261.8
-        run = simulate_reference(
-            tool, start_hub_angle=-angle, start_relative_rate=relative, stop_after="strike", accuracy=1e-12
-        )
-        strike = run.first_contact("workpart")
-        assert strike.time < 1e-12
-        assert strike.impulse[0] == pytest.approx(impulse, abs=5.1e-10)
-        assert strike.rates_after[0] == pytest.approx(rate, abs=1e-3)
-
     @pytest.mark.parametrize(("friction", "outcome"), [(0.08, "strike"), (0.095, "jam")])
     def test_a_wire_that_leans_forward_jams(self, friction, outcome):
         """Leaning by phi beyond the normal while the root comes down, the impulse turns it back iff mu < tan phi.

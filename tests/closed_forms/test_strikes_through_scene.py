@@ -16,7 +16,7 @@ from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import double_pendulum, single_pendulum
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact
 
 TOLERANCE = 1e-9
 DRAWS = 1500
@@ -48,21 +48,6 @@ def test_radial_bristle() -> None:
         assert close(found.impulse[0], theory.normal_final_impulse, impulse)
         assert close(found.rates_after[0], theory.final_bristle_rate, ratio * speed)
     assert DRAWS / 4 < rebounds < DRAWS
-
-
-def test_single_pendulum() -> None:
-    rng = np.random.default_rng(21)
-    for _ in range(DRAWS):
-        gamma, friction, e = rng.uniform(0.02, 1.55), rng.uniform(0.0, 1.5), rng.uniform(0.0, 1.0)
-        if abs(friction / math.tan(gamma) - 1.0) < 1e-3:
-            continue
-        mass, length, rate = 10.0 ** rng.uniform(-8, 2), 10.0 ** rng.uniform(-4, 1), -(10.0 ** rng.uniform(-2, 4))
-        chain = Chain((mass,), (length,), (-gamma,), (-rate,))
-        found = strike(chain, Surface(friction, None, e), Contact(), Settings()).contact
-        theory = single_pendulum_impact(mass, length, gamma, rate, friction, e)
-        assert found.outcome == theory.outcome
-        assert close(-found.rates_after[0], theory.final_rate, abs(rate))
-        assert close(found.impulse[0], theory.normal_final_impulse, theory.normal_compressive_impulse)
 
 
 def test_double_pendulum() -> None:

@@ -105,15 +105,6 @@ def test_tip_ellipse():
 # Merchant's circle
 
 
-def test_angles_of_the_operating_point():
-    angles = oblique_angles(0.5, GAMMA)
-    # Half a unit of the printed digits (4.52).
-    assert abs(math.degrees(angles.rake) - 34.9) < 0.05
-    assert abs(math.degrees(angles.friction) - 74.9) < 0.05
-    assert abs(math.degrees(angles.shear) - 25.0) < 0.5
-    assert math.degrees(PRINTED_ANGLES.resultant_angle) == pytest.approx(40.0, rel=1e-14)
-
-
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.05, 20.0), st.floats(0.0, 1.0))
 def test_shear_angle_is_that_of_least_work(friction, gamma):
@@ -139,12 +130,6 @@ def test_shear_plane_emerges_exactly_where_friction_reaches_tan_gamma(friction, 
         if margin < 0:
             with pytest.raises(ShearAngleError, match="friction"):
                 oblique_angles(friction, gamma)
-
-
-def test_friction_of_tan_gamma_itself_is_allowed_and_the_operating_friction_of_chapter_2_is_not():
-    assert oblique_angles(math.tan(GAMMA), GAMMA).shear == pytest.approx(GAMMA, rel=1e-14)
-    with pytest.raises(ShearAngleError, match=r"friction = 0.31.*0.432739"):
-        merchant_crater_depth(0.31)
 
 
 # Plies
@@ -211,14 +196,6 @@ def test_the_sum_converges_with_order_one_half_and_the_error_of_navot():
     assert gap[-1] == pytest.approx(predicted, rel=2e-3)
 
 
-def test_depth_in_closed_form_over_friction():
-    # With the angle of least work sin(eta) cos(eta + x) = (1 - sin x)/2, x = arccot(mu) - gamma.
-    mu = np.array([0.45, 1.0, 4.0])
-    shape = 1 - np.sin(np.arctan(1 / mu) - GAMMA)
-    depths = merchant_crater_depth(mu)
-    np.testing.assert_allclose(depths / depths[0], shape / shape[0], rtol=1e-13)
-
-
 def test_friction_for_a_small_depth_keeps_its_digits():
     """At gamma = 0 the depth is like mu^2: 5e-11 of the largest at mu = 1e-5, of which 1 - 2 depth/largest has six digits.
 
@@ -243,17 +220,12 @@ def test_friction_for_a_depth_inverts_the_depth(gamma_deg):
 
 def test_energy_coefficients():
     m, inertia = 8.387e-5, 8.387e-5 * 0.027**2 / 12
-    t = np.linspace(0.0, END, 5)
-    k = PRINTED_KINEMATICS
+    t, k = np.linspace(0.0, END, 5), PRINTED_KINEMATICS
     direct = 0.5 * m * k.centre_velocity(t) ** 2 + 0.5 * inertia * k.bristle_rate(t) ** 2
     np.testing.assert_allclose(kinetic_energy(t, energy_coefficients()), direct, rtol=1e-13)
     # Of the printed 0.0126, 0.00303, 7.25e-4 (4.59) only the first is what (4.6) and (4.7) as printed give.
-    first, second, third = energy_coefficients()
-    assert abs(first - 0.0126) < 5e-5
-    assert abs(second - 0.00303) > 5e-6
-    assert abs(third - 7.25e-4) > 5e-7
-    # The third is that of the unrounded v_G, half the rim's speed at rest.
-    assert abs(energy_coefficients(CraterKinematics.of_tool(Tool(), 845.6))[2] - 7.25e-4) < 5e-7
+    off = np.abs(np.subtract(energy_coefficients(), (0.0126, 0.00303, 7.25e-4)))
+    assert (off < (5e-5, 5e-6, 5e-7)).tolist() == [True, False, False]
 
 
 def test_energy_estimate_as_printed():

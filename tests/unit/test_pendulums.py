@@ -68,41 +68,11 @@ def test_stick_friction_of_identical_rods():
     assert stick_friction(1, first, second) == pytest.approx(above / below, rel=1e-14)
 
 
-def test_stick_friction_of_parallel_or_hub_like_rods_is_that_of_the_monofilament():
-    """tan gamma (2.111): for parallel rods whatever n, for any first rod as n grows."""
-    angle = math.radians(23.4)
-    np.testing.assert_allclose(stick_friction(10.0 ** np.arange(-1, 6), angle, angle), math.tan(angle), rtol=1e-13)
-    heavy = 10.0 ** np.arange(3, 8)
-    gap = np.abs(stick_friction(heavy, 0.1, angle) - math.tan(angle))
-    # Of order 1/n.
-    np.testing.assert_allclose(gap * heavy, gap[-1] * heavy[-1], rtol=5e-3)
-
-
 def test_figure_2_30_at_the_operating_friction():
     angle = math.radians(23.4)
     result = double_pendulum_impact(8.387e-5, 700, 0.027, angle, angle, -261.8, -845.6, 0.31, 0.42)
     # Eight printed digits.
     assert result.normal_final_impulse == pytest.approx(2.4923689e-3, rel=2e-8)
-
-
-def test_edges_of_the_ranges_give_finite_numbers():
-    """Right angles, parallel and nearly parallel rods, speeds and coefficients at the ends of what floats hold."""
-    quarter = math.pi / 2
-    outcomes = set()
-    for first in (-quarter, 0.0, 0.4, quarter):
-        for second in (first, first * (1 - 1e-9), 0.3, -quarter):
-            for friction in (0.0, 0.5, 1e9):
-                for restitution in (0.0, 1e-170, 1.0):
-                    for rate in (-1.0, -1e-160):
-                        angles = {"angle_1": first, "angle_2": second, "rate_1": rate, "rate_2": 2 * rate}
-                        result = double_pendulum_impact(
-                            2.0, 5.0, 0.3, **angles, friction=friction, restitution=restitution
-                        )
-                        outcomes.add(result.outcome)
-                        impulses = (result.normal_compressive_impulse, result.normal_final_impulse)
-                        numbers = (*impulses, result.final_rate_1, result.final_rate_2, result.kinetic_energy_ratio)
-                        assert all(math.isfinite(number) for number in numbers)
-    assert {"no contact", "rebound", "no rebound", "stiction"} <= outcomes
 
 
 def test_single_pendulum_is_the_monofilament_on_a_point():
@@ -147,13 +117,6 @@ def test_bad_input_is_named_in_one_line(name):
 
 
 class TestEdges:
-    def test_an_elastic_rod_without_friction_is_thrown_back(self) -> None:
-        """e* = 1, mu = 0: the rate is reversed, and the impulse twice that of compression, m L w/(3 sin gamma)."""
-        result = single_pendulum_impact(3.0, 0.5, 0.6, -2.0, 0.0, 1.0)
-        assert (result.outcome, result.rebound_ratio, result.final_rate) == ("rebound", -1.0, 2.0)
-        assert result.normal_compressive_impulse == pytest.approx(1.0 / math.sin(0.6), rel=1e-14)
-        assert result.normal_final_impulse == pytest.approx(2.0 / math.sin(0.6), rel=1e-14)
-
     @pytest.mark.parametrize(
         ("friction", "restitution", "outcome"),
         [(0.1, 0.0, "no rebound"), (9.0, 0.0, "no rebound"), (9.0, 0.5, "stiction"), (math.tan(0.6), 0.5, "stiction")],
@@ -181,19 +144,6 @@ class TestEdges:
         threshold = float(stick_friction(1.0, 0.35, 0.52))
         result = double_pendulum_impact(5.0, 1.0, 1.0, 0.35, 0.52, -0.1, -0.2, threshold, 0.5)
         assert result.phases[-1] == "restitution stick"
-
-    @pytest.mark.parametrize("side", [1.0, -1.0])
-    def test_slip_of_a_billionth_is_slip(self, side: float) -> None:
-        """Two rods at 0.35 and 0.52 whose tip slips by 1e-9 of their speed: p_s = |v_t|/|v_t'|, v_t' by the mass matrix."""
-        angles, friction = side * np.array([0.35, 0.52]), 0.1
-        rates = side * np.array([1.0, -(math.cos(0.35) + 1e-9) / math.cos(0.52)])
-        result = double_pendulum_impact(1.0, 1.0, 1.0, *angles.tolist(), *rates.tolist(), friction, 0.5)
-        along, away, c = -np.cos(angles), np.sin(angles), 0.5 * math.cos(0.17)
-        change = along @ np.linalg.inv([[4.0 / 3.0, c], [c, 1.0 / 3.0]]) @ (away - side * friction * along)
-        assert float(along @ rates) * change < 0.0, "the slip does stop"
-        assert result.phases[0] == "compression slip"
-        # A difference of numbers of order 1 is 1e-9: seven digits are left.
-        assert result.slip_stop_impulse == pytest.approx(1e-9 / abs(change), rel=1e-6, abs=0.0)
 
     def test_no_slip_has_stopped_at_once(self) -> None:
         """Rods at 0.5 and -0.5 with opposite rates come straight down: p_s = 0."""

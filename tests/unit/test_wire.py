@@ -7,13 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.theory.wire import (
     beam_frequencies,
     chain_frequencies,
     hinge_damping,
     hinge_stiffness,
-    second_moment_of_area,
 )
 
 TOOL = Tool()
@@ -72,37 +71,11 @@ def test_two_links_by_hand() -> None:
     assert chain_frequencies(*WIRE, BELT, 2) == pytest.approx(expected, rel=1e-11)
 
 
-def softened(links: int) -> float:
-    """The belt in series with the bending of half a link, L/(2 n E I_a) rad per N m."""
-    bending = WIRE[3] * second_moment_of_area(WIRE[2])
-    return 1.0 / (1.0 / BELT + WIRE[1] / (2.0 * links * bending))
-
-
-@pytest.mark.parametrize(
-    ("root", "modes", "factor"),
-    [(lambda _: BELT, slice(0, 1), 2.0), (softened, slice(0, 3), 4.0)],
-    ids=["belt", "softened"],
-)
-def test_order_in_which_the_chain_converges_to_the_beam(root: Callable, modes: slice, factor: float) -> None:
-    """Doubling the links halves the belt mode's error; with half a link's bending at the root it quarters all errors.
-
-    The next order is a twentieth of the error at 16 links (five in a hundred of the second bending mode).
-    """
-    beam = beam_frequencies(*WIRE, BELT, 3)[modes]
-    errors = [chain_frequencies(*WIRE, root(links), links)[modes] - beam for links in (16, 32, 64)]
-    for coarse, fine in itertools.pairwise(errors):
-        assert coarse / fine == pytest.approx(np.full_like(beam, factor), rel=0.15)
-
-
 @pytest.mark.parametrize(("links", "expected"), [(8, (167.14, 3060.6, 9813.0)), (16, (166.57, 3061.9, 9823.0))])
 def test_the_chain_at_rest(links: int, expected: tuple[float, ...]) -> None:
     """To the digits that are known of it from another program."""
     found = chain_frequencies(*WIRE, BELT, links)[:3]
     assert np.all(np.abs(found - expected) <= (5e-3, 5e-2, 0.5))
-
-
-def test_links_are_kept_as_an_int() -> None:
-    assert type(Bristle(links=8.0).links) is int
 
 
 def test_damping_of_a_hinge() -> None:
