@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -30,23 +31,24 @@ def trajectories_in_si(
 ) -> tuple[Trajectory, ...]:
     """Return what a run has recorded of each wire, in SI units; a method without an error estimate leaves it out."""
     estimate = recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None
-    found, size = [], scene.mechanism.wire_links
+    found, size, forces = [], scene.mechanism.wire_links, np.array(recording.forces) * units.force
     for number in range(scene.mechanism.wires):
         mechanism, own = scene.mechanism.wire(number), slice(number * size, (number + 1) * size)
         motion = columns(recording.states, own)
+        hub = mechanism.hub_start + mechanism.hub_speed * motion[0]
         kinetic, potential = energies(mechanism, scene.effects, motion)
         samples = _in_space(mechanism, motion, units)
         inner = _in_space(mechanism, columns(recording.inner, own), units) if recording.inner else None
         found.append(
             Trajectory(
-                **{each.name: getattr(samples, each.name) for each in dataclasses.fields(WireMotion)},
-                hub_angle=mechanism.hub_start + mechanism.hub_speed * motion[0],
+                **{each.name: getattr(samples, each.name) for each in dataclasses.fields(samples)},
+                hub_angle=hub,
                 kinetic_energy=kinetic * units.energy,
                 potential_energy=potential * units.energy,
-                normal_force=np.array([each[number] for each in recording.forces]) * units.force,
+                normal_force=forces[:, number],
                 hub_speed=parameters["tool"]["hub"]["speed"],
-                events=tuple(Event(each.name, each.time * units.time) for each in _events(recording, scene, number)),
-                contacts=tuple(contact_in_si(each, units) for each in _contacts(recording, scene.mechanism, number)),
+                events=_events(recording, scene, number, (motion[0], hub - motion[1][:, 0]), units),
+                contacts=_contacts(recording, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
                 cost=Cost(*cost, estimate),
                 parameters=parameters,
@@ -70,47 +72,55 @@ def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: U
     return WireMotion(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
 
 
-def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
+def _events(
+    recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
+) -> tuple[Event, ...]:
     """Return a wire's events, with its largest retraction up to the strike, or of the run, as the only one of its name.
 
     A retraction that is larger at either end of that time than at every turn in between is no event. One that the run
-    stops at stays. What never happened is named at the end.
+    stops at stays. What never happened is named at the end. ``lags`` are times and retractions of the samples.
     """
-    mechanism, link = scene.mechanism, wire * scene.mechanism.wire_links
-    found = [event for event, wires in recording.events if wire in wires]
-    turns = [event.time for event in found if event.name == LARGEST_RETRACTION]
-    strike, end = min((event.time for event in found if event.name == "strike"), default=math.inf), recording.states[-1]
-    lags = [
-        (mechanism.root_angle(link, each.time) - each.angles[link], each.time)
-        for each in recording.states
-        if each.time <= strike
-    ]
-    largest, time = max((lag for lag in lags if lag[1] in turns), default=(0.0, math.nan))
-    if largest <= 0.0 or largest < max(lags[0][0], lags[-1][0]):
-        time = math.nan
-    if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end.time:
-        time = end.time
-    parts, names = {each.name for each in scene.effects.obstacles}, {event.name for event in found}
-    absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
-    happened = [event for event in found if event.name != LARGEST_RETRACTION or event.time == time]
-    return happened + [Event(name, end.time) for name in absent]
+    found, names, turns, strike = [], set(), [], math.inf
+    for event, wires in recording.events:
+        if wire in wires:
+            found.append(event)
+            names.add(event.name)
+            turns += [event.time] if event.name == LARGEST_RETRACTION else []
+            strike = min(strike, event.time) if event.name == "strike" else strike
+    times, lag = (each[lags[0] <= strike] for each in lags)
+    candidates = np.where(np.isin(times, turns), lag, 0.0)
+    largest, end = int(np.argmax(candidates)), float(lags[0][-1])
+    stays = candidates[largest] > 0.0 and candidates[largest] >= max(lag[0], lag[-1])
+    time = float(times[largest]) if stays else math.nan
+    if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end:
+        time = end
+    parts = {each.name for each in scene.effects.obstacles}
+    found = [each for each in found if each.name != LARGEST_RETRACTION or each.time == time]
+    for name, event_name in ABSENCES.items():
+        if name.split()[0] in parts and event_name not in names:
+            found.append(Event(name, end))
+    return tuple([Event(each.name, each.time * units.time) for each in found])
 
 
-def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator[ContactRecord]:
-    """Yield a wire's contact records, with its own angles and rates, its link in contact and its partner."""
-    size, own = mechanism.wire_links, slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
-    for contact, links in sorted(recording.contacts, key=lambda each: each[0].time):
+def _contacts(recording: Recording, mechanism: Mechanism, wire: int, units: Units) -> tuple[ContactRecord, ...]:
+    """Return a wire's contact records, with its own angles and rates, its link in contact and its partner."""
+    found, size = [], mechanism.wire_links
+    own = slice(wire * size, (wire + 1) * size)
+    for contact, links in recording.contacts:
         wires = [link // size for link in links]
         if wire in wires:
             place = wires.index(wire)
-            yield dataclasses.replace(
+            link, neighbour = links[place] % size + 1, wires[place - 1] + 1
+            alone = dataclasses.replace(
                 contact,
                 angles=contact.angles[own],
                 rates_before=contact.rates_before[own],
                 rates_after=contact.rates_after[own],
-                link=links[place] % size + 1 if size > 1 else None,
-                neighbour=wires[1 - place] + 1 if len(wires) > 1 else None,
+                link=link if size > 1 else None,
+                neighbour=neighbour if len(wires) > 1 else None,
             )
+            found.append(contact_in_si(alone, units))
+    return tuple(sorted(found, key=attrgetter("time")))
 
 
 def energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]) -> tuple[Array, Array]:
@@ -149,16 +159,12 @@ def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
 
 
 def _in_si(record: object, table: Mapping[str, tuple[str, ...]], units: Units) -> dict[str, Any]:
-    """Return numbers, tuples and arrays of a record in SI by name; None stays."""
+    """Return the numbers, tuples and arrays of a record in SI by name."""
     found: dict[str, Any] = {}
     for unit, names in table.items():
+        size = getattr(units, unit)
         for name in names:
-            value, size = getattr(record, name), getattr(units, unit)
-            found[name] = (
-                tuple([each * size for each in value])
-                if isinstance(value, tuple)
-                else value
-                if value is None
-                else value * size
-            )
+            value = getattr(record, name)
+            if value is not None:
+                found[name] = tuple([each * size for each in value]) if isinstance(value, tuple) else value * size
     return found

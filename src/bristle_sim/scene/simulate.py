@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.integrate.extrapolation import PlainSteps, Stepper
-from bristle_sim.scene.integrate.time_scales import largest_step, longest_interval, stepper_for, time_scale
+from bristle_sim.scene.integrate.extrapolation import Stepper
+from bristle_sim.scene.integrate.time_scales import damped_interval, plain_steps_for, stepper_for, time_scale
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.progress import Plan
 from bristle_sim.scene.results import trajectories_in_si
@@ -142,32 +142,25 @@ def _simulated(
     scene, units = build_tool(tool, hub_start=described.hub_angle, row=row, accuracy=settings.accuracy)
     mechanism = scene.mechanism
     links, rate = range(len(mechanism.links)), mechanism.hub_speed + described.relative_rate * units.time
-    angles = tuple(mechanism.root_angle(link, 0.0) + described.relative_angle for link in links)
+    angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
-    end = REST_PERIODS * 2.0 * math.pi
-    if mechanism.hub_speed:
-        # The last wire turns as far as requested.
-        end = (settings.hub_turn + (row.bristles - 1) * row.pitch) / mechanism.hub_speed
+    # The last wire turns as far as requested.
+    turn, speed = settings.hub_turn + (row.bristles - 1) * row.pitch, mechanism.hub_speed
     plan = Plan(
-        end=end,
+        end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_interval=longest_interval(scene, settings.samples),
+        longest_interval=min(2.0 * math.pi / settings.samples, damped_interval(scene)),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
     )
     stepper: Stepper
     if step is None:
-        stepper = stepper_for(scene, settings, start, end)
+        stepper = stepper_for(scene, settings, start, plan)
     else:
-        largest = largest_step(scene, settings.samples) * units.time
-        if not 0.0 < step <= largest:
-            raise ValueError(
-                f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)"
-            )
-        stepper = PlainSteps(step / units.time)
+        stepper = plain_steps_for(scene, settings, step, units.time)
     wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
     recording = run(scene, start, stepper, plan)
     cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)

@@ -7,13 +7,17 @@ far smaller and slower than that; this motion is what is accurate to the request
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.integrate.extrapolation import LEAST_NOISE, Extrapolation, lagrange_weights
+from bristle_sim.scene.integrate.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, lagrange_weights
 from bristle_sim.scene.mechanism import State
 from bristle_sim.settings import Settings
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.progress import Plan
 
 MOST_DAMPING = 8.0
 """Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
@@ -55,17 +59,6 @@ def time_scale(scene: Scene) -> float:
     return min(1.0, 1.0 / math.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
 
 
-def longest_interval(scene: Scene, samples_per_period: float) -> float:
-    """Return the longest interval between samples: of the requested number per period, or shorter where the damping needs it."""
-    return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
-
-
-def largest_step(scene: Scene, samples_per_period: int) -> float:
-    """Return the longest plain step that a scene bears."""
-    fastest = max(1.0 / time_scale(scene), damping_rate(scene))
-    return min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
-
-
 def motion_scale(scene: Scene, start: State) -> float:
     """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
 
@@ -81,28 +74,34 @@ def motion_scale(scene: Scene, start: State) -> float:
     return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0
 
 
-def stepper_for(scene: Scene, settings: Settings, start: State, end: float) -> Extrapolation:
+def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
     """Return extrapolation to the accuracy.
 
     Raises:
         ValueError: if rounding would hide the accuracy of so small a motion.
     """
-    scale = motion_scale(scene, start)
+    scale, fraction = motion_scale(scene, start), LOCAL_FRACTION
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
             " whose rest rounding hides (dimensionless)"
         )
-    damping, stiffness = scene.effects.damping, scene.effects.stiffness
-    fraction = LOCAL_FRACTION
+    damping, stiffness, rate = scene.effects.damping, scene.effects.stiffness, damping_rate(scene)
     if not scene.mechanism.lone:
-        fastest = max(damping_rate(scene), 1.0 / time_scale(scene))
-        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (end * fastest))
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale)))
     elif damping and stiffness:
-        remembered = min(end, damping / stiffness)
-        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))
-    return Extrapolation(fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples))
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate))
+    return Extrapolation(fraction * settings.accuracy, scale, longest=plan.longest_interval)
+
+
+def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) -> PlainSteps:
+    """Return plain steps of a length, s, in a scene with that unit of time. Raises ValueError if they are too long."""
+    fastest = max(1.0 / time_scale(scene), damping_rate(scene))
+    largest = min(2.0 * math.pi / settings.samples, LARGEST_STEP) / fastest * unit
+    if not 0.0 < step <= largest:
+        raise ValueError(f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)")
+    return PlainSteps(step / unit)
 
 
 LONGEST_PROBE = 0.3
