@@ -94,6 +94,12 @@ class EngineSteps:
             advance(length)
         if act is not None:
             act()
+        if len(links) == 1:
+            (link,) = links
+            first = lib.cpBodyGetAngularVelocity(link)
+            advance(length)
+            last = lib.cpBodyGetAngularVelocity(link)
+            return [lib.cpBodyGetAngle(link), last, (last - first) / length]
         before = list(map(lib.cpBodyGetAngularVelocity, links))
         advance(length)
         after = list(map(lib.cpBodyGetAngularVelocity, links))

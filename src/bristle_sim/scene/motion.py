@@ -69,7 +69,7 @@ class SmoothMotion:
         self.springs = [(each, each.spring) for each in sustained if each.spring is not None]
         self.before: Advance | None = None
         self.rigid: RigidContacts | None = None
-        self.load: ContactLoad | None = None
+        self.load: ContactLoad | RigidContacts | None = None
         if sustained:
             self._begin_contact()
         shortest = min((each.expected for _, each in self.springs), key=lambda each: each.longest, default=None)
@@ -91,7 +91,9 @@ class SmoothMotion:
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
-        self.load = ContactLoad(progress.scene, self.rigid, [each for each, _ in self.springs])
+        self.load = self.rigid
+        if self.springs:
+            self.load = ContactLoad(progress.scene, self.rigid, [each for each, _ in self.springs])
         progress.sample({each: each.sample(gaps, progress.state) for each, _ in self.springs})
 
     def _engage(self) -> None:

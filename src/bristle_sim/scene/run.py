@@ -210,7 +210,7 @@ def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, *, rests:
         return _jammed(motion, obstacle)
     if not lone:
         return _after_all_touches(motion, obstacle)
-    springs = after_impact(motion)
+    springs = after_impact(motion) if motion.springs else []
     if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= progress.slow:
         return _following(progress, [*springs, Sustained(obstacle)], ())
     return _following(progress, springs, [obstacle])

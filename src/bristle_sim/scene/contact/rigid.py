@@ -47,6 +47,8 @@ class RigidContacts(ABC):
         paired: whether steps are symmetric in time, so that the mean of two forces counts.
     """
 
+    symmetric = True  # they act alike forwards and backwards in time
+
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
         """Prepare the contacts."""
         self.scene, self.paired = scene, paired
@@ -91,6 +93,10 @@ class RigidContacts(ABC):
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
         return totals[: TOTALS * len(self.obstacles) : TOTALS]
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Whether a contact would have to pull."""
+        return min(self.normal(totals)) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
         """Return by how much friction's limit exceeds the tangential force of a contact."""

@@ -239,17 +239,15 @@ class SpringForce:
 
 
 class ContactLoad:
-    """Rigid contacts and springs that act together.
+    """Springs, and rigid contacts that act together with them.
 
     The totals are those of the rigid contacts, ``rigid.TOTALS`` each, then those of the springs, six each.
-
-    Attributes:
-        symmetric: whether it acts alike forwards and backwards in time; springs do not.
     """
+
+    symmetric = False  # springs do not act alike forwards and backwards in time
 
     def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
         """Act by rigid contacts, if there are any, and by the springs of other contacts."""
-        self.symmetric = not springs
         self._rigid = rigid
         forces = [SpringForce(scene, each.obstacle, each.spring) for each in springs if each.spring is not None]
         self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
@@ -272,4 +270,4 @@ class ContactLoad:
 
     def fails(self, totals: Sequence[float]) -> bool:
         """Return whether a rigid contact would have to pull."""
-        return self._rigid is not None and min(self._rigid.normal(totals)) <= 0.0
+        return self._rigid is not None and self._rigid.fails(totals)

@@ -19,6 +19,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
 if TYPE_CHECKING:
+    from bristle_sim.scene.contact.rigid import RigidContacts
     from bristle_sim.scene.contact.spring import ContactLoad
 
 PLACING_COST = 6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
@@ -118,7 +119,9 @@ class Extrapolation:
         """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
-    def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
+    def advance(
+        self, scene: Scene, state: State, duration: float, load: RigidContacts | ContactLoad | None = None
+    ) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
@@ -202,7 +205,9 @@ class PlainSteps:
         """Return one step, or what is left."""
         return min(self.step, remaining)
 
-    def advance(self, scene: Scene, state: State, duration: float, load: ContactLoad | None = None) -> Advance:
+    def advance(
+        self, scene: Scene, state: State, duration: float, load: RigidContacts | ContactLoad | None = None
+    ) -> Advance:
         """Take one engine step, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one

@@ -49,9 +49,9 @@ def damped_interval(scene: Scene) -> float:
 
 def time_scale(scene: Scene) -> float:
     """Return the time in which the fastest mode of the hinges of a straight chain turns a radian; 1 where none is faster."""
-    wire, hinges = scene.mechanism.wire(0), scene.effects.hinges
-    if not hinges:
+    if not (hinges := scene.effects.hinges):
         return 1.0
+    wire = scene.mechanism.wire(0)
     links = len(wire.links)
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
