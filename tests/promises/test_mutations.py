@@ -155,7 +155,7 @@ class TestImpact:
 def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:
     def turned(*arguments):
         touch, space = true(*arguments)
-        response = space.response * [1.0, -1.0]
-        return touch, replace(space, response=response)
+        normal, tangential = space.response
+        return touch, replace(space, response=(normal, [-each for each in tangential]))
 
     return turned
