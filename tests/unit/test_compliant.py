@@ -211,3 +211,46 @@ def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
         # The tangential parts are shares of the normal ones; a final v_n of 0 is one beside that of the approach.
         size = max(map(abs, limit.velocity_before if "velocity" in name else expected), default=0.0)
         assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), name
+
+
+def found(chain: Chain, surface: Surface, duration: float | None, accuracy: float = 1e-7) -> ContactRecord:
+    return strike(chain, surface, Contact("compliant", duration), Settings(accuracy=accuracy)).contact
+
+
+class TestStick:
+    JAMMED = Chain((0.5,), (0.7,), (0.65,), (2.9,), 0.9, 5.9, -0.5), Surface(3.0, None, 0.9)
+    """A rod whose hub brings its root down on it: a jam for a contact without duration, not for one of 20 ms."""
+
+    @pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8, 1e-10])
+    def test_that_breaks_in_restitution(self, accuracy: float) -> None:
+        """7.88645 rad/s by an event-driven integration and by brute force, neither of this project."""
+        breaking = Chain((1.0, 1.0), (1.0, 1.0), (0.35, 0.52), (-4.0, -8.0))
+        record = found(breaking, Surface(1.5, None, 0.5), 3e-2, accuracy)
+        assert record.rates_after[1] == pytest.approx(7.88645, abs=5e-6 + 8.0 * accuracy)
+        assert record.phases == ("compression slip", "restitution slip", "restitution stick", "restitution slip")
+
+    def test_that_jams_for_the_rigid_law_alone(self) -> None:
+        """Ten times 0.1 ms later the hub's root has hardly moved on, by 6e-4: the record ends where the tip stuck."""
+        limit, short, long = (
+            strike(*self.JAMMED, Contact(), Settings()).contact,
+            found(*self.JAMMED, 1e-4),
+            found(*self.JAMMED, 0.02),
+        )
+        assert (limit.outcome, short.outcome, long.outcome) == ("jam", "jam", "rebound")
+        assert short.phases == (*limit.phases[:1], "compression stick")
+        assert short.impulse == short.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
+        assert "compression stick" in long.phases
+
+    @pytest.mark.parametrize("links", [1, 2, 3])
+    def test_stays_within_the_friction_cone(self, links: int) -> None:
+        """But for the accuracy, 1e-7, to which the instant is located where stick ends: ten times that of the peak."""
+        random = np.random.default_rng(links)
+        for _ in range(15):
+            masses, lengths = np.exp(random.uniform(-1.0, 1.0, (2, links)))
+            angles, rates = random.uniform(-1.2, 1.2, links), random.uniform(-10.0, 10.0, links)
+            rates = -rates if (lengths * np.sin(angles) * rates).sum() > 0.0 else rates
+            chain = Chain(*(tuple(map(float, each)) for each in (masses, lengths, angles, rates)))
+            friction, restitution = math.exp(random.uniform(-2.0, 1.0)), random.uniform(0.2, 1.0)
+            course = found(chain, Surface(friction, None, restitution), 10.0 ** random.uniform(-3.0, -1.2)).history
+            excess = np.abs(course.tangential_force) - friction * course.normal_force
+            assert excess.max() <= 1e-6 * course.normal_force.max()

@@ -8,8 +8,7 @@ The referee writes down M, the joints' rows J and the contact's C from the posit
 for each direction (1, r) of the contact impulse anew, and marches from event to event: end of slip, of compression, of the work
 that restitution gives back. A limit that a joint has reached is held if its impulse pushes, and free otherwise.
 
-Energy is watched in scenes that nothing drives, with up to three touches at one instant, and the momentum of chains that nothing
-holds.
+Scenes that nothing drives, with up to three touches at one instant, gain no energy.
 
 ``BRISTLE_IMPACTS=100000 python -m pytest tests/validation/test_impacts_in_any_scene.py`` takes the whole sample. The
 109,670 impacts of seeds 0 to 238,102 deviate by 8.3e-10 at most, at seed 45222, in proportion to ``INSTANT``.
@@ -416,40 +415,20 @@ STEADY = ("pivot", "pin", "gear")
 """Joints without limits and drives."""
 
 
-def undriven_scene(chance: np.random.Generator, *, free: bool) -> Scene:
-    """Trees and chains of up to six bodies, with loops and bodies hung on the ground unless they are ``free`` chains of pivots."""
+def undriven_scene(chance: np.random.Generator) -> Scene:
+    """Trees of up to six bodies, with loops and bodies hung on the ground."""
     scene = Scene(pymunk.Space())
-    scene.others = [] if free else [random_body(chance, pymunk.Body.STATIC)]
+    scene.others = [random_body(chance, pymunk.Body.STATIC)]
     scene.bodies = [random_body(chance) for _ in range(chance.integers(2, 7))]
     scene.space.add(*scene.others, *scene.bodies)
-    half = len(scene.bodies) // 2
     for at, body in enumerate(scene.bodies):
-        if free and at not in (0, half):
-            join(scene, scene.bodies[at - 1], body, "pivot", chance)
-        if free:
-            continue
         if at and chance.random() < 0.7:
             join(scene, scene.bodies[chance.integers(at)], body, str(chance.choice(STEADY)), chance)
         if chance.random() < 0.2:
             join(scene, scene.others[0], body, str(chance.choice(STEADY)), chance)
-    if not free and len(scene.bodies) > 2 and chance.random() < 0.4:
+    if len(scene.bodies) > 2 and chance.random() < 0.4:
         join(scene, scene.bodies[0], scene.bodies[-1], str(chance.choice(STEADY)), chance)
     return scene
-
-
-def collided(seed: int, *, free: bool) -> tuple[Scene, np.ndarray, int]:
-    """A scene after the impacts of its touches, its velocities before, and the number of impacts."""
-    chance = np.random.default_rng(seed)
-    scene = undriven_scene(chance, free=free)
-    for _ in range(1 if free else chance.choice([1, 2, 3], p=[0.98, 0.01, 0.01])):
-        touch(scene, chance)
-    before = nearest(scene)
-    assert before is not None
-    scene.set_velocities(before)
-    coefficients = {"friction": float(chance.uniform(0, 1.5)), "restitution": float(chance.uniform(0, 1))}
-    impacts: list[LocatedImpact] = []
-    EnergeticContact(scene.space, 1, 2, **coefficients, report=impacts.append).step(INSTANT)
-    return scene, before, len(impacts)
 
 
 def test_no_impact_gains_energy() -> None:
@@ -459,33 +438,24 @@ def test_no_impact_gains_energy() -> None:
     """
     count, worst = 0, (0.0, 0)
     for seed in itertools.count():
-        scene, before, impacts = collided(seed, free=False)
-        if impacts:
-            count += 1
-            random = undriven_scene(np.random.default_rng(seed), free=False).velocities()
-            gain = float(scene.masses() @ (scene.velocities() ** 2 - before**2)) / float(scene.masses() @ random**2)
-            worst = max(worst, (gain, seed))
+        chance = np.random.default_rng(seed)
+        scene = undriven_scene(chance)
+        random = float(scene.masses() @ scene.velocities() ** 2)
+        for _ in range(chance.choice([1, 2, 3], p=[0.98, 0.01, 0.01])):
+            touch(scene, chance)
+        before = nearest(scene)
+        assert before is not None
+        scene.set_velocities(before)
+        coefficients = {"friction": float(chance.uniform(0, 1.5)), "restitution": float(chance.uniform(0, 1))}
+        impacts: list[LocatedImpact] = []
+        EnergeticContact(scene.space, 1, 2, **coefficients, report=impacts.append).step(INSTANT)
+        count += bool(impacts)
+        gain = float(scene.masses() @ (scene.velocities() ** 2 - before**2)) / random
+        worst = max(worst, (gain if impacts else 0.0, seed))
         if count >= IMPACTS:
             break
     print(f"{count} scenes, largest gain of energy {worst[0]:.2e} at seed {worst[1]}")
     assert worst[0] < 1e-11, worst
-
-
-def test_free_chains_keep_their_momentum() -> None:
-    """Linear and angular momentum of all bodies, relative to the sum of their sizes."""
-    count, worst = 0, (0.0, 0)
-    for seed in itertools.count():
-        scene, before, impacts = collided(seed, free=True)
-        count += impacts
-        mass, places = scene.masses().reshape(-1, 3), np.array([centre(body) for body in scene.bodies])
-        momenta = [mass * values.reshape(-1, 3) for values in (before, scene.velocities())]
-        angular = [p[:, 2] + places[:, 0] * p[:, 1] - places[:, 1] * p[:, 0] for p in momenta]
-        sums = [np.array([*p[:, :2].sum(axis=0), turning.sum()]) for p, turning in zip(momenta, angular, strict=True)]
-        worst = max(worst, (float(np.abs(sums[1] - sums[0]).max() / np.abs(momenta[1]).sum()), seed))
-        if count >= IMPACTS:
-            break
-    print(f"{count} impacts, largest change of momentum {worst[0]:.2e} at seed {worst[1]}")
-    assert worst[0] < 1e-12, worst
 
 
 @pytest.mark.parametrize("seed", [10857, 36697])
