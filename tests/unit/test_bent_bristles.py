@@ -82,13 +82,3 @@ def test_a_tip_that_retracts_at_once_is_named() -> None:
     words = answer({"reverse": sliding, "straight": sliding, "forward": retracting})
     assert "the forward bent tip retracts at once" in words
     assert "the reverse bent one never strikes" in answer({"reverse": None, "straight": sliding, "forward": sliding})
-
-
-def test_needs_a_contact_in_time() -> None:
-    with pytest.raises(ValueError, match="contact = energetic"):
-        bent_bristles(dataclasses.replace(TOOL, contact=Contact()), Settings())
-
-
-def test_a_spent_budget_is_no_result() -> None:
-    with pytest.raises(ValueError, match="step budget spent"):
-        bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100))

@@ -8,7 +8,7 @@ import re
 import pytest
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Tool
+from bristle_sim.parameters import Bar, Belt, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
@@ -81,10 +81,3 @@ def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
     assert all(row.reference is not None and row.ok for row in cued.quantities)
     bare = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False)
     assert all(row.reference is None and row.ok is None for row in bare.quantities)
-
-
-def test_bars_need_a_bar() -> None:
-    with pytest.raises(ValueError, match="bar, workpart"):
-        cue_timing(Tool(bar=None), 0.7, Settings())
-    with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
-        cue_timing(Tool(bristle=Bristle(links=2)), 0.7, Settings())

@@ -97,27 +97,6 @@ def test_a_rigid_bristle_that_sticks_is_named() -> None:
     assert rows(report)["normal_final_impulse"].ok
 
 
-@pytest.mark.parametrize(
-    ("strike", "message"),
-    [
-        (Strike(impact_angle_deg=60.0), "impact_angle_deg = 60: must be less than 59"),
-        (Strike(impact_angle_deg=1e-12), "it barely touches"),
-    ],
-)
-def test_refusals(strike: Strike, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        flexible_wire(Hub(), Belt(), Bristle(links=2), strike, SMOOTH, ContactStiffness(), Settings())
-
-
-@pytest.mark.parametrize("key", ["hub_speed", "wire_diameter"])
-def test_nothing_that_moves_or_bends_is_refused(key: str) -> None:
-    hub, bristle = (
-        (Hub(speed=0.0), Bristle(links=2)) if key == "hub_speed" else (Hub(), Bristle(wire_diameter=0.0, links=2))
-    )
-    with pytest.raises(ValueError, match=rf"^{key} = 0: must be above 0"):
-        flexible_wire(hub, Belt(), bristle, Strike(), SMOOTH, ContactStiffness(), Settings())
-
-
 def test_study(short: Report) -> None:
     """Ratios at the requested stiffness are those of the report, to the study's accuracy; one link is the rigid bristle."""
     study = wire_study(short.subject.strike, stiffnesses=(1.0, 20.0))

@@ -1,65 +1,127 @@
-"""Studies that find a part of what they look for: they say what is missing, and draw the rest."""
+"""Impossible work is refused in one line; studies that find a part say which part is missing, and draw the rest."""
 
 from __future__ import annotations
 
-import dataclasses
-import functools
 import math
 import sys
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from bristle_sim.contact_space.jacobian import joint_rows
-from bristle_sim.parameters import Bar, Belt, Hub, Neighbours, Tool, Workpart
+from bristle_sim.parameters import (
+    Bar,
+    Belt,
+    Bristle,
+    Contact,
+    ContactStiffness,
+    Hub,
+    Neighbours,
+    Strike,
+    Surface,
+    Tool,
+    Workpart,
+)
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import slide_of
-from bristle_sim.studies.cue_map import MapGrid, position_map
+from bristle_sim.studies.bar_search import radial_place, simulation
+from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
+from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
+from bristle_sim.studies.cue_timing import cue_timing
+from bristle_sim.studies.flexible_wire import flexible_wire
 from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.studies.least_pitch import least_pitch
 from bristle_sim.studies.neighbours import neighbours
+from bristle_sim.studies.periodic_turn import periodic_turn
 from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
 from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
+from bristle_sim.studies.whole_tool import Assembly, whole_tool
 from bristle_sim.theory.force_fit import fit_force_history
 
 OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (functools.partial(start_angle, Tool(bar=None)), "bar = None: must be a Bar"),
-        (functools.partial(joint_rows, object(), {}), "object: must be a joint"),
-        (functools.partial(whole_tool_figure, None), "whole_tool: the bristle completes no turn"),
+AT_REST, FLEXIBLE, UNBARRED = Tool(hub=Hub(speed=0.0)), Tool(bristle=Bristle(links=2)), Tool(bar=None)
+
+
+def row_of(tool: Tool, **row: float) -> object:
+    return neighbours(tool, Neighbours(search="no", **row), Settings())
+
+
+def struck(strike: Strike = Strike(), hub: Hub = Hub(), wire: Bristle = FLEXIBLE.bristle) -> object:  # noqa: B008
+    return flexible_wire(hub, Belt(), wire, strike, Surface(0.0), ContactStiffness(), Settings())
+
+
+REFUSALS = [
+    (partial(start_angle, UNBARRED), "^bar = None: must be a Bar"),
+    (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
+    (partial(strike_reference, Tool(), 0.0, (0.0,), (0.0,), stiffness=0.0, longest=1.0), "^stiffness = 0: must be"),
+    (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
+    (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
+    (lambda: bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)), "step budget spent"),
+    (lambda: inertia_film(driven(OUT_OF_REACH).subject), "the bristle must strike with the bar"),
+    (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
+    (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
+    (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
+    (partial(radial_place, UNBARRED, simulation(Settings())), "bar, workpart: must both be there"),
+    (partial(cue_map, FLEXIBLE, Settings()), "^wire_links = 2: must be 1"),
+    (lambda: driven(AT_REST), "^hub_speed = 0: must be above 0"),
+    (
+        lambda: driven(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8))),
+        "^hub_speed = 1e-12: must be faster, or the",
+    ),
+    (lambda: driven(FLEXIBLE), "^wire_links = 2: must be 1"),
+    (lambda: row_of(AT_REST), "^hub_speed = 0: must be above 0"),
+    (lambda: row_of(FLEXIBLE), "^wire_links = 2: must be 1"),
+    (lambda: row_of(Tool(hub=Hub(radius=1e-4))), "^hub_radius = .*: must be above half of wire_diameter"),
+    (lambda: row_of(Tool(), pitch_deg=1.0), "^pitch"),
+    (lambda: row_of(Tool(), bristles=1), r"^bristles = 1.*: must be a whole number from 2 to 12"),
+    (partial(periodic_turn, AT_REST, Settings()), "^hub_speed = 0: must be above 0"),
+    (partial(whole_tool, Tool(workpart=None), Assembly(), Settings()), "^workpart = None: must be a Workpart"),
+    (partial(whole_tool, FLEXIBLE, Assembly(), Settings()), "^wire_links = 2: must be 1"),
+    (lambda: Assembly(bristles=1.5), "^bristles = 1.5: must be a whole number"),
+    (lambda: struck(Strike(impact_angle_deg=60.0)), "^impact_angle_deg = 60: must be less than 59"),
+    (lambda: struck(Strike(impact_angle_deg=1e-12)), "it barely touches"),
+    (lambda: struck(hub=Hub(speed=0.0)), "^hub_speed = 0: must be above 0"),
+    (lambda: struck(wire=Bristle(wire_diameter=0.0, links=2)), "^wire_diameter = 0: must be above 0"),
+    (partial(least_pitch, simulate(UNBARRED, Settings(hub_turn=0.1)), 0.0), "^wire_diameter = 0: must be above 0"),
+    (partial(least_pitch, simulate(AT_REST, Settings(hub_turn=0.1)), 7e-4), "^hub_speed = 0: must be above 0"),
+    (
+        partial(least_pitch, simulate(Tool()), 7e-4, largest=0.1),
+        "^largest = 0.1: must be a pitch at which wires do not",
+    ),
+    *(
         (
-            functools.partial(strike_reference, Tool(), 0.0, (0.0,), (0.0,), stiffness=0.0, longest=1.0),
-            "stiffness = 0: must be",
-        ),
-        (
-            lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]),
-            "contact = energetic: must be compliant",
-        ),
-        (
-            lambda: inertia_film(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
-            "the bristle must strike with the bar",
-        ),
-        (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
-    ],
-)
-def test_what_cannot_be_done_is_refused_in_one_line(call, words: str):
+            partial(tolerances, replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings()),
+            "must both be parts",
+        )
+        for absent in ("bar", "workpart")
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "words"), REFUSALS)
+def test_impossible_work_is_refused_in_one_line(call: Callable[[], object], words: str):
     with pytest.raises(ValueError, match=words) as refusal:
         call()
     assert "\n" not in str(refusal.value)
 
 
+def driven(tool: Tool) -> Any:
+    return inertia_driven(tool, Settings(), with_reference=False)
+
+
 def test_a_row_out_of_reach_is_filmed_to_the_end():
-    tool = dataclasses.replace(OUT_OF_REACH, bar=None)
+    tool = replace(OUT_OF_REACH, bar=None)
     film = row_film(
         neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject,
         width=160,
@@ -71,7 +133,7 @@ def test_a_row_out_of_reach_is_filmed_to_the_end():
 
 def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_draw():
     creeping = Tool(belt=Belt(damping_ratio=1.5))
-    figure = inertia_figure(inertia_driven(creeping, Settings(), with_reference=False).subject)
+    figure = inertia_figure(driven(creeping).subject)
     assert [line.get_label() for line in figure.axes[0].lines if not line.get_label().startswith("_")] == ["bar-cued"]
 
 
@@ -101,21 +163,14 @@ def test_a_strike_while_the_bar_is_touched_is_not_cued():
     strike = run.first_contact("workpart")
     assert strike is not None
     contacts = [
-        dataclasses.replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each
-        for each in run.contacts
+        replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each for each in run.contacts
     ]
     with pytest.raises(NotCuedError, match="must have left the bar when it strikes"):
-        strike_measures(Tool(), dataclasses.replace(run, contacts=tuple(contacts)))
-
-
-@pytest.mark.parametrize("absent", ["bar", "workpart"])
-def test_tolerances_need_bar_and_workpart(absent: str):
-    with pytest.raises(ValueError, match="bar, workpart: must both be parts of the tool"):
-        tolerances(dataclasses.replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings())
+        strike_measures(Tool(), replace(run, contacts=tuple(contacts)))
 
 
 def test_a_belt_without_stiffness_throws_nothing_back():
-    found = inertia_driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)), Settings(), with_reference=False)
+    found = driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)))
     assert {row.simulated for row in found.quantities} == {None}
 
 
@@ -141,7 +196,5 @@ def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(ffmpeg, "get_ffmpeg_exe", absent)
     monkeypatch.setattr(ffmpeg, "write_frames", lambda *_, **__: absent())
     with pytest.raises(ValueError, match=r"ffmpeg for this machine: pip install .*, or a \.gif"):
-        inertia_film(inertia_driven(Tool(), Settings(), with_reference=False).subject, duration=0.5).write(
-            tmp_path / "film.mp4"
-        )
+        inertia_film(driven(Tool()).subject, duration=0.5).write(tmp_path / "film.mp4")
     assert not list(tmp_path.iterdir())

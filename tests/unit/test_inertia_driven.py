@@ -21,7 +21,6 @@ INERTIA = 8.387e-5 * 0.027**2 / 3.0
 STIFFNESS = math.degrees(0.00041)
 SPEED = 261.8
 FIELD = 8.387e-5 * 0.0275 * 0.0135 * SPEED**2
-DRIVE = (INERTIA, STIFFNESS, FIELD, SPEED)
 FINE = Settings(accuracy=1e-9)
 
 
@@ -48,14 +47,6 @@ def integrated(damping=0.0):
     return run.t_events[0][-1], run.y_events[0][-1][1], -run.y_events[1][0][0]
 
 
-def test_energy_and_quadrature_against_integration():
-    time, rate, lag = integrated()
-    # The integrator's tolerance of 1e-13 a step, over some hundred steps.
-    assert largest_retraction(*DRIVE) == pytest.approx(lag, rel=1e-10)
-    assert time_to_radial(*DRIVE) == pytest.approx(time, rel=1e-10)
-    assert rate == pytest.approx(SPEED, rel=1e-10)
-
-
 def test_the_field_alone_is_a_pendulum():
     """sin(A/2) = omega/2 sqrt(I/g), half a period 2 sqrt(I/g) K(sin(A/2)^2)."""
     modulus = 0.5 * SPEED * math.sqrt(INERTIA / FIELD)
@@ -71,30 +62,25 @@ def test_a_bristle_that_would_lie_down_is_refused():
         largest_retraction(INERTIA, STIFFNESS, 0.0, 1.001 * limit)
 
 
-def test_scene_theory_and_reference_agree():
-    simulated, found = values()
-    assert [each.name for each in found.quantities if not each.ok] == []
-    for each in found.quantities[:4]:
-        # Requested: 1e-9; promised: 1e-8 of either.
-        assert each.simulated == pytest.approx(each.theory, rel=1e-8)
-        assert each.simulated == pytest.approx(each.reference, rel=1e-8)
-    assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
-    assert found.answer == (
-        "Without a bar the tip reaches 21.3 m/s after 2.8 ms, 56% of the bar-cued tool's 37.9 m/s; to be as fast the pulley must"
-        " turn at 465.6 rad/s (4446 rpm)."
-    )
-
-
-def test_with_damping_against_integration():
-    belt = Belt(stiffness=STIFFNESS, damping_ratio=0.05)
-    tool = Tool(belt=belt)
-    time, rate, lag = integrated(tool.belt_damping)
+@pytest.mark.parametrize("ratio", [0.0, 0.05])
+def test_scene_theory_and_reference_agree_with_an_integration(ratio):
+    tool = Tool(belt=Belt(stiffness=STIFFNESS, damping_ratio=ratio))
     simulated, found = values(tool)
     assert [each.ok for each in found.quantities] == [True] * 5
-    assert simulated["time_to_radial"] == pytest.approx(time, rel=1e-8)
-    assert simulated["relative_speed_at_radial"] == pytest.approx(rate, rel=1e-8)
-    assert simulated["largest_retraction_deg"] == pytest.approx(math.degrees(lag), rel=1e-8)
-    assert found.quantities[0].theory is None
+    time, rate, lag = integrated(tool.belt_damping)
+    expected = {"time_to_radial": time, "relative_speed_at_radial": rate, "largest_retraction_deg": math.degrees(lag)}
+    for each in found.quantities[:4]:
+        # Requested: 1e-9; promised: 1e-8 of either. Theory, for an undamped belt, is good to rounding.
+        assert each.simulated == pytest.approx(each.reference, rel=1e-8)
+        assert each.simulated == pytest.approx(expected.get(each.name, each.simulated), rel=1e-8)
+        assert (each.theory is None) is (ratio > 0.0)
+        assert ratio > 0.0 or each.theory == pytest.approx(expected.get(each.name, each.theory), rel=1e-10)
+    if ratio == 0.0:
+        assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
+        assert found.answer == (
+            "Without a bar the tip reaches 21.3 m/s after 2.8 ms, 56% of the bar-cued tool's 37.9 m/s; to be as fast the"
+            " pulley must turn at 465.6 rad/s (4446 rpm)."
+        )
 
 
 def test_an_overdamped_bristle_creeps_and_a_fast_one_lies_down():
@@ -112,12 +98,6 @@ def test_without_a_strike_there_is_nothing_to_equal():
     simulated, found = values(Tool(workpart=workpart), with_reference=False)
     assert simulated["hub_speed_for_equal_tip_speed"] is None
     assert "with the bar there is no strike to compare with (" in found.answer
-    with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
-        values(Tool(hub=Hub(speed=0.0)))
-    with pytest.raises(ValueError, match=r"^hub_speed = 1e-12: must be faster, or the belt softer"):
-        values(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8)))
-    with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
-        values(Tool(bristle=Bristle(links=2)))
 
 
 def test_film_of_both_tools():

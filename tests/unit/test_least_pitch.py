@@ -1,6 +1,5 @@
 """Pitch from which two wires touch: closed form, brute force on another interpolation, and what is known of the tool."""
 
-import dataclasses
 import functools
 import math
 
@@ -96,13 +95,3 @@ def test_distances_of_bent_lines_against_points_on_them():
     assert found == pytest.approx(expected, abs=0.03)
     assert (found <= expected + 1e-12).all()
     assert (found == 0.0).sum() > 2
-
-
-def test_bad_input_in_one_line():
-    run = lone_pass()
-    with pytest.raises(ValueError, match=r"^wire_diameter = 0: must be above 0"):
-        least_pitch(run, 0.0)
-    with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
-        least_pitch(dataclasses.replace(run, hub_speed=0.0), DIAMETER)
-    with pytest.raises(ValueError, match=r"^largest = 0.1: must be a pitch at which wires do not touch"):
-        least_pitch(run, DIAMETER, largest=0.1)
