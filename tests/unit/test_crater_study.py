@@ -10,12 +10,9 @@ import pytest
 from bristle_sim.parameters import Bristle, Crater, Hub
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import (
-    FRICTIONS,
-    IMPACT_ANGLES_DEG,
     MEASURED,
     constants_over,
     crater_study,
-    energy_depth_course,
     merchant_depth_course,
 )
 from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
@@ -62,17 +59,6 @@ def test_the_printed_sum_ply_by_ply(plies, friction, angle):
     assert merchant_crater_depth(**cut) == pytest.approx(expected[-1], rel=1e-11)
 
 
-def test_one_ply_of_energy():
-    crater, wire = Crater(plies=1), Bristle()
-    left = math.exp(-92400.0 * 5e-5)
-    rates, speeds = (1111.0 - 266.65, 1111.0 * left - 266.65), (18.615, 15.0 * left + 3.615)
-    energies = [
-        0.5 * wire.mass * v**2 + wire.mass * wire.length**2 / 24.0 * w**2 for w, v in zip(rates, speeds, strict=True)
-    ]
-    expected = (energies[0] - energies[1]) / force(5e-5) * math.cos(GAMMA)
-    np.testing.assert_allclose(energy_depth_course(crater), [0.0, expected], rtol=1e-12)
-
-
 def test_everything_agrees_at_the_operating_point():
     found = study()
     assert [each.name for each in found.quantities if each.ok is False] == []
@@ -96,13 +82,6 @@ def test_the_contact_takes_the_energy_of_the_impact():
     assert row(study(compression_time=1e-8), "contact_work").simulated == pytest.approx(ENERGY, rel=1e-5)
 
 
-def test_craters_of_a_short_contact_are_those_of_the_rigid_body():
-    found = study(friction=0.31, compression_time=1e-8)
-    inclined = row(found, "contact_energy_depth_inclined")
-    # Trapezoids through a dozen samples of a quarter wave: (pi/24)^2/12 of the work, less of the depth.
-    assert inclined.simulated == pytest.approx(inclined.theory, rel=2e-3)
-
-
 @pytest.mark.parametrize(("friction", "angle"), [(0.31, 23.4), (0.4, 23.4), (0.5, 30.0)])
 def test_without_a_chip_there_is_no_merchant_depth(friction, angle):
     found = study(friction=friction, impact_angle_deg=angle)
@@ -116,17 +95,13 @@ def test_without_a_chip_there_is_no_merchant_depth(friction, angle):
     assert found.answer.startswith("Merchant's plies cut no chip, ")
 
 
-def test_a_tip_that_does_not_move_has_no_contact():
+def test_a_contact_that_cannot_be_simulated_is_missing_or_refused():
     found = crater_study(Hub(speed=0.0), Bristle(), Crater(), Settings())
     assert found.outcome == "no contact"
     assert row(found, "merchant_crater_depth").theory == pytest.approx(1.394e-4, abs=5e-9)
     assert "there is no simulated contact (speed_ratio: must let the tip strike" in found.answer
-
-
-@pytest.mark.parametrize("hub", [Hub(speed=1e6), Hub(radius=4e-5)])
-def test_a_strike_whose_contact_cannot_be_simulated_is_refused(hub):
     with pytest.raises(ValueError, match=r"compression_time.*: must be shorter"):
-        crater_study(hub, Bristle(), Crater(), Settings())
+        crater_study(Hub(speed=1e6), Bristle(), Crater(), Settings())
 
 
 @pytest.mark.parametrize("friction", [0.5, 1.0, 4.0])
@@ -139,15 +114,6 @@ def test_the_circle_with_that_constant_cuts_that_depth(friction, part):
     depth = merchant_crater_depth(friction, 0.2, angles=angles)
     # arcsin near 1 takes the root of rounding.
     assert constant_for_crater_depth(depth, friction, 0.2) == pytest.approx(constant, rel=3e-8)
-
-
-def test_by_hand_at_the_operating_point():
-    """depth = K [sin C - sin x]/2, and 139.40 um at C = 90 deg fix K = 781.5 um: sin C = 0.6432 + 260/781.5."""
-    x = math.atan(2.0) - GAMMA
-    scale = 2.0 * 139.403e-6 / (1.0 - math.sin(x))
-    by_hand = math.degrees(math.asin(math.sin(x) + 2.0 * MEASURED / scale))
-    # 139.403 has six digits; C moves by 1/cos(77.4 deg) = 4.6 times as much.
-    assert row(study(), "constant_for_measured_depth_deg").theory == pytest.approx(by_hand, abs=0.001)
 
 
 def test_no_constant_makes_a_crater_deeper_than_least_work():
@@ -165,17 +131,3 @@ def test_the_chip_ends_where_the_shear_plane_stays_below():
     for depth, emerges in ((MEASURED, False), (0.9999 * shallowest, False), (1.0001 * shallowest, True)):
         (row,) = constants_over(Crater(), depth, (0.5,), (23.4,))
         assert row["shear_plane_emerges"] is emerges
-
-
-def test_over_friction_and_angle():
-    table = constants_over(Crater(), MEASURED)
-    assert len(table) == len(FRICTIONS) * len(IMPACT_ANGLES_DEG)
-    for angle in IMPACT_ANGLES_DEG:
-        constants = [each["constant_deg"] for each in table if each["impact_angle_deg"] == angle]
-        known = np.array([each for each in constants if each is not None])
-        # More friction makes a deeper crater at the same C, so less C will do; no one C serves all.
-        assert np.all(np.diff(known) < 0.0)
-        assert known[0] > 2.0 * known[-1]
-    for each in table:
-        if each["constant_deg"] is not None:
-            assert each["shear_plane_emerges"] is (each["shear_angle_deg"] >= each["impact_angle_deg"])

@@ -80,13 +80,6 @@ def test_words_and_numbers_stay_what_they_are(tmp_path: Path):
         assert mixed["word"].values.tolist() == [1, "a", "1"]
 
 
-def test_a_point_without_a_strike_says_so():
-    """In the words of README's example, which reads the impulse of a contact that there is not."""
-    run = SimpleNamespace(first_contact=lambda _: None)
-    found = sweep(lambda x: run.first_contact("workpart").impulse[0] * x, {"x": [1.0]})
-    assert found["failure"].item().startswith("no strike: impulse was read of None")
-
-
 def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     found = sweep(lambda x: 1.0 / x if x < 3.0 else {"result": [1.0, 2.0]}, {"x": [1.0, 0.0, 2.0, 3.0]})
     assert np.array_equal(found["result"].values, [1.0, math.nan, 0.5, math.nan], equal_nan=True)
@@ -95,6 +88,10 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     assert "shape (2,)" in reasons[3]
     assert reasons[::2] == ["", ""]
     assert list(sweep(lambda x: math.sqrt(-x), {"x": [1.0, 2.0]}).data_vars) == ["failure"]
+    # In the words of README's example, which reads the impulse of a contact that there is not.
+    run = SimpleNamespace(first_contact=lambda _: None)
+    found = sweep(lambda x: run.first_contact("workpart").impulse[0] * x, {"x": [1.0]})
+    assert found["failure"].item().startswith("no strike: impulse was read of None")
 
 
 @pytest.mark.parametrize(
@@ -105,12 +102,10 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
         (power, {"x": [], "y": [1.0]}, "x must hold at least one value"),
         (power, {"x": [object()], "y": 1.0}, "x must hold numbers or words"),
         (power, {"x": ("sample", [1.0, 2.0]), "y": ("sample", [1.0])}, "must be coordinates"),
-        (power, {"x": ("sample", "extra", [1.0]), "y": 1.0}, "must be coordinates"),
         (lambda failure: failure, {"failure": [1.0]}, "failure must not be a parameter"),
         (lambda x: {"x": x}, {"x": [1.0]}, "must not be named as a parameter or"),
         (lambda x: {"sample": x}, {"x": ("sample", [1.0])}, "must not be named as a parameter or dimension"),
         (lambda x: {"a/b": x}, {"x": [1.0]}, "its result 'a/b' must have a name without /"),
-        (lambda x: {"": x}, {"x": [1.0]}, "its result '' must have a name"),
         (dict, {"a/b": [1.0]}, "its parameter 'a/b' must have a name without /"),
         (3, {"x": [1.0]}, "function = 3: must be callable"),
     ],
@@ -154,24 +149,6 @@ def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
         assert sweep(power, space).identical(expected)
     with ThreadPoolExecutor(2) as executor:
         assert sweep(power, space, workers=executor).identical(expected)
-
-
-class CountingExecutor(ThreadPoolExecutor):
-    """Counts what is submitted to it."""
-
-    submitted = 0
-
-    def submit(self, *arguments: Any, **keywords: Any) -> Any:
-        self.submitted += 1
-        return super().submit(*arguments, **keywords)
-
-
-def test_cheap_points_are_computed_in_batches():
-    """A point takes microseconds, a batch some tenths of a second: far fewer batches than points."""
-    with CountingExecutor(2) as executor:
-        found = sweep(power, {"x": np.arange(2000.0), "y": 2.0}, workers=executor)
-    assert np.array_equal(found["power"], np.arange(2000.0) ** 2)
-    assert executor.submitted < 500
 
 
 LOCK = threading.Lock()
@@ -256,13 +233,9 @@ def changed(path: Path) -> None:
     [
         (emptied, "power/c/0/0", 2),
         (changed, "pair/c/1/0/0", 2),
-        (Path.unlink, "pair/c/3/0/0", 2),
         (changed, "failure/c/2/0", 2),
-        (Path.unlink, "failure/c/0/0", 2),
         (emptied, "x/c/0", 0),
         (Path.unlink, "power/zarr.json", 8),
-        (emptied, "power/zarr.json", 8),
-        (Path.unlink, "zarr.json", 8),
         (emptied, "zarr.json", 8),
         (shutil.rmtree, "pair", 8),
     ],
