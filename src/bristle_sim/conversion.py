@@ -23,7 +23,7 @@ DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?\D*", re.ASCII)
 
 TYPICAL_UNITS = (
     *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
-    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
+    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N mm/rad", "N mm/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
     *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
 )  # fmt: skip
 """Units that a mistyped one is compared with."""

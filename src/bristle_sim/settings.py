@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.units import ANY, quantity, shown, validate
+from bristle_sim.units import ANY, Declared, quantity, shown
 
 MAXIMUM_STEPS = 500_000
 """Engine steps of a run by default: sixty whole passes of a rigid bristle, or one of a wire of 8 links; 2 to 6 s of CPU time, of a
@@ -19,16 +19,13 @@ is good to 1e-5 only."""
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(Declared):
     """How accurately to compute, and at what price to give up.
 
-    Attributes:
-        accuracy: relative accuracy requested.
-        maximum_steps: engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
-            iterations counts once more for each hundred.
-        hub_turn: turn of the hub after which a pass ends, rad.
-        samples_per_period: least number of samples in a period of the bristle on its belt; None takes as many, from 8 to 24,
-            as give a cubic through them the accuracy: its error is h^4/384 of a motion that is sampled every h rad.
+    ``maximum_steps`` are the engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
+    iterations counts once more for each hundred. ``samples_per_period`` is the least number of samples in a period of the bristle
+    on its belt; None takes as many, from 8 to 24, as give a cubic through them the accuracy: its error is h^4/384 of a motion that
+    is sampled every h rad.
     """
 
     accuracy: float = quantity(
@@ -49,7 +46,7 @@ class Settings:
     samples_per_period: int | None = None
 
     def __post_init__(self) -> None:
-        validate(self)
+        Declared.__post_init__(self)
         for name in ("maximum_steps", "samples_per_period"):
             value = getattr(self, name)
             if value is None and name == "samples_per_period":

@@ -17,14 +17,12 @@ import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any
 
 from bristle_sim.conversion import DECIMAL_COMMA, TYPED, TYPICAL_UNITS, conversion, likely_unit
 
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
-
-T = TypeVar("T")
 
 FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
@@ -264,21 +262,27 @@ class UnusualValueWarning(UserWarning):
 
 
 class Declared:
-    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values are warned of."""
+    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values are warned of.
+
+    The docstring of such a class lists key, meaning, unit, range, default and source of each declared field.
+    """
 
     __slots__ = ()
 
+    def __init_subclass__(cls) -> None:
+        """Document the fields, before the decorator for dataclasses replaces them."""
+        own = {name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)}
+        if not own:  # the decorator makes the class a second time, for its slots
+            return
+        lines = [cls.__doc__ or "", "", "Attributes:"]
+        for name, each in {**getattr(cls, "__dataclass_fields__", {}), **own}.items():
+            if (declared := each.metadata.get("declaration")) is not None:
+                named = name if name == declared.key else f"{name} ({declared.key})"
+                unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
+                default = each.default if isinstance(each.default, str | None) else f"{each.default:.9g}"
+                words = f"{named}: {declared.meaning}{unit}. Must be {declared.allowed}. Default {default} ({declared.source})."
+                lines += textwrap.wrap(words, 100, initial_indent="    ", subsequent_indent="        ")
+        cls.__doc__ = "\n".join(lines)
+
     def __post_init__(self) -> None:
         validate(self)
-
-
-def described(owner: type[T]) -> type[T]:
-    """Decorate a parameter class: its docstring lists meaning, unit, range, default and source of each declared field."""
-    lines = [owner.__doc__ or "", "", "Attributes:"]
-    for name, (declared, default) in _declared(owner).items():
-        unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
-        shown_default = default if isinstance(default, str | None) else f"{default:.9g}"
-        words = f"{name}: {declared.meaning}{unit}. Must be {declared.allowed}. Default {shown_default} ({declared.source})."
-        lines += textwrap.wrap(words, 100, initial_indent="    ", subsequent_indent="        ")
-    owner.__doc__ = "\n".join(lines)
-    return owner

@@ -15,13 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
-from bristle_sim.units import ANY, Choice, Declared, Range, UnusualValueWarning, choice, count, described, quantity
+from bristle_sim.units import ANY, Choice, Declared, Range, UnusualValueWarning, choice, count, quantity
 from bristle_sim.units import unusual_value as unusual
 
 FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")
 
 
-@described
 @dataclass(frozen=True)
 class Part(Declared):
     """A part."""

@@ -138,7 +138,8 @@ def test_every_declaration_is_documented_and_kept(part: type, name: str, found: 
     assert min(len(found.source), len(found.meaning)) > 5
     assert found.meaning.isascii()
     shown = " ".join(part.__doc__.split())
-    assert all(each in shown for each in (f"{name}: {found.meaning}", found.allowed, f"({found.source})"))
+    named = name if name == found.key else f"{name} ({found.key})"
+    assert all(each in shown for each in (f"{named}: {found.meaning}", found.allowed, f"({found.source})"))
     value = getattr(part(), name)
     assert (value is None) == found.optional
     assert value is None or found.check(value) == value

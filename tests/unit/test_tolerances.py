@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("zarr", reason="needs the extra sweep")
 
+from bristle_sim.comparison import Unfinished
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import strike_of_keys
@@ -121,3 +122,22 @@ def test_a_report_has_a_row_for_every_output():
     assert set(report.extra["rows"][0]["indices"]) == {"penetration", "belt_damping_ratio"}
     # A damping ratio cannot be negative: its interval is cut off at its value, 0.
     assert all(row["low"] <= row["mean"] <= row["high"] for row in report.extra["rows"])
+
+
+def test_an_interrupted_study_keeps_the_passes_that_are_finished(monkeypatch: pytest.MonkeyPatch):
+    """When the user interrupts, the first sample and seven points of the second one are done."""
+    passes = []
+
+    def until_interrupted(_settings: Settings, _tool: Tool, **_: float) -> dict[str, float]:
+        if len(passes) == 15:
+            raise KeyboardInterrupt
+        passes.append(float(len(passes)))
+        return dict.fromkeys(OUTPUTS, passes[-1])
+
+    monkeypatch.setattr("bristle_sim.studies.tolerances.strike_of_keys", until_interrupted)
+    with pytest.raises(Unfinished) as ended:
+        tolerances(Tool(), Spreads(), Sampling(samples=8), Settings())
+    found = {each.name: each.simulated for each in ended.value.report.quantities}
+    assert found[f"{OUTPUTS[0]}_mean"] == np.mean(passes)
+    assert found[f"{OUTPUTS[0]}_std"] == pytest.approx(np.std(passes, ddof=1), rel=1e-15)
+    assert ended.value.report.remarks == ("15 of 120 passes are finished; indices need all of them",)

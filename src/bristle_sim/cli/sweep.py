@@ -104,7 +104,8 @@ def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
     full = dict(zip(names, xr.broadcast(*(found[name] for name in names)), strict=True))
     units = {name: found[name].attrs.get("units", "") for name in names}
     return {
-        f"{name} ({units[name]})" if units[name] else name: each.values.ravel().tolist() for name, each in full.items()
+        f"{name} ({units[name]})" if units[name] not in ("", "1") else name: each.values.ravel().tolist()
+        for name, each in full.items()
     }
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.units import ANY, Declared, choice, count, described, quantity
+from bristle_sim.units import ANY, Declared, choice, count, quantity
 
 GAMMA = "angle between the radial bristle and the workpart's normal, gamma"
 STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
@@ -23,7 +23,6 @@ def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GA
     return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg", meaning, source)
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Release(Declared):
     """Release of the bristle from rest relative to the hub."""
@@ -36,7 +35,6 @@ class Release(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Strike(Declared):
     """State of a radial bristle at the instant of its strike."""
@@ -45,7 +43,6 @@ class Strike(Declared):
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, sec. 2.3: gamma")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
     """Stiffness of a contact resolved in time, given by its half periods as a frictionless spring on a rigid bristle's K."""
@@ -76,7 +73,6 @@ def _rod_angle(default: float, rod: str, number: int) -> Any:
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
@@ -93,7 +89,6 @@ class SinglePendulum(Declared):
     rate: float = _rod_rate(-845.6, "rate", "rod", "30")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
@@ -120,7 +115,6 @@ class DoublePendulum(Declared):
     rate_2: float = _rod_rate(-0.2, "rate_2", "second rod", "28")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
     """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
@@ -155,7 +149,6 @@ class Neighbours(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
     """What a run is compared with."""
@@ -177,7 +170,6 @@ class Comparison(Declared):
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
     """Resolution of the maps, and the processes that compute them."""
@@ -189,7 +181,6 @@ class MapGrid(Declared):
     workers: int = count(1, "1 <= workers <= 64", "processes for the maps", "chosen")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Assembly(Declared):
     """How many bristles the tool has, and the load cell under the workpart."""
@@ -214,7 +205,6 @@ def _spread(default: float, key: str, unit: str, source: str) -> Any:
     return quantity(default, f"0 <= spread_{key} <= 1e6 {unit}", meaning, source, usual=ANY)
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Spreads(Declared):
     """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
@@ -234,7 +224,6 @@ class Spreads(Declared):
     restitution: float = _spread(0.05, "restitution", "1", "assumed: between places of a workpart")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.units import Declared, count, declared_field, described, quantity, shown
+from bristle_sim.units import Declared, count, declared_field, quantity, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,6 @@ def _text(key: str, unit: str, meaning: str, source: str) -> Any:
     return declared_field(None, Text(key, source, unit, meaning))
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Measurement(Declared):
     """A measured force history that takes the place of the published curve."""
@@ -86,7 +85,6 @@ class Measurement(Declared):
             raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class ForceHistory(Declared):
     """The contact compared with a force curve.
@@ -110,7 +108,6 @@ class ForceHistory(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Crater(Declared):
     """A bristle's tip that cuts."""
@@ -143,7 +140,6 @@ class Crater(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Measured(Declared):
     """The law that is compared with measured impacts, and the file of those that the user has."""

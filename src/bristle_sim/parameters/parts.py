@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.units import Declared, choice, count, described, quantity
+from bristle_sim.units import Declared, choice, count, quantity
 
 Vector = tuple[float, float]
 
@@ -17,7 +17,6 @@ WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wi
 SHAPE_KEYS = ("knee_position", "knee_angle_deg", *WIRE_KEYS)  # keys of a wire that is not one straight rod
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Hub(Declared):
     """Rotating hub that keeps its speed."""
@@ -37,7 +36,6 @@ class Hub(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Belt(Declared):
     """Flexible belt: a torsion spring, perhaps damped, at the bristle's root."""
@@ -60,7 +58,6 @@ class Belt(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Bristle(Declared):
     """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends."""
@@ -161,7 +158,6 @@ def _bar_radius() -> float:
     return math.hypot(0.05037, 0.0225) - wire_diameter / 2.0 - tip_radius
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Bar(Declared):
     """Accelerator bar: a fixed circle on the incoming side, rigid."""
@@ -203,7 +199,6 @@ class Bar(Declared):
         return (-self.horizontal, -self.vertical)
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Surface(Declared):
     """How a tip rubs and rebounds on a flat, rigid surface."""
@@ -233,7 +228,6 @@ class Surface(Declared):
         return self.friction if self.restitution_friction is None else self.restitution_friction
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Workpart(Surface):
     """Flat, rigid workpart below the hub."""
@@ -246,7 +240,6 @@ class Workpart(Surface):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Contact(Declared):
     """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""

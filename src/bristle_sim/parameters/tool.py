@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.units import Choice, Declared, Range, declarations, described, likely_key, quantity, shown
+from bristle_sim.units import Choice, Declared, Range, declarations, likely_key, quantity, shown
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class Tool(Declared):
     """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.

@@ -55,7 +55,9 @@ def simulate(
         settings: numerical settings.
         start_hub_angle: of the root from the direction of the workpart, rad.
         start_relative_angle, start_relative_rate: of the bristle relative to the radial direction, rad and rad/s.
-        stop_after: name of the event that ends the run, e.g. ``strike`` or ``highest relative speed``.
+        stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``,
+            ``workpart release``, ``wire touch``, ``wire release``, ``largest retraction``, ``highest relative speed``,
+            ``retraction limit`` or ``jam``.
 
     Returns:
         The trajectory, in SI units.

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
@@ -39,6 +39,14 @@ ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
 
 RESAMPLES = 200
 """Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""
+
+
+class FinishedPoints(KeyboardInterrupt):
+    """The user's interruption of a study, with the outputs of the points that were finished, shape (outputs, points)."""
+
+    def __init__(self, values: Array) -> None:
+        super().__init__("interrupted")
+        self.values = values
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +79,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 
     Raises:
         ValueError: if somewhere in the intervals the bar cues no strike, or the extra ``sweep`` is not installed.
+        Unfinished: with mean and standard deviation of the passes that are finished, if the user interrupts.
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
@@ -78,7 +87,10 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     intervals = _intervals(tool, spreads)
     point = functools.partial(strike_of_keys, settings, tool)
     workers = None if sampling.workers == 1 else sampling.workers
-    study = sobol_study(point, intervals, OUTPUTS, sampling.samples, seed=sampling.seed, workers=workers)
+    try:
+        study = sobol_study(point, intervals, OUTPUTS, sampling.samples, seed=sampling.seed, workers=workers)
+    except FinishedPoints as ended:
+        raise Unfinished(_unfinished(ended.values, (len(intervals) + 2) * sampling.samples)) from None
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
     changes = propagated(point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
@@ -99,6 +111,16 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         subject=study,
         answer=answer(rows),
     )
+
+
+def _unfinished(values: Array, total: int) -> Report:
+    """Return mean and standard deviation of the outputs at the points that are finished, each drawn as all of them are."""
+    number, found = values.shape[1], list[Quantity]()
+    for name, each in zip(OUTPUTS, values, strict=True):
+        if number > 1:
+            found.append(Quantity(f"{name}_mean", STRIKE_UNITS[name], float(each.mean())))
+            found.append(Quantity(f"{name}_std", STRIKE_UNITS[name], float(each.std(ddof=1))))
+    return Report(None, tuple(found), remarks=(f"{number} of {total} passes are finished; indices need all of them",))
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -176,7 +198,10 @@ def sobol_study(
     evaluated: list[Array] = []
 
     def evaluate(inputs: Array) -> Array:
-        evaluated.append(_swept(function, dict(zip(intervals, inputs, strict=True)), outputs, workers))
+        try:
+            evaluated.append(_swept(function, dict(zip(intervals, inputs, strict=True)), outputs, workers))
+        except FinishedPoints as ended:
+            raise FinishedPoints(np.concatenate([*evaluated, ended.values], axis=1)) from None
         return evaluated[-1].copy()  # scipy subtracts the mean in place
 
     dists = [uniform(loc=low, scale=high - low) for low, high in intervals.values()]
@@ -200,10 +225,13 @@ def _swept(
 ) -> Array:
     """Outputs of shape (outputs, points) for inputs of shape (points)."""
     try:
-        from bristle_sim.studies.sweep import sweep
+        from bristle_sim.studies.sweep import SweepInterrupted, sweep
     except ImportError as error:
         raise ValueError(f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
-    found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
+    try:
+        found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
+    except SweepInterrupted as ended:
+        raise FinishedPoints(ended.finished(outputs)) from None
     missing = [name for name in outputs if name not in found]
     values = np.array([found[name].values for name in outputs if name in found])
     lost = np.ones(found.sizes["sample"], bool) if missing else ~np.isfinite(values).all(axis=0)
