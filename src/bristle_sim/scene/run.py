@@ -72,8 +72,10 @@ def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
     """Return the motion that follows a change of contact."""
     progress, sustained, separating = motion.progress, motion.sustained, motion.separating
     match change:
-        case Touch():
-            return _after_touch(motion, change)
+        case Touch(touched, rests):
+            obstacle = at_joint(progress, touched)
+            name = _touch_name(progress, obstacle)
+            return _begin_contact(motion, obstacle, name, rests) or _after_impact(motion, obstacle, name, rests)
         case SpringChange():
             return _after_spring(motion, change)
         case Slip(contact, sense):
@@ -160,35 +162,38 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
     return _following(progress, [*motion.sustained, Sustained(obstacle)], motion.separating)
 
 
-def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
-    """Begin a contact, with a spring or at rest, or resolve impacts; return the motion after it."""
-    progress, obstacle = motion.progress, at_joint(motion.progress, touch.obstacle)
-    wires, size = progress.wires_of(obstacle), progress.mechanism.wire_links
-    touched = any(
-        each.obstacle == obstacle.name and wires[0] in [link // size for link in links]
-        for each, links in progress.recording.contacts
-    )
-    name = f"{obstacle.name} touch" if touched else obstacle.first_touch
+def _touch_name(progress: Progress, obstacle: Obstacle) -> str:
+    """Return the name of a touch: that of the first one, or of a later one of the same wire."""
+    wire, size = progress.wires_of(obstacle)[0], progress.mechanism.wire_links
+    for contact, links in progress.recording.contacts:
+        if contact.obstacle == obstacle.name and wire in [link // size for link in links]:
+            return f"{obstacle.name} touch"
+    return obstacle.first_touch
+
+
+def _begin_contact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: bool) -> SmoothMotion | None:
+    """Return the motion with a contact that begins, with a spring or at rest; None where the touch is an impact."""
+    progress, law = motion.progress, obstacle.law
     if any(each.obstacle is obstacle for each in motion.sustained):
-        return _after_impact(motion, obstacle, name, rests=touch.rests)
+        return None
     contact = None
-    if touch.rests and not progress.mechanism.lone:
+    if rests and not progress.mechanism.lone:
         # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
         contact = Sustained(obstacle)
-    elif not (obstacle.law.at_once or touch.rests) and -progress.approach(obstacle) > progress.slow:
+    elif not (law.at_once or rests) and -progress.approach(obstacle) > progress.slow:
         try:
-            spring = obstacle.law.spring(progress.scene, progress.state, obstacle)
+            spring = law.spring(progress.scene, progress.state, obstacle)
         except ValueError as error:
             return _given_up(motion, error)
         contact = None if spring is None else begin_spring(motion, obstacle, spring)
     if contact is None:
-        return _after_impact(motion, obstacle, name, rests=touch.rests)
-    progress.event(name, wires, lasts=contact.spring is not None)
+        return None
+    progress.event(name, progress.wires_of(obstacle), lasts=contact.spring is not None)
     others = [each for each in motion.separating if each is not obstacle]
     return _following(progress, [*motion.sustained, contact], others)
 
 
-def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, *, rests: bool) -> SmoothMotion:
+def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: bool) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
     progress, lone = motion.progress, motion.progress.mechanism.lone
     if any(each.obstacle is obstacle for each in motion.sustained):

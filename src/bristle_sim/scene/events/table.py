@@ -113,9 +113,6 @@ def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[Ev
         if math.isfinite(plan.retraction_limit):
             final = StopReason.RETRACTION_LIMIT
             found.append(EventFunction(partial(left, link), True, "retraction limit", wire, final, positive=True))
-    for contact in sustained:
-        if contact.spring is None:
-            found += _kinks(progress, contact)
     for number, obstacle in enumerate(progress.obstacles):
         if obstacle.dent:
             # The tip comes out of the dent that a contact resolved in time has left it in.
@@ -126,27 +123,6 @@ def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[Ev
 
 def _gap(progress: Progress, obstacle: Obstacle, at: Advance) -> float:
     return progress.gaps.gap(obstacle, at.state)
-
-
-def _kinks(progress: Progress, contact: Sustained) -> list[EventFunction]:
-    """A sustained contact passes a corner, or its slip turns."""
-    obstacle, gaps = contact.obstacle, progress.gaps
-
-    def kink(index: int, at: Advance) -> float:
-        return gaps.closest(obstacle, at.state).kinks[index]
-
-    def slip(at: Advance) -> float:
-        return (contact.slip or 1) * gaps.closest(obstacle, at.state).velocity[1]
-
-    corners = range(len(gaps.closest(obstacle, progress.state).kinks))
-    functions = [EventFunction(partial(kink, index), act=Kink) for index in corners]
-    if obstacle.friction and contact.slip is None:
-        functions.append(EventFunction(slip, act=Kink))
-    elif contact.slip:
-        # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
-        following = partial(Slip, contact, -contact.slip if progress.mechanism.lone else 0)
-        functions.append(EventFunction(slip, True, act=following))
-    return functions
 
 
 def contact_events(
@@ -167,7 +143,7 @@ def contact_events(
 
 
 def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The grip gets too small, the normal force falls to zero, or the force of stick reaches what friction gives.
+    """The grip gets too small, the force falls to zero, stick breaks or slip turns, or the contact passes a corner.
 
     With too little grip friction locks the link, or without it the link meets the obstacle end-on.
     """
@@ -185,18 +161,31 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
         reached[0] = at.totals[TOTALS * index + 1]
         return rigid.spare_friction(at.totals, index)
 
+    def slips() -> Slip:
+        return Slip(contact, -1 if reached[0] > 0.0 else 1)
+
+    def slip(at: Advance) -> float:
+        return (contact.slip or 1) * gaps.closest(obstacle, at.state).velocity[1]
+
+    def kink(number: int, at: Advance) -> float:
+        return gaps.closest(obstacle, at.state).kinks[number]
+
     jams, wire = obstacle.friction > 0.0, progress.wires_of(obstacle)[0]
     final = StopReason.JAM if jams else StopReason.NO_GRIP
     found = [
         EventFunction(grip, True, "jam" if jams else None, wire, final, positive=True),
         EventFunction(push, True, act=partial(Release, (obstacle,)), difference=True),
     ]
-    if rigid.slips[index] == 0:
-
-        def slips() -> Slip:
-            return Slip(contact, -1 if reached[0] > 0.0 else 1)
-
+    if contact.slip == 0:
         found.append(EventFunction(spare, True, act=slips, difference=True))
+    elif contact.slip:
+        # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
+        following = -contact.slip if progress.mechanism.lone else 0
+        found.append(EventFunction(slip, True, act=partial(Slip, contact, following)))
+    elif jams:
+        found.append(EventFunction(slip, act=Kink))
+    for number in range(len(gaps.closest(obstacle, progress.state).kinks)):
+        found.append(EventFunction(partial(kink, number), act=Kink))
     return found
 
 

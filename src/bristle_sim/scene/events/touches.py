@@ -65,47 +65,44 @@ def first_touch_of_all(
 
 
 def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -> Found | None:
-    """Search a touch of what a link has left: it touches it again only by coming back within the interval."""
-    gaps, result, instant = progress.gaps, interval.end, progress.plan.instant
-    gap, rate = gaps.gap_and_rate(obstacle, result.state)
+    """Search a touch of what a link has left: it touches it again only by coming back within the interval.
+
+    An interval that ends deep inside an obstacle ends with the hop before, or where it is above still. Where it is back
+    within the shortest interval it is too low a rebound to follow.
+    """
+    gaps, start, end, length, instant = (
+        progress.gaps,
+        interval.start,
+        interval.end.state,
+        interval.length,
+        progress.plan.instant,
+    )
+    gap, rate = gaps.gap_and_rate(obstacle, end)
     if gap >= -GAP_ROUNDING or rate >= 0.0:
         return None
-    progress.stepper.begin_afresh()
-    if instant < interval.length:
-        gap = gaps.gap(obstacle, interpolate(interval.start, result.state, instant / interval.length))
-        if gap <= 0.0:
-            gap = gaps.gap(obstacle, interval.again(instant).state)
-    # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
-    low = progress.mechanism.lone and -progress.plan.accuracy <= gap < 0.0
-    if gaps.gap(obstacle, interval.start) >= -GAP_ROUNDING and not low:
-        return _hop(progress, interval, obstacle)
-    return (result if instant >= interval.length else interval.again(instant)), Touch(obstacle, True)
-
-
-def _hop(progress: Progress, interval: Interval, obstacle: Obstacle) -> Found:
-    """Return an interval that ends deep inside an obstacle up to the end of the hop before, or up to where it is above still.
-
-    Where it is back within the shortest interval it is too low a rebound to follow.
-    """
-    gaps, start, end, part = progress.gaps, interval.start, interval.end.state, 1.0
 
     def gap_at(fraction: float) -> float:
         return gaps.gap(obstacle, interpolate(start, end, fraction))
 
+    progress.stepper.begin_afresh()
+    if instant < length and (gap := gap_at(instant / length)) <= 0.0:
+        gap = gaps.gap(obstacle, interval.again(instant).state)
+    # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
+    low = progress.mechanism.lone and -progress.plan.accuracy <= gap < 0.0
+    if low or gaps.gap(obstacle, start) < -GAP_ROUNDING:
+        return (interval.end if instant >= length else interval.again(instant)), Touch(obstacle, True)
+    part = 1.0
     while part > LEAST_HOP and (above := gap_at(part)) < -GAP_ROUNDING:
         part, below = 0.5 * part, above
     if part < 1.0 and above > 0.0:
-        near = interval.length * locate(gap_at, part, 2.0 * part, above, below, GAP_TOLERANCE)
-        closed = settle(partial(gaps.gap, obstacle), interval, near, interval.length, GAP_TOLERANCE)
+        near = length * locate(gap_at, part, 2.0 * part, above, below, GAP_TOLERANCE)
+        closed = settle(partial(gaps.gap, obstacle), interval, near, length, GAP_TOLERANCE)
         # The zero at its beginning is none.
         if closed is not None and gaps.gap_and_rate(obstacle, interval.again(closed).state)[1] < 0.0:
             return interval.again(closed), Touch(obstacle)
-    span = part * interval.length
-    result = interval.again(span)
-    while span > LEAST_HOP * interval.length and gaps.gap(obstacle, result.state) < -GAP_ROUNDING:
-        span *= 0.5
-        result = interval.again(span)
-    return result, None if gaps.gap(obstacle, result.state) > GAP_ROUNDING else Touch(obstacle, True)
+    while (gap := gaps.gap(obstacle, interval.again(part * length).state)) < -GAP_ROUNDING and part > LEAST_HOP:
+        part *= 0.5
+    return interval.again(part * length), None if gap > GAP_ROUNDING else Touch(obstacle, True)
 
 
 def find_touch(progress: Progress, interval: Interval, obstacle: Obstacle, interpolation_error: float) -> Found | None:
