@@ -99,7 +99,7 @@ class Range:
         return int(number) if self.whole else number + 0.0
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return what to raise for a value that is refused."""
+        """Return the error for a value that is refused."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")

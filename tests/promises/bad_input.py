@@ -51,7 +51,7 @@ STRIKE_STEPS = 20_000
 
 
 def trials() -> dict[str, Callable[[], Tally]]:
-    """Return what is tried, by name."""
+    """Return the trials by name."""
     return {
         **{f"every value of {kind.__name__}": partial(_values_of, kind) for kind in CLASSES},
         "every argument of simulate()": _simulate,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -204,6 +205,22 @@ def test_every_module_says_what_it_is_for():
         words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
         assert words is not None, path
         assert len(words.split()) >= 3, path
+
+
+NOUNLESS = re.compile(r'(?:"""|#)\W*Returns? (?:what|who)\b')
+"""A docstring or comment that begins with a relative clause in place of a noun."""
+
+
+def test_a_returned_thing_is_named_by_a_noun():
+    for path in (*MODULES, *SCRIPTS, *TESTS):
+        assert not NOUNLESS.findall(path.read_text(encoding="utf-8")), path
+
+
+@pytest.mark.parametrize("line", ['"""Return {} is new."""', "x = 1  # Returns {} asks"])
+@pytest.mark.parametrize("word", ["what", "who"])
+def test_a_sentence_without_its_noun_is_found(line: str, word: str):
+    assert NOUNLESS.search(line.format(word))
+    assert not NOUNLESS.search(line.format("the one that"))
 
 
 def test_there_are_modules_to_look_at():

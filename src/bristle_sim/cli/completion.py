@@ -32,7 +32,7 @@ def typed_words() -> list[str]:
 
 
 def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:
-    """Return what ``--set`` or ``--sweep`` may begin with: each key, and for a word its options, which none can sweep."""
+    """Return the beginnings of ``--set`` or ``--sweep``: each key, and for a word its options, which no sweep takes."""
     found = []
     for key, (declared, _) in scenario.keys().items():
         options = declared.options if isinstance(declared, Choice) else ("",)

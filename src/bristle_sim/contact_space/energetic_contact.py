@@ -186,7 +186,7 @@ class EnergeticContact:
         self.pairs.clear()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what a copy has too: all but the function that takes reports."""
+        """Return the state of a copy: everything but the function that takes reports."""
         jammed = set() if self._filter is None else self._filter.jammed
         return {**self.__dict__, "report": None, "_callbacks": [], "_filter": None, "_jammed": jammed}
 

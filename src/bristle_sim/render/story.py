@@ -99,7 +99,7 @@ def _told(trajectory: Trajectory) -> tuple[Event, ...]:
 
 
 def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> str | None:
-    """Return what begins with an event; a touch is sustained if a release follows, else a bounce."""
+    """Return the name of the phase that begins with an event; a touch is sustained if a release follows, else a bounce."""
     event, strike = events[number], trajectory.event_time("strike")
     obstacle = event.name.removesuffix(" touch")
     if obstacle in _SUSTAINED:

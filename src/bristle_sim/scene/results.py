@@ -29,7 +29,7 @@ def trajectories_in_si(
     *,
     with_estimate: bool,
 ) -> tuple[Trajectory, ...]:
-    """Return what a run has recorded of each wire, in SI units; a method without an error estimate leaves it out."""
+    """Return a trajectory of each wire in SI units, from the recording of a run."""
     estimate = recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None
     found, size, forces = [], scene.mechanism.wire_links, np.array(recording.forces) * units.force
     for number in range(scene.mechanism.wires):

@@ -68,7 +68,7 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
 
 def _reduced(value: Any) -> Any:
-    """Return what pickle takes for a value: a call that makes nothing, and the parts as its state, which may refer back."""
+    """Reduce a value for pickle to a call that makes nothing, with the parts as its state, which may refer back."""
     parts = None if value is tuple else _parts(value)
     return NotImplemented if parts is None else (tuple, (), parts)
 

@@ -208,7 +208,7 @@ class _RodImpact:
         return [each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)]
 
     def motion(self, mu: float, *, slips: bool) -> tuple[str, Array]:
-        """Return what C does, slipping or once slip has stopped, as the normal impulse drives it; and the change of q per dp_y."""
+        """Return the name of C's motion, slipping or once slip has stopped, as the normal impulse drives it; and the change of q per dp_y."""
         driven = self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
         if not slips and mu >= stick_friction(self.rods.ratio, *self.rods.angles):
             return "stick", self.rods.sticking()

@@ -113,7 +113,7 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
 
 
 def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
-    """Return what a package offers at a case: nothing of a peer that is installed but cannot be imported or set up."""
+    """Return a package's attempts at a case: none of a peer that is installed but cannot be imported or set up."""
     try:
         return offer(case)
     except Exception as error:
