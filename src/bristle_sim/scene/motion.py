@@ -111,7 +111,7 @@ class SmoothMotion:
         progress, start, instant = self.progress, self.progress.state, self.progress.plan.instant
         for each, spring in self.springs:
             follow_bodies(progress, each.obstacle, spring)
-        length, first = self._proposed(), self.before is None
+        length, first = _proposed(self), self.before is None
         again = functools.cache(functools.partial(progress.stepper.advance, progress.scene, start, load=self.load))
         result = again(length)
         if self.rigid is not None:
@@ -132,17 +132,6 @@ class SmoothMotion:
         if not math.isfinite(result.error) or length < min(durations, default=SHORTEST_INTERVAL):
             progress.stop(StopReason.ACCURACY)
         return None
-
-    def _proposed(self) -> float:
-        """Return the length of the next interval."""
-        progress, plan = self.progress, self.progress.plan
-        left = plan.end - progress.state.time
-        longest = min(plan.longest_interval, LONGEST_TURN * plan.time_scale)
-        limit = math.inf if self.limit is None else self.limit
-        if not self.springs:
-            return min(progress.stepper.propose(left), longest, limit)
-        longest = min(longest, *(spring.expected.longest for _, spring in self.springs))
-        return progress.stepper.propose(min(left, longest, math.inf if self.rigid is None else limit))
 
     def _approach_release(self, forces: Sequence[float], length: float) -> Change | None:
         """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
@@ -183,7 +172,7 @@ class SmoothMotion:
                     each.sign = math.copysign(1.0, value) if abs(value) > each.noise else sign
         self._commit(end)
         if happens is None:
-            return touch or self._overdue()
+            return touch or _overdue(self)
         if happens.final is not None:
             progress.stop(happens.final)
         if happens.event is not None:
@@ -222,33 +211,47 @@ class SmoothMotion:
             if self.before is None and not self.springs:
                 progress.sample(begins, again=True)
             if progress.mechanism.lone and length >= SHORTEST_SAMPLED:
-                progress.recording.inner += self._inner_states(self.rigid, start)
+                progress.recording.inner += _inner_states(progress, self.rigid, start)
             self._engage()
         progress.sample(ends)
 
-    def _inner_states(self, rigid: RigidContacts, start: State) -> list[State]:
-        """Return states within an interval that has ended: those of a lone link in touch follow from the geometry alone."""
-        gaps, end = self.progress.gaps, self.progress.state
-        guesses = [interpolate(start, end, fraction) for fraction in (0.25, 0.5, 0.75)]
-        middle, length = rigid.set_back(gaps, guesses[1]), end.time - start.time
-        # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
-        error = 8.0 * abs(middle.angles[-1] - guesses[1].angles[-1])
-        if error <= CUBIC_RATE_ERROR * self.progress.plan.accuracy * length * abs(middle.rates[-1]):
-            return [middle]
-        return [rigid.set_back(gaps, guesses[0]), middle, rigid.set_back(gaps, guesses[2])]
 
-    def _overdue(self) -> Change | None:
-        """Return the end of a contact that lasts ``OVERDUE_DURATIONS`` times as long as expected.
+def _proposed(motion: SmoothMotion) -> float:
+    """Return the length of a motion's next interval."""
+    progress, plan = motion.progress, motion.progress.plan
+    left = plan.end - progress.state.time
+    longest = min(plan.longest_interval, LONGEST_TURN * plan.time_scale)
+    limit = math.inf if motion.limit is None else motion.limit
+    if not motion.springs:
+        return min(progress.stepper.propose(left), longest, limit)
+    longest = min(longest, *(spring.expected.longest for _, spring in motion.springs))
+    return progress.stepper.propose(min(left, longest, math.inf if motion.rigid is None else limit))
 
-        That is one in the rigid-body limit, or a single one of rigid links, which nothing would end.
-        """
-        progress = self.progress
-        single = progress.plan.single_contact and not progress.scene.effects.hinges
-        for each, spring in self.springs:
-            since = 0.0 if each.start is None else progress.state.time - each.start.time
-            if since > OVERDUE_DURATIONS * spring.expected.duration and (single or not spring.expected.moves):
-                return SpringChange(each, SpringEvent.OVERDUE)
-        return None
+
+def _inner_states(progress: Progress, rigid: RigidContacts, start: State) -> list[State]:
+    """Return states within an interval that has ended: those of a lone link in touch follow from the geometry alone."""
+    gaps, end = progress.gaps, progress.state
+    guesses = [interpolate(start, end, fraction) for fraction in (0.25, 0.5, 0.75)]
+    middle, length = rigid.set_back(gaps, guesses[1]), end.time - start.time
+    # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
+    error = 8.0 * abs(middle.angles[-1] - guesses[1].angles[-1])
+    if error <= CUBIC_RATE_ERROR * progress.plan.accuracy * length * abs(middle.rates[-1]):
+        return [middle]
+    return [rigid.set_back(gaps, guesses[0]), middle, rigid.set_back(gaps, guesses[2])]
+
+
+def _overdue(motion: SmoothMotion) -> Change | None:
+    """Return the end of a contact that lasts ``OVERDUE_DURATIONS`` times as long as expected.
+
+    That is one in the rigid-body limit, or a single one of rigid links, which nothing would end.
+    """
+    progress = motion.progress
+    single = progress.plan.single_contact and not progress.scene.effects.hinges
+    for each, spring in motion.springs:
+        since = 0.0 if each.start is None else progress.state.time - each.start.time
+        if since > OVERDUE_DURATIONS * spring.expected.duration and (single or not spring.expected.moves):
+            return SpringChange(each, SpringEvent.OVERDUE)
+    return None
 
 
 def follow_bodies(progress: Progress, obstacle: Obstacle, spring: Spring) -> None:

@@ -147,17 +147,7 @@ def _simulated(
     angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
-    # The last wire turns as far as requested.
-    turn, speed = settings.hub_turn + (row.bristles - 1) * row.pitch, mechanism.hub_speed
-    plan = Plan(
-        end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
-        accuracy=settings.accuracy,
-        stop_after=stop_after,
-        longest_interval=min(2.0 * math.pi / settings.samples, damped_interval(scene)),
-        maximum_steps=settings.maximum_steps,
-        retraction_limit=RETRACTION_LIMIT,
-        time_scale=time_scale(scene),
-    )
+    plan = _plan(scene, settings, stop_after)
     stepper: Stepper
     if step is None:
         stepper = stepper_for(scene, settings, start, plan)
@@ -176,6 +166,21 @@ def _simulated(
     if row is not LONE:
         parameters["row"] = dataclasses.asdict(row)
     return trajectories_in_si(recording, scene, units, parameters, cost, with_estimate=step is None)
+
+
+def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
+    """Return the plan of a run, at whose end the last wire has turned as far as requested."""
+    mechanism = scene.mechanism
+    turn, speed = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch, mechanism.hub_speed
+    return Plan(
+        end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
+        accuracy=settings.accuracy,
+        stop_after=stop_after,
+        longest_interval=min(2.0 * math.pi / settings.samples, damped_interval(scene)),
+        maximum_steps=settings.maximum_steps,
+        retraction_limit=RETRACTION_LIMIT,
+        time_scale=time_scale(scene),
+    )
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

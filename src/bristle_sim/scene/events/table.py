@@ -12,14 +12,14 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.contact.gaps import neighbour
-from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
+from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import EventFunction
 from bristle_sim.scene.integrate.extrapolation import Advance
 from bristle_sim.scene.integrate.time_scales import acceleration
-from bristle_sim.scene.mechanism import State, turns
+from bristle_sim.scene.mechanism import turns
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
@@ -170,10 +170,9 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
     def kink(number: int, at: Advance) -> float:
         return gaps.closest(obstacle, at.state).kinks[number]
 
-    jams, wire = obstacle.friction > 0.0, progress.wires_of(obstacle)[0]
-    final = StopReason.JAM if jams else StopReason.NO_GRIP
+    event, final = ("jam", StopReason.JAM) if obstacle.friction else (None, StopReason.NO_GRIP)
     found = [
-        EventFunction(grip, True, "jam" if jams else None, wire, final, positive=True),
+        EventFunction(grip, True, event, progress.wires_of(obstacle)[0], final, positive=True),
         EventFunction(push, True, act=partial(Release, (obstacle,)), difference=True),
     ]
     if contact.slip == 0:
@@ -182,7 +181,7 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
         # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
         following = -contact.slip if progress.mechanism.lone else 0
         found.append(EventFunction(slip, True, act=partial(Slip, contact, following)))
-    elif jams:
+    elif obstacle.friction:
         found.append(EventFunction(slip, act=Kink))
     for number in range(len(gaps.closest(obstacle, progress.state).kinks)):
         found.append(EventFunction(partial(kink, number), act=Kink))
@@ -223,26 +222,20 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     """
     obstacle, gaps, duration = contact.obstacle, progress.gaps, spring.expected.duration
     tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
-    known: list[tuple[State, ClosestApproach]] = []
-
-    def touch(at: Advance) -> ClosestApproach:
-        if not known or known[0][0] is not at.state:
-            known[:] = [(at.state, gaps.closest(obstacle, at.state))]
-        return known[0][1]
 
     def opening(at: Advance) -> float:
-        return touch(at).velocity[0]
+        return gaps.closest(obstacle, at.state).velocity[0]
 
     def slip(at: Advance) -> float:
-        return spring.slip * touch(at).velocity[1]
+        return spring.slip * gaps.closest(obstacle, at.state).velocity[1]
 
     def beyond(level: float, at: Advance) -> float:
-        return (spring.surface - touch(at).gap - level) / duration
+        return (spring.surface - gaps.gap(obstacle, at.state) - level) / duration
 
     def spare(at: Advance) -> float:
         if not at.totals:
             return math.nan
-        penetration = spring.surface - touch(at).gap
+        penetration = spring.surface - gaps.gap(obstacle, at.state)
         return spring.spare_friction(penetration, at.totals[first + 5]) / (spring.stiffness * duration)
 
     def event(what: SpringEvent, value: Callable[[Advance], float], falling: bool) -> EventFunction:
