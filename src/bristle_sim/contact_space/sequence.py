@@ -30,6 +30,8 @@ TRIALS = 255
 MOST = 40
 """Impacts in a group, one after the other, after which it is resolved at once, which bounds the cost of a step."""
 
+LOOKED = 8  # impacts in a group after which its points that approach are counted; MOST is a multiple of it
+
 
 class ImpactSequence:
     """Resolve what touches and approaches at the end of a step.
@@ -67,11 +69,17 @@ class ImpactSequence:
         while self._approaching:
             point = max(self._approaching, key=attrgetter("time", "approach"))
             head = self._head(point.bodies[0])
-            if point.impacts == COLLAPSE or self._impacts.get(head, 0) == MOST:
+            impacts = self._impacts.get(head, 0)
+            if point.impacts == COLLAPSE or (impacts % LOOKED == 0 and self._too_many(head, impacts)):
                 self._strike_all(point)
             else:
-                self._impacts[head] = self._impacts.get(head, 0) + 1
+                self._impacts[head] = impacts + 1
                 self._strike(point)
+
+    def _too_many(self, head: pymunk.Body, impacts: int) -> bool:
+        """Whether a group has had ``MOST`` impacts, or will have with one at each point that approaches."""
+        waiting = sum(1 for each in self._approaching if self._head(each.bodies[0]) is head)
+        return impacts + waiting > MOST or impacts == MOST
 
     def _read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
         """Read the points of bodies, before they are set in motion anew, and return those that were not known."""
@@ -128,8 +136,8 @@ class ImpactSequence:
         bodies, joints = connected
         self._unite(bodies)
         self._measure(self._read(bodies))
-        others = dict.fromkeys([*point.bodies, *(end for joint in joints for end in (joint.a, joint.b))])
-        moved = [*bodies, *(each for each in others if each.body_type == pymunk.Body.KINEMATIC)]
+        ends = dict.fromkeys([*point.bodies, *[end for joint in joints for end in (joint.a, joint.b)]])
+        moved = [each for each in ends if each in bodies or each.body_type == pymunk.Body.KINEMATIC]
         point.go_back(motion, moved, self._latest(point))
         steps = motion.steps(point.time)
         motion.kick(bodies, -steps)
@@ -163,9 +171,7 @@ class ImpactSequence:
             waiting = [each for each in touched if each not in reached and each.body_type == pymunk.Body.DYNAMIC]
         every = dict.fromkeys(each for body in reached for each in self._points[body])
         points = [each for each in every if frozenset(each.shapes) not in self.jammed]
-        self._motion.kick(reached, -0.5)
-        impacts = resolve_at_once(points, self._rests)
-        self._motion.kick(reached, 0.5)
+        impacts = resolve_at_once(points, self._rests, self._motion)
         self.struck.update(dict.fromkeys(reached, 0.0))
         for each, impact in zip(points, impacts, strict=True):
             self._approaching.pop(each, None)

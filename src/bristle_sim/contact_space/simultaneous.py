@@ -8,31 +8,41 @@ impulses that make every contact part or keep closed, within the friction cones 
 
 They minimise that energy but for friction's cone, so they are found by projected gradients with Nesterov's momentum, started anew
 where it leads uphill (O'Donoghue and Candes 2015); D with W <= D, row by row the sum over both bodies of the part of each
-times its number of rows, is the step. Restitution adds e p_n and e p_t, Poisson's way, and another plastic impact of what
-that has driven together. As p.v <= -p.W p for plastic impulses, (1 + e) p loses energy for every e <= 1; the sum p of all
-is scaled by at most -2 p.v/(p.W p), which keeps the cones, so that no energy is gained however far the iteration has come.
+times its number of rows, is the step. Few contacts are then solved exactly, each open, sticking or slipping (a semismooth
+Newton method), because masses of very different size take gradients too many iterations. Restitution adds e p_n and e p_t,
+Poisson's way, and another plastic impact of contacts that are driven together by it. As p.v <= -p.W p for plastic impulses,
+(1 + e) p loses energy for every e <= 1; the sum p of all is scaled by at most -2 p.v/(p.W p), which keeps the cones, so that no
+energy is gained however far the iteration has come.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
+from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import Connected, MassCentres, joined, joint_rows, scaled_jacobian
-from bristle_sim.contact_space.projection import close_joints
+from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian, world
+from bristle_sim.contact_space.projection import close_joints, span
+from bristle_sim.contact_space.step_motion import StepMotion, velocity_of
 from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.impact_result import NO_REBOUND, REBOUND, Impact
 
-ITERATIONS = 40
-"""Iterations of a plastic impact: impulses spread over a chain of about as many bodies."""
+ITERATIONS = 40  # of a plastic impact: impulses spread over a chain of about as many bodies
 
-DEPENDENT = 1e-12
-"""Singular values below this fraction of the largest belong to joints that repeat what others say."""
+SETTLED = (
+    1e-4  # change of the impulses in an iteration, as a fraction of the largest, with which they are as good as found
+)
+
+FEW = 8  # contacts up to which a plastic impact is solved exactly: some 0.5 ms
+
+NEWTON_ROUNDS = 20  # of that solution; five or so are enough
+
+EXACT = 1e-9  # fraction of the largest impulse, and of the largest velocity, by which an exact solution may miss its conditions
 
 
 @dataclass(slots=True)
@@ -40,8 +50,8 @@ class Contacts:
     """Contacts of bodies, order of rows (normal, tangential), in coordinates scaled by the square root of the mass.
 
     Attributes:
-        rows: factors of the scaled velocities of the first and second body, shape (m, 2 rows, 2 bodies, 3).
-        places: of these bodies' velocities, shape (m, 2 bodies, 3).
+        rows: factors of the scaled velocities of the first and second body, shape (m, 2 rows, 6).
+        places: of these bodies' velocities, shape (m, 6).
         velocity: v, shape (m, 2).
         friction: mu, shape (m,).
         joints: orthonormal basis of the joints' rows, shape (3 bodies, rank).
@@ -55,28 +65,26 @@ class Contacts:
 
     def change(self, impulse: Array) -> Array:
         """Return the change of the scaled velocities by impulses of shape (m, 2), shape (3 bodies,)."""
-        parts = np.einsum("mr,mrbx->mbx", impulse, self.rows)
+        parts = impulse[:, :1] * self.rows[:, 0] + impulse[:, 1:] * self.rows[:, 1]
         change = np.bincount(self.places.ravel(), parts.ravel(), len(self.joints))
         return np.asarray(change - self.joints @ (self.joints.T @ change) if self.joints.size else change)
 
     def gain(self, change: Array) -> Array:
         """Return the change of the contact velocities by that of the scaled velocities, shape (m, 2)."""
-        return np.asarray(np.einsum("mrbx,mbx->mr", self.rows, change[self.places]))
+        return np.asarray(np.einsum("mrx,mx->mr", self.rows, change.take(self.places)))
 
     def plastic(self, velocity: Array) -> Array:
         """Return the impulses, shape (m, 2), of a plastic impact from these contact velocities."""
-        sizes = (self.rows**2).sum(axis=-1)
-        count = np.bincount(self.places[:, :, 0].ravel(), np.full(self.places[:, :, 0].size, 2.0))
-        step = (sizes * count[self.places[:, None, :, 0]]).sum(axis=-1)
+        sizes = (self.rows**2).reshape(len(velocity), 2, 2, 3).sum(axis=-1)
+        ends = self.places[:, ::3]
+        count = np.bincount(ends.ravel(), np.full(ends.size, 2.0))
+        step = (sizes * count[ends][:, None]).sum(axis=-1)
         step = np.divide(1.0, step, out=np.zeros_like(step), where=step > 0.0)
         impulse = ahead = np.zeros_like(velocity)
         momentum = 1.0
         for _ in range(ITERATIONS):
             slope = velocity + self.gain(self.change(ahead))
-            found = ahead - step * slope
-            np.maximum(found[:, 0], 0.0, out=found[:, 0])
-            bound = self.friction * found[:, 0]
-            np.clip(found[:, 1], -bound, bound, out=found[:, 1])
+            found = self._in_cone(ahead - step * slope)
             moved = found - impulse
             if (slope * moved).sum() > 0.0:
                 momentum, ahead = 1.0, found
@@ -84,6 +92,45 @@ class Contacts:
                 following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
                 ahead, momentum = found + (momentum - 1.0) / following * moved, following
             impulse = found
+            if np.abs(moved).max() <= SETTLED * np.abs(found).max():
+                break
+        return impulse if len(velocity) > FEW else self._exact(velocity, impulse)
+
+    def _exact(self, velocity: Array, impulse: Array) -> Array:
+        """Return the impulses of a plastic impact by Newton's method from an estimate; the estimate where that fails."""
+        count, speeds = len(velocity), velocity.ravel()
+        scaled = np.zeros((len(self.joints), count, 2))
+        scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(0, 2, 1)
+        rows = scaled.reshape(len(self.joints), -1)
+        rows -= self.joints @ (self.joints.T @ rows)
+        matrix, unit = rows.T @ rows, np.eye(2 * count)
+        step = np.divide(1.0, matrix.diagonal(), out=np.zeros(2 * count), where=matrix.diagonal() > 0.0)
+        known: set[bytes] = set()
+        found: Array = impulse.ravel()
+        normal, along = 2 * np.arange(count), 2 * np.arange(count) + 1
+        for _ in range(NEWTON_ROUNDS):
+            trial = found - step * (matrix @ found + speeds)
+            closed, limit = trial[normal] > 0.0, self.friction * np.maximum(trial[normal], 0.0)
+            slip = np.where(np.abs(trial[along]) >= limit, np.sign(trial[along]), 0.0)
+            if (state := closed.tobytes() + slip.tobytes()) in known:
+                break
+            known.add(state)
+            system, target = matrix.copy(), -speeds
+            system[normal[~closed]], target[normal[~closed]] = unit[normal[~closed]], 0.0
+            fixed = (slip != 0.0) | ~closed
+            cone = unit[along] - (self.friction * slip * closed)[:, None] * unit[normal]
+            system[along[fixed]], target[along[fixed]] = cone[fixed], 0.0
+            found = np.asarray(np.linalg.lstsq(system, target, rcond=1e-14)[0])
+        after, most = matrix @ found + speeds, EXACT * np.abs(found).max(initial=0.0)
+        part = after[normal] >= -EXACT * np.abs(speeds).max(initial=0.0)
+        kept = (found[normal] >= -most) & (np.abs(found[along]) <= self.friction * found[normal] + most)
+        return self._in_cone(found.reshape(-1, 2)) if part.all() and kept.all() else impulse
+
+    def _in_cone(self, impulse: Array) -> Array:
+        """Return impulses, which are changed, that push, with friction's part within its limit."""
+        np.maximum(impulse[:, 0], 0.0, out=impulse[:, 0])
+        bound = self.friction * impulse[:, 0]
+        np.minimum(np.maximum(impulse[:, 1], -bound, out=impulse[:, 1]), bound, out=impulse[:, 1])
         return impulse
 
     def resolve(self, restitution: Array) -> tuple[Array, Array]:
@@ -94,25 +141,44 @@ class Contacts:
             second = second + self.plastic(self.velocity + self.gain(self.change(first + second)))
         total = first + second
         loss, size = -(total * self.velocity).sum(), (self.change(total) ** 2).sum()
-        share = min(1.0, max(2.0 * loss / size, 0.0)) if size > 0.0 else 0.0
-        return share * first, share * second
+        fraction = min(1.0, max(2.0 * loss / size, 0.0)) if size > 0.0 else 0.0
+        return fraction * first, fraction * second
+
+    def records(self, first: Array, second: Array) -> list[Impact]:
+        """Return the record of each contact by its impulses of compression and restitution."""
+        middle = self.velocity + self.gain(self.change(first))
+        after = middle + self.gain(self.change(second))
+        nothing = np.zeros_like(first)
+        works = [first * (self.velocity + middle) / 2.0, nothing, second * (middle + after) / 2.0, nothing]
+        phases = [np.stack(each, axis=-1) for each in ([first, nothing, second, nothing], works)]
+        slips = np.sign(np.stack([self.velocity[:, 1], nothing[:, 0], middle[:, 1], nothing[:, 0]], axis=-1))
+        outcomes = np.where(after[:, 0] > 0.0, REBOUND, NO_REBOUND).tolist()
+        totals = np.concatenate([first + second, after, first], axis=1).tolist()
+        columns = zip(totals, phases[0], slips, phases[1], outcomes, strict=True)
+        entries = [
+            (*total, np.inf, impulse, slip, *work, outcome) for total, (impulse, _), slip, work, outcome in columns
+        ]
+        return [Impact(*each) for each in entries]
 
 
-def resolve_at_once(points: Sequence[TouchingPoint], rests: Callable[[float, TouchingPoint], bool]) -> list[Impact]:
+def resolve_at_once(
+    points: Sequence[TouchingPoint], rests: Callable[[float, TouchingPoint], bool], motion: StepMotion
+) -> list[Impact]:
     """Set the velocities of all bodies that touch here, and of those joined to them, to those after the impact at all points.
 
-    ``rests``: whether an approach at a point has no restitution.
+    It is at the end of the step; the engine's velocities are half a step ahead. ``rests``: whether an approach at a point has
+    no restitution.
 
     Returns:
         The record of each point. The works of all of them sum up to the change of the kinetic energy.
     """
     ends = list(dict.fromkeys(body for point in points for body in point.bodies))
-    groups = _groups(ends)
-    bodies = list(dict.fromkeys([*(body for group, _ in groups for body in group), *ends]))
-    index = {body: at for at, body in enumerate(bodies)}
-    scale = np.array([_roots(body) for body in bodies])
-    velocities = np.array([(*body.velocity, body.angular_velocity) for body in bodies])
-    centres = np.array([body.local_to_world(body.center_of_gravity) for body in bodies])
+    index = {body: at for at, body in enumerate(dict.fromkeys([*joined(ends)[0], *ends]))}
+    motion.kick(index, -0.5)
+    joints = _close_joints(index)
+    scale = np.array([_roots(body) for body in index])
+    velocities = np.array([velocity_of(body) for body in index])
+    centres = np.array([world(body, body.center_of_gravity) for body in index])
     pairs = np.array([[index[body] for body in point.bodies] for point in points])
     normal = np.array([point.overlap.normal for point in points])
     axes = np.stack([normal, np.stack([normal[:, 1], -normal[:, 0]], axis=1)], axis=1)[:, :, None, :]
@@ -120,36 +186,26 @@ def resolve_at_once(points: Sequence[TouchingPoint], rests: Callable[[float, Tou
     levers = arms[..., 0] * axes[..., 1] - arms[..., 1] * axes[..., 0]
     factors = np.concatenate([np.broadcast_to(axes, (*levers.shape, 2)), levers[..., None]], axis=-1)
     factors *= np.array([1.0, -1.0])[:, None]
-    surfaces = np.array([point.surface_velocity for point in points])
+    slide = np.einsum("mrx,mx->mr", axes[:, :, 0], np.array([point.surface_velocity for point in points]))
     contacts = Contacts(
-        rows=factors * scale[pairs][:, None],
-        places=3 * pairs[..., None] + np.arange(3),
-        velocity=np.einsum("mrbx,mbx->mr", factors, velocities[pairs])
-        - np.einsum("mrx,mx->mr", axes[:, :, 0], surfaces),
+        rows=(factors * scale[pairs][:, None]).reshape(len(points), 2, 6),
+        places=(3 * pairs[..., None] + np.arange(3)).reshape(len(points), 6),
+        velocity=np.einsum("mrbx,mbx->mr", factors, velocities[pairs]) - slide,
         friction=np.array([point.pair.friction for point in points]),
-        joints=_joint_basis(groups, index),
+        joints=joints,
     )
     speeds = zip((-contacts.velocity[:, 0]).tolist(), points, strict=True)
     restitution = [0.0 if rests(speed, each) else each.pair.restitution for speed, each in speeds]
     first, second = contacts.resolve(np.array(restitution))
     after = velocities + scale * contacts.change(first + second).reshape(-1, 3)
-    for body, velocity, changed in zip(bodies, after.tolist(), (after != velocities).any(axis=1), strict=True):
+    for body, (x, y, turn), changed in zip(
+        index, after.tolist(), (after != velocities).any(axis=1).tolist(), strict=True
+    ):
         if changed:
-            body.velocity, body.angular_velocity = (velocity[0], velocity[1]), velocity[2]
-    return _records(contacts, first, second)
-
-
-def _groups(ends: Sequence[pymunk.Body]) -> list[Connected]:
-    """Return the bodies that joints connect, and these joints, group by group, with closed joints."""
-    groups: list[Connected] = []
-    left, joints = joined(ends)
-    if not joints:
-        return [(left, [])]
-    while left:
-        groups.append(joined(left[:1]))
-        close_joints(*groups[-1])
-        left = [each for each in left if each not in groups[-1][0]]
-    return groups
+            lib.cpBodySetVelocity(body._body, (x, y))
+            lib.cpBodySetAngularVelocity(body._body, turn)
+    motion.kick(index, 0.5)
+    return contacts.records(first, second)
 
 
 def _roots(body: pymunk.Body) -> tuple[float, float, float]:
@@ -158,35 +214,17 @@ def _roots(body: pymunk.Body) -> tuple[float, float, float]:
     return body.mass**-0.5, body.mass**-0.5, body.moment**-0.5
 
 
-def _joint_basis(groups: Sequence[Connected], index: Mapping[pymunk.Body, int]) -> Array:
-    """Return an orthonormal basis of the joints' scaled rows, shape (3 bodies, rank); limits reached count as rigid."""
-    found = [np.zeros((3 * len(index), 0))]
-    for bodies, joints in groups:
+def _close_joints(index: dict[pymunk.Body, int]) -> Array:
+    """Close the joints of bodies; return a basis of their scaled rows, shape (3 bodies, rank). Limits reached count as rigid."""
+    found, left = [np.zeros((3 * len(index), 0))], [each for each in index if each._constraints]
+    while left:
+        bodies, joints = joined(left[:1])
+        close_joints(bodies, joints)
         centres = MassCentres()
         rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
-        if rows:
-            columns, _ = scaled_jacobian(rows, bodies)
-            lengths = np.sqrt((columns**2).sum(axis=0))
-            directions, sizes, _ = np.linalg.svd(columns / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
-            basis = np.zeros((3 * len(index), int((sizes > DEPENDENT * sizes[0]).sum())))
-            basis[[3 * index[body] + at for body in bodies for at in range(3)]] = directions[:, : basis.shape[1]]
-            found.append(basis)
+        if bodies and rows:
+            rigid = span(scaled_jacobian(rows, bodies)[0])
+            found.append(np.zeros((3 * len(index), rigid.shape[1])))
+            found[-1][[3 * index[body] + at for body in bodies for at in range(3)]] = rigid
+        left = [each for each in left[1:] if each not in bodies]
     return np.concatenate(found, axis=1)
-
-
-def _records(contacts: Contacts, first: Array, second: Array) -> list[Impact]:
-    before = contacts.velocity
-    middle = before + contacts.gain(contacts.change(first))
-    after = middle + contacts.gain(contacts.change(second))
-    nothing = np.zeros_like(first)
-    works = np.stack([first * (before + middle) / 2.0, nothing, second * (middle + after) / 2.0, nothing], axis=-1)
-    impulses = np.stack([first, nothing, second, nothing], axis=-1)
-    slips = np.sign(np.stack([before[:, 1], nothing[:, 0], middle[:, 1], nothing[:, 0]], axis=-1))
-    outcomes = np.where(after[:, 0] > 0.0, REBOUND, NO_REBOUND)
-    total = first + second
-    return [
-        Impact(p[0], p[1], v[0], v[1], c[0], c[1], np.inf, impulse[0], slip, work[0], work[1], outcome)
-        for p, v, c, impulse, slip, work, outcome in zip(
-            total.tolist(), after.tolist(), first.tolist(), impulses, slips, works, outcomes.tolist(), strict=True
-        )
-    ]

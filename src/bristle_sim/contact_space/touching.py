@@ -31,6 +31,10 @@ ENTRIES = attrgetter(*(each.name for each in fields(Impact)))
 Shapes = frozenset[pymunk.Shape]
 
 
+_SHAPES = ffi.new("cpShape *[1]"), ffi.new("cpShape *[1]")
+_BODIES = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
+
+
 class Overlap(NamedTuple):
     """World coordinates of a contact, unit vector towards the first body, and overlap."""
 
@@ -55,9 +59,9 @@ def overlaps(found: Any, towards: float = -1.0) -> list[Overlap]:
 
 def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
     """Return the shapes of the engine's own arbiter."""
-    first, second = ffi.new("cpShape *[1]"), ffi.new("cpShape *[1]")
+    first, second = _SHAPES
     lib.cpArbiterGetShapes(arbiter, first, second)
-    return tuple(ffi.from_handle(lib.cpShapeGetUserData(each[0])) for each in (first, second))
+    return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(lib.cpShapeGetUserData(second[0]))
 
 
 class Met(NamedTuple):
@@ -74,9 +78,9 @@ class Met(NamedTuple):
 
     def bodies(self) -> list[pymunk.Body]:
         """Return the two bodies, in any order."""
-        ends = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
-        lib.cpArbiterGetBodies(self.arbiter, *ends)
-        return [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in ends]
+        first, second = _BODIES
+        lib.cpArbiterGetBodies(self.arbiter, first, second)
+        return [ffi.from_handle(lib.cpBodyGetUserData(first[0])), ffi.from_handle(lib.cpBodyGetUserData(second[0]))]
 
     def points(self) -> list[TouchingPoint]:
         """Return the points where they touch; none of a sensor, and where the engine was told to ignore them."""
@@ -88,7 +92,7 @@ class Met(NamedTuple):
             x, y = slide.x, slide.y
         else:
             shapes, found, (x, y) = self.shapes, self.overlaps, self.slide
-        if any(each.sensor for each in shapes):
+        if shapes[0].sensor or shapes[1].sensor:
             return []
         bodies: Any = [each.body for each in shapes]
         if bodies[0].body_type != pymunk.Body.DYNAMIC:
@@ -130,17 +134,21 @@ class TouchingPoint:
         ``since``: time before the end of the step at which velocities changed; ``latest``: the touch is not before that.
         """
         point, (x, y), depth = self.overlap
-        growth, gain = self.surface_velocity[0] * x + self.surface_velocity[1] * y, 0.0
-        for sign, body in ((-1.0, self.bodies[0]), (1.0, self.bodies[1])):
-            (u, v, turn), (p, q, turning), centre = motion.state(body)
-            arm_x, arm_y = point[0] - centre[0], point[1] - centre[1]
-            u, v = u - turn * arm_y, v + turn * arm_x
-            growth += sign * (u * x + v * y)
-            gain += sign * ((p - turning * arm_y) * x + (q + turning * arm_x) * y)
-            self.speed = max(self.speed, math.hypot(u, v))
+        (u, v, turn), (gain_u, gain_v, turning), (at_x, at_y) = motion.state(self.bodies[0])
+        arm_x, arm_y = point[0] - at_x, point[1] - at_y
+        u, v, gain_u, gain_v = u - turn * arm_y, v + turn * arm_x, gain_u - turning * arm_y, gain_v + turning * arm_x
+        (p, q, turn), (gain_p, gain_q, turning), (at_x, at_y) = motion.state(self.bodies[1])
+        arm_x, arm_y = point[0] - at_x, point[1] - at_y
+        p, q, gain_p, gain_q = p - turn * arm_y, q + turn * arm_x, gain_p - turning * arm_y, gain_q + turning * arm_x
+        slide_x, slide_y = self.surface_velocity
+        growth = (p - u + slide_x) * x + (q - v + slide_y) * y
+        gain = (gain_p - gain_u) * x + (gain_q - gain_v) * y
+        self.speed = max(self.speed, abs(u) + abs(v), abs(p) + abs(q))
         drift = growth - gain
-        depth += since * (drift - self.drift)
-        self.overlap, self.drift = Overlap(point, (x, y), depth), drift
+        if since:
+            depth += since * (drift - self.drift)
+            self.overlap = Overlap(point, (x, y), depth)
+        self.drift = drift
         self.time = min(max(depth, 0.0) / drift if drift > 0.0 else math.inf if depth > 0.0 else 0.0, latest)
         self.approach = growth - motion.steps(self.time) * gain
 
