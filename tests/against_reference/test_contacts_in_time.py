@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import bristle_sim as bs
+from against_reference.test_tools import wire
 from bristle_sim.reference import simulate_reference, simulate_row_reference
 
 ACCURACY = 1e-6
@@ -46,6 +47,18 @@ def test_a_whole_pass(duration: float, friction: float, restitution: float) -> N
     assert run.stop_reason == exact.stop_reason
     assert touches(run) == pytest.approx(touches(exact), abs=10.0 * ACCURACY * 1e-3)
     assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
+
+
+def test_of_a_wire() -> None:
+    """Strikes, the later ones in the dent of the first; each contact returns e*^2 of the work it took."""
+    tool = replace(wire(3, modulus=5e10, damping=0.1), contact=bs.Contact("compliant", 7.1e-5))
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=1.27, maximum_steps=5_000_000))
+    exact = simulate_reference(tool, hub_turn=1.27, accuracy=1e-8, contact_stiffness=stiffness(run))
+    found, expected = ([each for each in one.contacts if each.obstacle == "workpart"][:3] for one in (run, exact))
+    assert [each.time for each in found] == pytest.approx([each.time for each in expected], rel=10.0 * ACCURACY)
+    assert [each.impulse[0] for each in found] == pytest.approx([each.impulse[0] for each in expected], rel=1e-6)
+    for each in (*found, *expected):
+        assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
 
 
 def test_in_a_row() -> None:

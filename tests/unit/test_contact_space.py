@@ -68,19 +68,6 @@ class TestSingleRod:
         # Rank one, to rounding.
         assert abs(np.linalg.det(found.inverse_mass)) < ROUNDING
 
-    def test_kinematic_hub_carries_but_has_no_mass(self) -> None:
-        """K is that of a fixed hinge; the velocity is the hub's plus the rod's."""
-        space, hub = pymunk.Space(), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        hub.angular_velocity = 5.0
-        body = rod(2.0, 3.0, (0.0, -1.0), 0.0)
-        space.add(hub, body)
-        space.add(pymunk.PivotJoint(hub, body, (0.0, -1.0)))
-        body.velocity, body.angular_velocity = (5.0 + 1.5 * 7.0, 0.0), 7.0
-        found = contact_space(body, (0.0, -4.0), UP)
-        np.testing.assert_allclose(found.inverse_mass, [[0.0, 0.0], [0.0, 1.5]], atol=ROUNDING)
-        # x is the tangent of a floor: hub 5 rad/s times 1 m and rod 7 rad/s times 3 m.
-        assert found.velocity == pytest.approx((0.0, 26.0), abs=ROUNDING)
-
 
 class TestChains:
     @pytest.mark.parametrize("ratio", RATIOS)
@@ -99,13 +86,6 @@ class TestChains:
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
         assert np.array_equal(found, found.T)
         assert np.linalg.eigvalsh(found).min() >= -1e-15 * np.abs(found).max()
-
-    def test_body_that_cannot_move(self) -> None:
-        """Hinged at two points of the world: no impulse moves it."""
-        space, body = pymunk.Space(), rod(1.0, 1.0, (0.0, 0.0), 0.4)
-        hinge(space, space.static_body, body, (0.0, 0.0))
-        hinge(space, space.static_body, body, (0.3, -0.2))
-        np.testing.assert_allclose(contact_space(body, (1.0, 1.0), UP).inverse_mass, np.zeros((2, 2)), atol=1e-14)
 
 
 class TestOther:

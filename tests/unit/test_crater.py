@@ -90,18 +90,6 @@ def test_cutting_width():
     assert round(micrometres(CuttingWidth.of_face(TipFace(), PRINTED_KINEMATICS)(END))) == 652
 
 
-def test_tip_ellipse():
-    face = TipFace()
-    assert abs(face.long_axis - 9.2e-4) < 5e-6
-    assert face.short_axis == 7.1e-4
-    depth = np.linspace(0.0, 0.999, 5) * face.full_depth
-    y = 0.5 * face.long_axis - depth / math.sin(math.radians(28.0))
-    # The chord of the ellipse (4.9) at y.
-    chord = 2 * np.sqrt((face.short_axis / 2) ** 2 * np.abs(1 - (y / (face.long_axis / 2)) ** 2))
-    np.testing.assert_allclose(face.width(depth), chord, atol=1e-11)
-    assert face.width(2 * face.full_depth) == pytest.approx(7.1e-4, rel=1e-14)
-
-
 # Merchant's circle
 
 

@@ -74,15 +74,6 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
     assert fit.noise**2 == pytest.approx(noise**2, rel=4 * math.sqrt(2 / 48))
 
 
-def test_the_peak_force_only_scales_the_amplitude():
-    time, force = sampled(TRUE_BALL)
-    fits = [from_first_touch(time, force, peak_force=each) for each in (335.0, 670.0, None)]
-    # One minimum reached from three scalings: 1e-10 of the curve's 340 N.
-    for fit in fits[1:]:
-        np.testing.assert_allclose(fit.curve(time), fits[0].curve(time), atol=4e-8)
-    assert fits[1].values[0] == pytest.approx(fits[0].values[0] / 2, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("time", "force", "settings", "message"),
     [

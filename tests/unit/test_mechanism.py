@@ -6,9 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.scene.build import Effects
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
-from bristle_sim.scene.results import columns, energies
 
 STEP = 1e-5
 """Error of central differences: h^2/6 times third derivatives of order 10 is 2e-10, rounding 1e-11."""
@@ -70,20 +68,6 @@ def test_centre_line_runs_from_the_root_over_joints_and_knees_to_the_tip(links: 
     (earlier,), _ = line(-STEP)
     # Third derivatives of the root's and of each link's circle, radius times rate cubed, at most 2 x 27.
     np.testing.assert_allclose(velocities, (later - earlier) / (2.0 * STEP), atol=1e-8)
-
-
-def test_kinetic_energy_is_that_of_the_rods_elements() -> None:
-    """Three-point Gauss quadrature is exact for the square of a velocity that is linear along a rod."""
-    rng = np.random.default_rng(7)
-    rods = tuple(Link.rod(mass, length) for mass, length in rng.uniform(0.2, 2.0, (3, 2)).tolist())
-    mechanism, state = Mechanism(rods, 0.7, 1.3), random_state(rng)
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    total = 0.0
-    for link, pose in zip(rods, mechanism.poses(state), strict=True):
-        ends = np.array([pose.joint_velocity, pose.tip_velocity])
-        velocity = 0.5 * ((1.0 - nodes)[:, None] * ends[0] + (1.0 + nodes)[:, None] * ends[1])
-        total += float(0.25 * link.mass * weights @ (velocity**2).sum(axis=1))
-    assert energies(mechanism, Effects(), columns([state]))[0][0] == pytest.approx(total, rel=1e-13)
 
 
 @pytest.mark.parametrize("seed", range(20))

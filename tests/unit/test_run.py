@@ -6,13 +6,16 @@ geometry: the radial line meets the bar's circle, or the tip's circle meets bar 
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
 
 TOOL = Tool()
@@ -241,3 +244,19 @@ class TestScaleAndRepetition:
         assert np.array_equal(first.rates * pace, second.rates)
         assert np.array_equal(first.tip * size, second.tip)
         assert [each.time for each in first.events] == [each.time * pace for each in second.events]
+
+
+def test_what_a_law_says_of_a_later_contact_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run up to a contact that a law cannot resolve is a result, with the law's advice."""
+    resolve, calls = EnergeticLaw.resolve, []
+
+    def gives_up(*given: Any) -> Any:
+        calls.append(given)
+        if len(calls) > 2:
+            raise ValueError("contact: duration must be longer")
+        return resolve(*given)
+
+    monkeypatch.setattr(EnergeticLaw, "resolve", gives_up)
+    run = simulate(with_bar_at(0.04, 0.003, restitution=0.7))
+    assert (run.stop_reason, len(run.contacts)) == (StopReason.UNRESOLVED, 2)
+    assert run.stop_advice == "contact: duration must be longer"

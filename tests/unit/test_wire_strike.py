@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Surface, Tool, Workpart
-from bristle_sim.reference import strike_reference
+from bristle_sim.reference import TooStiffError, strike_reference
 from bristle_sim.reference.mechanics import Chain as Links
 from bristle_sim.scene.strike import strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
@@ -136,3 +136,11 @@ def test_refusals(links: int, rates: list[float], workpart: Workpart | None, mes
     tool = Tool(bristle=Bristle(links=links), bar=None, workpart=workpart)
     with pytest.raises(ValueError, match=message):
         strike_wire(tool, -GAMMA, [-GAMMA] * links, rates, 1e5, Settings(), duration=DURATION)
+
+
+def test_too_many_evaluations_are_refused() -> None:
+    """A step of the integrator takes twelve, and a contact some steps."""
+    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
+    impact = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
+    with pytest.raises(TooStiffError, match=r"stiffness = .*: must be less for the independent solution"):
+        strike_reference(*impact, longest=10.0 * DURATION, most_evaluations=24)

@@ -5,8 +5,6 @@ import itertools
 import numpy as np
 import pytest
 
-from bristle_sim.contact_space.jacobian import joined
-from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.gaps import Gaps, contact_row
@@ -27,30 +25,6 @@ def wires(count: int = 1, hub: float = 1.1, **effects: object) -> tuple[Scene, S
     state = State(0.0, ANGLES[:size], RATES[:size])
     scene.place(state)
     return scene, state
-
-
-def velocities(scene: Scene) -> np.ndarray:
-    return np.array([(*each.velocity, each.angular_velocity) for each in scene.links])
-
-
-@pytest.mark.parametrize(("count", "hub"), [(1, 0.0), (1, 1.1), (2, 1.1)])
-def test_nearest_velocities_that_obey_the_joints(count: int, hub: float) -> None:
-    """The same as the plastic impact of pymunk's joints, which is computed from their Jacobian, to rounding."""
-    found = []
-    for closes in (False, True):
-        scene, _ = wires(count, hub)
-        random = np.random.default_rng(3)
-        for body in scene.links:
-            body.velocity += tuple(random.normal(size=2))
-            body.angular_velocity += float(random.normal())
-        if closes:
-            for wire in range(count):
-                close_joints(*joined([scene.links[3 * wire]]))
-        else:
-            assert scene.joint_solver is not None
-            scene.joint_solver.solve(1.0)
-        found.append(velocities(scene))
-    assert found[0] == pytest.approx(found[1], rel=0.0, abs=1e-13)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.3])
