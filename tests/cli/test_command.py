@@ -101,15 +101,6 @@ def test_a_wrong_line_is_refused_in_one_line(line: str, words: str, capsys: pyte
     assert words in err
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_a_full_disk_is_an_error_in_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
-    with Path("/dev/full").open("w") as out:
-        monkeypatch.setattr(sys, "stdout", out)
-        assert command.main([]) == 2
-        out.flush()
-    assert capsys.readouterr().err.startswith("bristle-sim: error: standard output: ")
-
-
 def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     script = partial(runpy.run_path, str(ROOT / "scenarios" / "oblique_impact.py"))
     module = partial(runpy.run_module, "bristle_sim")

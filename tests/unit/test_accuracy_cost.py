@@ -17,7 +17,7 @@ from bristle_sim.benchmarks.accuracy_cost import (
     scipy_methods,
     study,
 )
-from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, Run
+from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point
 from bristle_sim.benchmarks.accuracy_cost.scipy_methods import TipContact, phase_end
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 from bristle_sim.parameters import Surface
@@ -119,11 +119,6 @@ class TestMeasuring:
         waiting, working = measure.cpu_times([lambda: time.sleep(0.02), work], Effort("quick"))
         assert working[0] >= 0.01
         assert waiting[0] < 0.005
-
-    def test_thinning_keeps_every_method_and_its_coarsest_setting(self):
-        attempts = [Attempt(method, str(number), lambda: Run((), 0)) for method in "ab" for number in range(7)]
-        kept = [(each.method, each.setting) for each in measure.thinned(attempts, 2)]
-        assert kept == [("a", "0"), ("a", "4"), ("b", "0"), ("b", "4")]
 
 
 @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])

@@ -388,20 +388,8 @@ def test_two_options_cannot_name_one_file_nor_an_input_file(capsys: pytest.Captu
     assert line == f"--json = {str(points)!r}: must be another file than that of force_csv"
     assert points.read_text() == "0,0"
     assert {*tmp_path.iterdir()} == {link, points}
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
-def test_json_goes_through_a_named_pipe_and_into_devices(capsys: pytest.CaptureFixture[str], tmp_path: Path):
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    assert main(SCENARIO, ["--json", str(pipe)]) == 0
-    assert json.loads(os.read(reader, 100_000))["scenario"] == "fake"
-    os.close(reader)
-    assert list(tmp_path.iterdir()) == [pipe]
-    assert main(MOVING, ["--json", os.devnull, "--csv", os.devnull]) == 0
+    assert main(MOVING, ["--json", os.devnull, "--csv", os.devnull]) == 0  # a device may serve several
     assert not Path(os.devnull).is_file()
-    assert capsys.readouterr().err == f"--csv: wrote {os.devnull}\n"
 
 
 @pytest.mark.parametrize("kept", [False, True])

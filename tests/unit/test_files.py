@@ -93,13 +93,6 @@ def test_an_error_names_the_file_that_was_meant(tmp_path: Path):
     assert str(refusal.value) == f"[Errno {errno.ENOENT}] {os.strerror(errno.ENOENT)}: {str(target)!r}"
 
 
-def test_the_longest_name_can_be_written(tmp_path: Path):
-    """255 bytes on common file systems; a partial file's name must not be longer."""
-    target = tmp_path / ("x" * 255)
-    write(target, "new")
-    assert target.read_text() == "new"
-
-
 def test_threads_do_not_share_a_partial_file(tmp_path: Path):
     target, both, names = tmp_path / "out.txt", threading.Barrier(2, timeout=30), []
 

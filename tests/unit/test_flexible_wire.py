@@ -1,7 +1,5 @@
 """What the rigid bristle overstates: the report, the study over stiffness and links, its figure and its film."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -122,10 +120,3 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
     assert bend == pytest.approx(0.25 * 27.0 * angles[0], rel=0.01)
     assert scene.texts[0]
     assert scene.texts[3].endswith("N")
-
-
-@pytest.mark.parametrize("links", [1, 3])
-def test_film_is_written(links: int, tmp_path: Path) -> None:
-    film = WireFilm(struck(links, with_reference=False).subject, width=160, height=120, duration=1.0)
-    path = film.write(tmp_path / "a.gif", fps=4.0)
-    assert path.read_bytes().startswith(b"GIF89a")

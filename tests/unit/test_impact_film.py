@@ -8,19 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.impact_figure import impact_figure
-from bristle_sim.render.impact_film import ImpactFilm, draw_chain
+from bristle_sim.render.impact_film import ImpactFilm
 from bristle_sim.render.style import save_figure
-from bristle_sim.scene.strike import Chain
-from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import Impacts, oblique_impact
 from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.timed_contact import with_visible_contact
-from impact_cases import TRAPEZOIDAL, bristle, data, line, panel, rods, words
+from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
 
 
 @pytest.fixture(scope="module")
@@ -31,15 +28,6 @@ def strike() -> Impacts:
 @pytest.fixture(scope="module")
 def pendulum() -> Impacts:
     return rods()
-
-
-def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
-    chain = Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (1.0, 0.0))
-    struck = strike_chain(chain, Surface(), Contact(), Settings())
-    np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
-    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
-    draw_chain(axes, struck.centre_line, 0.0)
-    np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
 
 
 def test_root_of_a_chain_on_a_hub_is_on_its_rim(strike: Impacts) -> None:

@@ -38,17 +38,6 @@ def test_motion_between_samples_is_the_polynomial_that_theory_bounds(swung: Traj
     assert np.abs(found.hub_angle - (HUB_START + 261.8 * time)).max() < 1e-12  # linear: rounding alone
 
 
-def test_energies_between_samples_are_as_smooth_as_the_motion():
-    """Belt energy (k A^2/4)(1 + cos 2wt): a cubic spline is off by 5/384 h^4 (2w)^4 of its half size (de Boor 2001)."""
-    run = make_trajectory(samples=24)
-    time = np.linspace(0.0, STRIKE, 800)
-    size, step = 0.5 * Tool().belt.stiffness * AMPLITUDE**2, STRIKE / 23.0
-    # At its ends the not-a-knot condition leaves some ten times that.
-    bound = 10.0 * 5.0 / 384.0 * (2.0 * FREQUENCY * step) ** 4 * 0.5 * size
-    found = run.at(time, side="before").potential_energy
-    assert np.abs(found - size * np.cos(FREQUENCY * time) ** 2).max() < bound
-
-
 def test_forces_and_energies_have_their_kinks_where_contacts_begin_and_end():
     """A ramp that sets in with a sustained contact is met exactly by splines that end there; a force is none outside."""
     run = make_trajectory()
@@ -108,12 +97,6 @@ def test_motion_at_an_impact_has_two_sides(run: Trajectory):
     assert before.angles == pytest.approx(after.angles, rel=1e-12)
     # The tip's normal velocity is vertical.
     assert before.tip_velocity == pytest.approx([strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9)
-
-
-def test_motion_at_the_samples_is_the_samples(run: Trajectory):
-    for side, rows in (("before", slice(0, 1)), ("after", slice(-1, None))):
-        assert run.at(run.time[rows], side=side).angles == pytest.approx(run.angles[rows], rel=1e-14)
-    assert run.at([[0.0, 1e-3], [2e-3, 3e-3]]).centre_line.shape == (2, 2, *run.centre_line.shape[1:])
 
 
 def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():

@@ -10,18 +10,7 @@ from PIL import Image
 from bristle_sim.parameters import Tool
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.style import blank_figure, save_figure, scale_for, signed
-from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, make_trajectory
-
-
-@pytest.fixture(scope="module")
-def run() -> Trajectory:
-    return make_trajectory()
-
-
-@pytest.fixture(scope="module")
-def figure(run):
-    return pass_figure(run, Tool(), until=END)
 
 
 def test_signed_has_no_negative_zero_and_a_real_minus():
@@ -30,7 +19,8 @@ def test_signed_has_no_negative_zero_and_a_real_minus():
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
-def test_figures_are_written_whole_and_alike(figure, tmp_path, suffix):
+def test_figures_are_written_whole_and_alike(tmp_path, suffix):
+    figure = pass_figure(make_trajectory(), Tool(), until=END)
     first, second = (save_figure(figure, tmp_path / f"{name}{suffix}") for name in "ab")
     assert first.read_bytes() == second.read_bytes()
     assert sorted(each.name for each in tmp_path.iterdir()) == [f"a{suffix}", f"b{suffix}"]
@@ -74,14 +64,11 @@ def test_a_failing_figure_leaves_the_old_file(tmp_path, monkeypatch):
         (1e-30, 1e15, "fN·s"),
         (0.0, 1.0, "N·s"),
         (math.inf, 1.0, "N·s"),
+        (999.9999999, 1e-3, "kN·s"),
+        (999.0, 1.0, "N·s"),
     ],
 )
 def test_scales_are_readable(largest: float, factor: float, unit: str) -> None:
     scale = scale_for(largest, "N·s")
     assert scale.unit == unit
     assert scale.factor == pytest.approx(factor, rel=1e-15)
-
-
-def test_scale_of_almost_a_thousand_is_the_next_one() -> None:
-    assert scale_for(999.9999999, "m").unit == "km"
-    assert scale_for(999.0, "m").unit == "m"

@@ -15,9 +15,7 @@ from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_too
 
 FINE = Settings(accuracy=1e-8)
 SPEED, RADIUS, LENGTH, MASS = 261.8, 0.0275, 0.027, 8.387e-5
-DEPTH = RADIUS + LENGTH - 0.0045
 INERTIA = MASS * LENGTH**2 / 3.0
-STIFFNESS = math.degrees(0.00041)
 
 
 @functools.cache
@@ -76,36 +74,8 @@ class TestTurn:
             load_cell_series(report.subject)
 
 
-def dragging_force(hub_angle, friction=0.31):
-    """Normal force on the tip that slides on the workpart, from the motion that the workpart prescribes.
-
-    The tip's height is constant, r_h cos(theta) + L cos(phi) = h, which gives phi and its derivatives; moments about the
-    root give the force: I phi'' = -k (phi - theta) + m r_h omega^2 L/2 sin(theta - phi) + N (L sin(phi) - mu L cos(phi)).
-    """
-    phi = -np.arccos((DEPTH - RADIUS * np.cos(hub_angle)) / LENGTH)  # dragged, the bristle lags
-    sin, cos = np.sin(phi), np.cos(phi)
-    rate = -RADIUS * SPEED * np.sin(hub_angle) / (LENGTH * sin)
-    acceleration = (-RADIUS * SPEED**2 * np.cos(hub_angle) - LENGTH * rate**2 * cos) / (LENGTH * sin)
-    moment = INERTIA * acceleration + STIFFNESS * (phi - hub_angle)
-    moment -= 0.5 * MASS * RADIUS * SPEED**2 * LENGTH * np.sin(hub_angle - phi)
-    return moment / (LENGTH * sin - friction * LENGTH * cos)
-
-
 class TestForces:
     """Against the equations of motion, and against sums that are built otherwise."""
-
-    def test_the_dragging_force_is_that_of_the_prescribed_motion(self):
-        (drag,) = [
-            each for each in turn_forces(Tool(), repeated(Tool())) if each.course and each.obstacle == "workpart"
-        ]
-        time = np.linspace(drag.begin, drag.end, 40)
-        hub_angle = SPEED * time - math.pi / 2.0
-        normal, tangential, moment = drag.course(time).T
-        # A force is a second derivative of a motion of accuracy 1e-8, within samples of 1/60 of the contact.
-        assert normal == pytest.approx(dragging_force(hub_angle), abs=1e-5)
-        assert tangential == pytest.approx(-0.31 * normal, abs=1e-12)
-        sideways = RADIUS * np.sin(hub_angle) - np.sqrt(LENGTH**2 - (DEPTH - RADIUS * np.cos(hub_angle)) ** 2)
-        assert moment == pytest.approx(sideways * normal + DEPTH * tangential, abs=1e-7)
 
     @pytest.mark.parametrize(
         "tool",
