@@ -88,21 +88,6 @@ class TestChains:
         assert np.linalg.eigvalsh(found).min() >= -1e-15 * np.abs(found).max()
 
 
-class TestOther:
-    @pytest.mark.parametrize("ratio", RATIOS)
-    def test_two_free_bodies_add_up(self, ratio: float) -> None:
-        """Discs that meet centre to centre: 1/m_1 + 1/m_2 along the line, with r^2/I more across it."""
-        first, second = pymunk.Body(1.0, 0.5), pymunk.Body(ratio, 0.5 * ratio)
-        second.position = (-2.0, 0.0)
-        first.velocity, second.velocity = (-3.0, 1.0), (4.0, 0.0)
-        second.angular_velocity = 6.0
-        found = contact_space(first, (-1.0, 0.0), (1.0, 0.0), second)
-        sum_ = 1.0 + 1.0 / ratio
-        np.testing.assert_allclose(found.inverse_mass, [[sum_, 0.0], [0.0, 3.0 * sum_]], rtol=1e-13, atol=1e-13)
-        # The tangent of a normal +x is -y: -(1 - 6).
-        assert found.velocity == pytest.approx((-7.0, 5.0), abs=ROUNDING)
-
-
 class TestApply:
     @pytest.mark.parametrize("ratio", RATIOS)
     def test_impulse_moves_the_contact_by_k_and_leaves_joints_closed(self, ratio: float) -> None:

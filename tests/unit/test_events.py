@@ -7,7 +7,7 @@ import pytest
 
 from bristle_sim.scene.events.locate import locate
 from bristle_sim.scene.events.touches import first_touch
-from bristle_sim.scene.mechanism import Link, Mechanism, State, turns
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
@@ -96,37 +96,3 @@ class TestLocate:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
         found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
         assert jump <= found <= jump + 1e-14
-
-
-class TestTurns:
-    """The angle relative to a hub that turns at 0.5, in an interval from t = 1 to t = 3 with s = (t - 1)/2."""
-
-    @pytest.mark.parametrize(
-        ("way", "slopes", "shares"),
-        [
-            # x' = 16 (s - 1/4)(s - 3/4), whose integral over the interval is 16 (1/3 - 1/2 + 3/16).
-            (1.0 / 3.0, (3.0, 3.0), (0.25, 0.75)),
-            (-1.0 / 3.0, (-3.0, -3.0), (0.25, 0.75)),
-            # x' = (s - 0.2)(s - 2): one of the roots is outside.
-            (1.0 / 3.0 - 1.1 + 0.4, (0.4, -0.8), (0.2,)),
-            # x' = (s + 1)(s - 0.5), which is negative first.
-            (1.0 / 3.0 + 0.25 - 0.5, (-0.5, 1.0), (0.5,)),
-            # x' = s (s - 0.5) begins at a turn.
-            (1.0 / 3.0 - 0.25, (0.0, 0.5), (0.5,)),
-            # x' = 1 - 4 s, a parabola; 1 + s and 1, no turn; (s - 1/2)^2, a halt and no turn.
-            (-1.0, (1.0, -3.0), (0.25,)),
-            (1.5, (1.0, 2.0), ()),
-            (1.0, (1.0, 1.0), ()),
-            (0.0, (0.0, 0.0), ()),
-        ],
-    )
-    def test_by_hand(self, way: float, slopes: tuple[float, float], shares: tuple[float, ...]) -> None:
-        hub, length = 0.5, 2.0
-        mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.3, hub)
-        start = State(1.0, (0.7,), (slopes[0] / length + hub,))
-        end = State(3.0, (0.7 + way + hub * length,), (slopes[1] / length + hub,))
-        found = turns(mechanism, start, end)
-        # The root of a rounding is its square root.
-        assert sorted(state.time for state in found) == pytest.approx([1.0 + 2.0 * share for share in shares], abs=1e-7)
-        for state in found:
-            assert state.rates[0] - hub == pytest.approx(0.0, abs=1e-7)

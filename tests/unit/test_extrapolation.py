@@ -16,11 +16,42 @@ from scipy.integrate import solve_ivp
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.integrate import extrapolation as repetitions
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.extrapolation import Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run
-from unit.test_stepping import carried, oscillator
+
+
+def oscillator(damping: float = 0.0) -> tuple[Scene, State, Callable[[float], np.ndarray]]:
+    """A rod whose root stands on the hub's axis: harmonic, of natural rate 1, released at 0.7 rad and -0.2."""
+    scene = Scene(Mechanism((Link.rod(1.0, 1.0),)), Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * damping))
+    exponent = complex(-damping, math.sqrt(1.0 - damping**2))
+    amplitude = complex(0.7, (exponent.real * 0.7 + 0.2) / exponent.imag)
+
+    def exact(time: float) -> np.ndarray:
+        motion = amplitude * np.exp(exponent * time)
+        return np.array([motion.real, (exponent * motion).real])
+
+    return scene, State(0.0, (0.7,), (-0.2,)), exact
+
+
+def carried(stepper: Stepper, scene: Scene, state: State, duration: float) -> np.ndarray:
+    """Angle and rate at the end, interval by interval."""
+    while duration - state.time > 1e-12:
+        length = stepper.propose(duration - state.time)
+        result = stepper.advance(scene, state, length)
+        if stepper.accepts(result, length):
+            state = result.state
+    return np.array([state.angles[0], state.rates[0]])
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3])
+def test_plain_steps_are_of_first_order(damping: float) -> None:
+    """The next power of the step is 1/100 of the first at the coarsest step here: a few 0.01."""
+    scene, start, exact = oscillator(damping)
+    counts = np.array([256, 512, 1024, 2048])
+    errors = [np.abs(carried(PlainSteps(2.0 / count), scene, start, 2.0) - exact(2.0)).max() for count in counts]
+    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.03)
 
 
 class TestExtrapolation:

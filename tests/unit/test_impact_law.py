@@ -400,11 +400,6 @@ class TestEdges:
         expected = 2.0 / (math.sin(0.5) + 0.7 * math.cos(0.5))
         assert np.asarray(result.impulse_normal).item() == pytest.approx(expected, rel=1e-8)
 
-    def test_a_point_that_nothing_moves_along_the_normal_jams(self, law: Callable, lengthen: Callable) -> None:
-        """K_nn = 0 is positive semidefinite: no impulse stops the approach."""
-        outcome = law(np.diag([0.0, 1.0]), [-1.0, 0.5], lengthen(0.3), 0.5).outcome
-        assert np.all(np.asarray(outcome) == OUTCOMES.index("jam"))
-
     @pytest.mark.parametrize("coupling", [1e-310, -1e-310])
     def test_a_coupling_too_small_to_be_divided_by_is_none(self, law: Callable, lengthen: Callable, coupling) -> None:
         """1/1e-310 is no float. Uncoupled, v = (-1, 5), mu = 0.3, e = 0.5: p_f = 1.5, and v_t falls by 0.45."""

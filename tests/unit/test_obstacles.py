@@ -3,10 +3,9 @@
 import itertools
 
 import numpy as np
-import pymunk
 import pytest
 
-from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, BarObstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
 
 STRAIGHT = Link.rod(1.0, 1.0)
@@ -57,32 +56,3 @@ def test_normal_velocity_is_the_gaps_rate(shape: str, obstacle: BarObstacle | Wo
     velocity = obstacle.closest([pose_of(LINKS[shape], angle, rate)], [rate]).velocity[0]
     # Central differences over 1e-5: third derivatives of order 100 leave 2e-9, rounding 1e-11.
     assert velocity == pytest.approx((gap(1e-5) - gap(-1e-5)) / 2e-5, abs=1e-7)
-
-
-@pytest.mark.parametrize("shape", LINKS)
-@pytest.mark.parametrize("name", ["bar", "workpart"])
-def test_engine_shapes_touch_where_the_gap_is_less_than_the_margin(shape: str, name: str) -> None:
-    """The engine finds its contact at the link's surface, so that the lever of friction is exact."""
-    link = LINKS[shape]
-    body = pymunk.Body(1.0, 1.0)
-    space = pymunk.Space()
-    corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
-    for angle in np.linspace(-2.5, 2.5, 21):
-        pose = pose_of(link, angle)
-        body.position, body.angle = pose.centre, angle
-        low = min(y for _, y in (pose.joint, pose.tip))
-        for gap in (0.9 * SHAPE_MARGIN, 1.1 * SHAPE_MARGIN):
-            if name == "workpart":
-                obstacle: BarObstacle | WorkpartObstacle = WorkpartObstacle(gap - pose.tip[1], 0.0, 0.0, 0.0)
-            else:
-                obstacle = BarObstacle((pose.tip[0], low - 0.23 - gap), 0.2, 0.03, 0.0, 0.0)
-            touch = obstacle.closest([pose], [0.0])
-            fixed, *moving = obstacle.shapes(space, body, corners)
-            space.add(body, *moving)
-            points = [point for found in space.shape_query(fixed) for point in found.contact_point_set.points]
-            space.remove(body, *moving)
-            assert bool(points) == (touch.gap < SHAPE_MARGIN)
-            if points:
-                deepest = min(points, key=lambda point: point.distance)
-                # The engine computes in double precision, on a workpart a thousand lengths deep.
-                np.testing.assert_allclose(deepest.point_b, np.add(pose.joint, touch.arm), atol=1e-11)

@@ -7,8 +7,7 @@ import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.gaps import Gaps, contact_row
-from bristle_sim.scene.contact.obstacles import BarObstacle, Held, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import Held, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
 
@@ -45,30 +44,6 @@ def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> N
     # The next even power of a step a hundredth of the fastest mode's radian is below 1 % of the first.
     assert errors[:-1] / errors[1:] == pytest.approx([4.0, 4.0], rel=0.02)
     assert left[0] / left[1] == pytest.approx(16.0, rel=0.05)
-
-
-@pytest.mark.parametrize("slip", [-1, 0, 1])
-def test_contacts_are_kept_closed(slip: int) -> None:
-    """Impulses by the mass matrix in absolute angles: p = -(R M^-1 Q^T)^-1 v, with Coulomb friction against the slip."""
-    bar = BarObstacle((-0.3, -1.2), 0.3, 0.05, 0.4, 0.0, link=1)
-    part = WorkpartObstacle(2.0, 0.2, 0.2, 0.0, link=2)
-    scene, state = wires(obstacles=(bar, part))
-    mechanism, gaps = scene.mechanism, Gaps(scene.mechanism)
-    poses, touches = gaps.poses(state), [gaps.closest(each, state) for each in (bar, part)]
-    across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip((bar, part), touches, strict=True)]
-    along = contact_row(mechanism, poses, bar, touches[0], touches[0].tangent)
-    rows = np.array([*across, *([] if slip else [along])])
-    pushes = np.array([across[0] - 0.4 * slip * along, across[1], *([] if slip else [along])])
-    speeds = [touches[0].velocity[0], touches[1].velocity[0], *([] if slip else [touches[0].velocity[1]])]
-    response = np.linalg.solve(mechanism.mass_matrix(poses), pushes.T)
-    impulses = -np.linalg.solve(rows @ response, speeds)
-    assert scene.joint_solver is not None
-    scene.joint_solver.contacts = (Held(bar, touches[0].piece, slip), Held(part, None, None))
-    scene.joint_solver.solve(1.0)
-    assert scene.rates() == pytest.approx(np.array(state.rates) + response @ impulses, rel=0.0, abs=1e-12)
-    rub = -0.4 * slip * impulses[0] if slip else impulses[2]
-    assert scene.joint_solver.impulses[0][:2] == pytest.approx((impulses[0], rub), rel=1e-12)
-    assert scene.joint_solver.impulses[1][0] == pytest.approx(impulses[1], rel=1e-12)
 
 
 def test_a_contact_without_lever_bears_nothing() -> None:
