@@ -21,30 +21,21 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
-RANKS = {
-    "arrays": -1,
-    "commit": 0,
-    "conversion": -1,
-    "units": 0,
-    "files": 0,
-    "force_file": 1,
-    "parameters": 1,
-    "settings": 1,
-    "stop_reason": 1,
-    "tool_file": 2,
-    "trajectory": 2,
-    "theory": 2,
-    "contact_space": 3,
-    "scene": 4,
-    "reference": 4,
-    "comparison": 5,
-    "studies": 6,
-    "dissertation": 7,
-    "benchmarks": 7,
-    "render": 8,
-    "cli": 9,
-    "__main__": 10,
-}
+ORDER = (
+    "arrays conversion",
+    "commit units files",
+    "force_file parameters settings stop_reason",
+    "tool_file trajectory theory",
+    "contact_space",
+    "scene reference",
+    "comparison",
+    "studies",
+    "dissertation benchmarks",
+    "render",
+    "cli",
+    "__main__",
+)
+RANKS = {layer: rank for rank, layers in enumerate(ORDER) for layer in layers.split()}
 """A layer may import layers of lower rank, and itself. Two layers of one rank know nothing of each other."""
 
 PRINTED = "bristle_sim.dissertation.printed"
