@@ -19,6 +19,10 @@ MOST_KEYS = 2
 """Keys of a table that can be drawn: as lines over one, as maps over two."""
 
 
+FORMULA = " by formula"
+"""What the name of a quantity's value by formula ends in, within a sweep."""
+
+
 def sweep_scenario(
     run: Callable[..., Report],
     axes: Mapping[str, Sequence[float]],
@@ -37,8 +41,8 @@ def sweep_scenario(
         workers, store, progress: as :func:`bristle_sim.sweep` takes them.
 
     Returns:
-        The simulated values of the report's quantities by their names, NaN where there are none, with ``units`` and
-        ``long_name``; and ``failure``, which says why a point lacks some: the error, or the report's answer.
+        The simulated values of the report's quantities by their names, or those by formula of a quantity that is nowhere
+        simulated, NaN where there are none, with ``units`` and ``long_name``; and ``failure``, which says why a point lacks some: the error, or the report's answer.
 
     Raises:
         ValueError: for no keys or more than two, and as :func:`bristle_sim.sweep` does.
@@ -54,14 +58,20 @@ def sweep_scenario(
     if finished.size:  # a report there knows labels and units
         point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
         quantities = {each.name: each for each in run(**point).quantities}
-        found = found[[*quantities, *(name for name in found.data_vars if name not in quantities)]]
+        for name in quantities:
+            if name + FORMULA in found and not np.isfinite(found[name]).any():
+                found[name] = found[name + FORMULA]
+        found = found[[*quantities, FAILURE]]
         for name, each in quantities.items():
             found[name].attrs = {"units": each.unit, "long_name": each.label}
+        complete = np.all([np.isfinite(found[name].values) for name in quantities], axis=0)
+        found[FAILURE] = found[FAILURE].where(~complete, "")
     return found
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Return the simulated values of a report, and why some are missing."""
+    """Return the values of a report, those by formula of quantities that are not simulated, and why some may be missing."""
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
-    return values | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
+    formulas = {each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None}
+    return values | formulas | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
