@@ -49,6 +49,16 @@ def test_a_sweep_over_two_keys_is_a_map(tmp_path: Path, capsys: pytest.CaptureFi
     assert (tmp_path / "map.png").stat().st_size > 0
 
 
+def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(capsys: pytest.CaptureFixture[str]):
+    """The depth of endless plies does not depend on their number, and no point lacks a result."""
+    assert command.main(["crater_depth", "--sweep", "plies=100:300:2", "--csv", "-"]) == 0
+    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+    assert [row["failure"] for row in rows] == ["", ""]
+    assert len({row["merchant_crater_depth_limit (m)"] for row in rows}) == 1
+    few, many = (float(row["merchant_crater_depth (m)"]) for row in rows)
+    assert few < many < float(rows[0]["merchant_crater_depth_limit (m)"])
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
