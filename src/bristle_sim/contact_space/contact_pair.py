@@ -1,13 +1,10 @@
-"""A pair of collision types under an impact law, the points where its shapes touch, and the record of an impact there."""
+"""Two collision types under an impact law, and the record of an impact between them."""
 
 from __future__ import annotations
 
 import inspect
-import math
-import reprlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from numbers import Real
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,35 +14,18 @@ from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import ContactSpace
 from bristle_sim.contact_space.jacobian import Vector
 from bristle_sim.theory.checks import checked_numbers
-from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.impact import MOST_COMPLIANCE, Impact, energetic_impact
+from bristle_sim.units import Range, shown
 
-MOST_TYPES = (1 << 64) - 1
-"""Collision types are machine words, the last of which stands for any type."""
-
-
-def refusal(name: str, value: Any, rule: str) -> ValueError:
-    """Return the error, in one line, for a value that breaks a rule."""
-    try:
-        shown = " ".join(reprlib.repr(value).split())[:100]
-    except ValueError:  # a whole number of thousands of digits, which Python does not write out
-        shown = f"<{type(value).__name__}>"
-    return ValueError(f"{name} = {shown}: {rule}")
-
-
-def number_from_zero(name: str, value: Any, most: float, unit: str) -> float:
-    """Return a number from 0 to ``most`` as a float, or raise ValueError."""
-    try:
-        number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
-    except OverflowError:
-        number = math.inf
-    if not 0.0 <= number <= most:
-        raise refusal(name, value, f"must be a finite number with 0 <= {name} <= {most:g} ({unit})")
-    return number + 0.0
+TYPE = Range(
+    "", "1", 0, (1 << 64) - 2, True, "pymunk: a machine word, the last of which stands for any type", whole=True
+)
+COMPLIANCE = Range("tangential_compliance", "1", 0.0, MOST_COMPLIANCE, True, "as the law's")
 
 
 @dataclass(frozen=True, slots=True)
 class LocatedImpact(Impact):
-    """An impact with its place: what a report receives.
+    """An impact with its place, which a report receives.
 
     Attributes:
         time: of the touch, since the contact was made.
@@ -60,57 +40,51 @@ class LocatedImpact(Impact):
     bodies: tuple[pymunk.Body, pymunk.Body]
 
 
-@dataclass(slots=True)
 class ContactPair:
-    """Two collision types, their coefficients and their law.
+    """Two collision types, their coefficients and their law; the engine gets no value unchecked, which can end the process.
+
+    Attributes:
+        types: the two types in any order.
+        friction: Coulomb's mu in compression and at rest.
+        chained: the user's own ``pre_solve`` of these types.
 
     Raises:
         ValueError: for coefficients out of range, types that are no collision types, a law that is no function.
     """
 
-    collision_type_a: int
-    collision_type_b: int
-    friction: float
-    restitution: float
-    restitution_friction: float | None = None
-    law: Callable[..., Impact] = energetic_impact
-    tangential_compliance: float = 0.0
-    chained: Any = None
-    """The user's own ``pre_solve`` of these types."""
-    _further: dict[str, float] = field(default_factory=dict)
-    """Further arguments of the law by name; it gets none that it does not know."""
-
-    def __post_init__(self) -> None:
-        """Check every value: what the engine gets unchecked can end the process."""
-        for name in ("collision_type_a", "collision_type_b"):
-            kind = getattr(self, name)
-            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
-                raise refusal(name, kind, f"must be a whole number from 0 to {MOST_TYPES - 1}")
-        if self.restitution_friction is None:
-            self.restitution_friction = self.friction
+    def __init__(
+        self,
+        types: dict[str, Any],
+        friction: float,
+        restitution: float,
+        restitution_friction: float | None = None,
+        tangential_compliance: float = 0.0,
+        law: Callable[..., Impact] = energetic_impact,
+    ) -> None:
+        for name, kind in types.items():
+            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind <= TYPE.highest:
+                raise ValueError(f"{name} = {shown(kind)}: must be a whole number from 0 to {int(TYPE.highest)}")
+        self.types = frozenset(types.values())
+        later = friction if restitution_friction is None else restitution_friction
         self.friction, self.restitution, self.restitution_friction = checked_numbers(
-            friction=self.friction, restitution=self.restitution, restitution_friction=self.restitution_friction
+            friction=friction, restitution=restitution, restitution_friction=later
         )
-        compliance = number_from_zero("tangential_compliance", self.tangential_compliance, 1e4, "dimensionless")
-        self.tangential_compliance = compliance
+        compliance = COMPLIANCE.check(tangential_compliance)
+        self.chained: Any = None
+        self._law = law
+        # The law gets no argument that it does not know.
+        self._further = {"tangential_compliance": compliance} if compliance else {}
         try:
-            known = inspect.signature(self.law).parameters.keys()
-            self._further = {"tangential_compliance": compliance} if compliance else {}
-            self._further |= {"stick_compliance": 1.0} if "stick_compliance" in known else {}
+            if "stick_compliance" in inspect.signature(law).parameters:
+                self._further["stick_compliance"] = 1.0
             answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
-        except Exception as error:  # whatever the function thinks of these arguments
+        except Exception as error:  # of any kind: the function is the user's
             if "tangential_compliance" in str(error):
-                raise refusal(
-                    "tangential_compliance", compliance, "must be 0 in a law that does not take it"
-                ) from error
+                value = f"tangential_compliance = {shown(compliance)}"
+                raise ValueError(f"{value}: must be 0 in a law that does not take it") from error
             answer = None
         if not isinstance(answer, Impact):
-            raise refusal("law", self.law, "must be a function like energetic_impact, which returns an Impact")
-
-    @property
-    def types(self) -> frozenset[int]:
-        """The two types in any order."""
-        return frozenset((self.collision_type_a, self.collision_type_b))
+            raise ValueError(f"law = {shown(law)}: must be a function like energetic_impact, which returns an Impact")
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
         """Return the law's answer for a contact, without restitution for one that comes to rest."""
@@ -121,4 +95,4 @@ class ContactPair:
         if "stick_compliance" in self._further:
             self._further["stick_compliance"] = stick_compliance
         coefficients = (self.friction, restitution, self.restitution_friction)
-        return self.law(inverse_mass, velocity, *coefficients, **self._further)
+        return self._law(inverse_mass, velocity, *coefficients, **self._further)

@@ -13,24 +13,22 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, number_from_zero, refusal
+from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
 from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.units import Range, shown
 
-LONGEST = 1e9
-"""Step, in the scene's unit of time; the engine lets NaN and infinity pass."""
-
-FASTEST = 1e300
-"""Resting speed, in the scene's unit of velocity: any number."""
+SPEED = Range("resting_speed", "length/time", 0.0, 1e300, True, "any number")
+DURATION = Range("duration", "time", 0.0, 1e9, True, "the engine lets NaN and infinity pass")
 
 
 class EnergeticContact:
     """Energetic restitution and Coulomb friction between collision types of a space.
 
     Args:
-        space: the space; its own units. It takes one EnergeticContact, with any number of pairs.
+        space: the space, in its own units. It takes one EnergeticContact, with any number of pairs.
         collision_type_a, collision_type_b: of the shapes of the first pair.
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
@@ -46,22 +44,21 @@ class EnergeticContact:
             EnergeticContact already.
 
     Step the space with :meth:`step`, always by the same duration, as the engine's solver wants it; ``space.step`` leaves
-    contacts to the engine. An impact acts at the instant of touch within the step. Several impacts are resolved one after
-    the other, the earliest and of those the fastest first; all at once after ``sequence.MOST`` of them. A copied or
-    unpickled space has an EnergeticContact without ``report``, which :meth:`of` returns.
+    contacts to the engine. An impact acts at the instant of touch within the step. Several impacts of bodies that touch each
+    other are resolved one after the other, the earliest and of those the fastest first; all at once after ``sequence.MOST``
+    of them. A copied or unpickled space has an EnergeticContact without ``report``, which :meth:`of` returns.
 
     Energy: just before an impact all bodies that take part get the nearest velocities at which the joints do not open,
     which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
-    for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). What the engine
-    does between impacts is not bound to this: joints are solved in iterations and given extra velocity to correct their
-    positions (``error_bias``; none at 1), and overlap at rest is reduced by moving bodies apart (``collision_bias``). Its
-    velocities are those half a step later than its positions.
+    for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). The engine is not
+    bound to this between impacts: it solves joints in iterations, gives extra velocity to correct their
+    positions (``error_bias``; none at 1), and moves overlapping bodies apart (``collision_bias``). Its velocities are those
+    half a step later than its positions.
 
     Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
     finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'
     callbacks on the same types are kept: a ``pre_solve`` of theirs is called first, whether registered before or after. One
-    that they register for any type (with None) is called by the engine after ours: friction and restitution that it sets
-    count.
+    that they register for any type (with None) is called by the engine after ours: its friction and restitution count.
     """
 
     def __init__(
@@ -77,15 +74,14 @@ class EnergeticContact:
         resting_speed: float = 0.0,
         report: Callable[[LocatedImpact], None] | None = None,
     ) -> None:
-        """See the class."""
         if not isinstance(space, pymunk.Space):
-            raise refusal("space", space, "must be a pymunk.Space")
+            raise ValueError(f"space = {shown(space)}: must be a pymunk.Space")
         if not (report is None or callable(report)):
-            raise refusal("report", report, "must be None or a function of one LocatedImpact")
+            raise ValueError(f"report = {shown(report)}: must be None or a function of one LocatedImpact")
         if self.of(space) is not None:
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
-        self.resting_speed = number_from_zero("resting_speed", resting_speed, FASTEST, "in length/time")
+        self.resting_speed = SPEED.check(resting_speed)
         self.report = report
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
@@ -122,12 +118,11 @@ class EnergeticContact:
         Raises:
             ValueError: as the class, and for a pair that is there already.
         """
-        pair = ContactPair(
-            collision_type_a, collision_type_b, friction, restitution, restitution_friction, law, tangential_compliance
-        )
+        types = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
+        pair = ContactPair(types, friction, restitution, restitution_friction, tangential_compliance, law)
         if pair.types in self.pairs:
-            types = (collision_type_a, collision_type_b)
-            raise ValueError(f"collision_type_a, collision_type_b = {types}: must be a pair that is not added yet")
+            given = (collision_type_a, collision_type_b)
+            raise ValueError(f"collision_type_a, collision_type_b = {given}: must be a pair that is not added yet")
         self.pairs[pair.types] = pair
         self.space.on_collision(collision_type_a, collision_type_b)
         handler = _handlers(self.space)[collision_type_a, collision_type_b]
@@ -142,8 +137,8 @@ class EnergeticContact:
         Raises:
             ValueError: for a duration that is negative or not finite.
         """
-        if type(duration) is not float or not 0.0 <= duration <= LONGEST:
-            duration = number_from_zero("duration", duration, LONGEST, "in time")
+        if type(duration) is not float or not 0.0 <= duration <= DURATION.highest:
+            duration = DURATION.check(duration)
         rest = self._attached()
         rest.begin(self.resting_speed)
         try:

@@ -43,22 +43,17 @@ from bristle_sim.contact_space.jacobian import (
 )
 from bristle_sim.contact_space.projection import DEPENDENT, of_length_one, span
 
-CANCELS = 100.0
-"""An impulse whose parts change the tangential velocity this many times as much as their sum does is applied by what it
-does: two digits are kept in any case."""
+CANCELS = 100.0  # parts of the tangential velocity over their sum from which that is applied: two digits are kept
 
-SINGULAR = 64.0 * sys.float_info.epsilon
-"""A motion in stick below this fraction of the normal column is rounding: the contact has one degree of freedom."""
+SINGULAR = 64.0 * sys.float_info.epsilon  # motion in stick over the normal column below which it is rounding
 
-WEAK = 1e-2
-"""A motion in stick below this fraction of the normal column has lost digits worth getting back."""
+WEAK = 1e-2  # the same below which it has lost digits worth getting back
 
 WELL_CONDITIONED, SOFT = 10.0, 0.1
-"""Largest entry of (A^T A)^-1, columns of length 1, and least motion in stick, as a fraction of the normal column, with which
-the joints' products serve: they leave an error of some roundings."""
+"""Largest entry of (A^T A)^-1, columns of length 1, and least motion in stick over the normal column, with which the joints'
+products serve: they leave an error of some roundings."""
 
-OPENS = 1e-9
-"""A joint at its limit opens if its rate is above this fraction of the bodies' own speeds; the rest is rounding."""
+OPENS = 1e-9  # rate of a joint at its limit over the bodies' own speeds above which it opens; the rest is rounding
 
 Column = list[float]
 """A column, scaled or not: three numbers a body."""
@@ -69,15 +64,16 @@ class ContactSpace:
     """A contact as an impact law sees it.
 
     Attributes:
-        inverse_mass: K, shape (2, 2), order (normal, tangential), 1/kg (in the scene's units).
+        inverse_mass: K, order (normal, tangential), 1/kg (in the scene's units).
         velocity: (v_n, v_t) of the first body's point relative to the other's; v_n < 0 approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit tangential impulse.
         in_stick: that change per unit normal impulse while the point does not slip.
         stick_compliance: gain of v_n per unit normal impulse meanwhile, 1/kg; 0 where it cannot move.
         limits: rows of the joints that are at a limit, taken as rigid here.
-        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2); rows scaled to
-            length 1 in the norm of the kinetic energy, and so comparable with ``sizes``, of the contact's own rows.
+        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2), in the norm of the
+            kinetic energy.
+        sizes: of the contact's own rows in that norm, for comparison.
     """
 
     inverse_mass: Array
@@ -100,7 +96,7 @@ class ContactSpace:
     def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
         """Whether a limit that takes no part is passed after an impact with this contact impulse."""
         value, size = limit.excess()
-        change = self._change(*self.response, *impulse)
+        change = _sum(*self.response, *impulse)
         for body, *factors in limit.entries:
             if body in self.bodies:
                 at = 3 * self.bodies.index(body)
@@ -112,25 +108,19 @@ class ContactSpace:
         return value < -OPENS * max(size, _row_length(limit, self.bodies) * alone)
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
-        """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
-
-        ``velocity_after`` (v_n, v_t), where it is known, keeps the result accurate if parts of the impulse cancel.
-        """
+        """Change the velocities of all bodies; ``velocity_after``, if known, keeps that accurate where parts cancel."""
         coupling, tangential = self.inverse_mass[1].tolist()
-        change = self._change(*self.response, *impulse)
+        change = _sum(*self.response, *impulse)
         if velocity_after is not None and self.stick_compliance > 0.0:
             parts = abs(coupling * impulse[0]) + abs(tangential * impulse[1])
             if parts > CANCELS * (abs(self.velocity[1]) + abs(velocity_after[1])):
                 gain = (velocity_after[1] - self.velocity[1]) / tangential
-                change = self._change(self.in_stick, self.response[1], impulse[0], gain)
+                change = _sum(self.in_stick, self.response[1], impulse[0], gain)
         for index, body in enumerate(self.bodies):
             raw, (x, y, turn) = body._body, change[3 * index : 3 * index + 3]
             velocity = lib.cpBodyGetVelocity(raw)
             lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
             lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
-
-    def _change(self, normal: Column, tangential: Column, push: float, rub: float) -> Column:
-        return [push * a + rub * b for a, b in zip(normal, tangential, strict=True)]
 
 
 def contact_space(
@@ -148,15 +138,11 @@ def contact_space(
     Args:
         body: the body that the impulse acts on; it may be joined to others by any joints.
         point: world coordinates of the contact.
-        normal: unit vector from the other body towards ``body``; the tangent is the normal turned clockwise, so on a
-            floor (normal +y) it is +x.
+        normal: unit vector from the other body towards ``body``; the tangent is the normal turned clockwise.
         other: the body that is touched; it takes the opposite impulse.
         surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
         released: joints whose limits take no part.
         connected: the result of ``joined`` for the two bodies, where it is known already.
-
-    Returns:
-        The contact space.
 
     Raises:
         ValueError: if the normal is not a unit vector.
@@ -232,6 +218,10 @@ def _free_part(columns: list[Column]) -> tuple[Column, Column, Column, float]:
     return n, t, in_stick, size
 
 
+def _sum(normal: Column, tangential: Column, push: float, rub: float) -> Column:
+    return [push * a + rub * b for a, b in zip(normal, tangential, strict=True)]
+
+
 def _dot(first: Column, second: Column) -> float:
     return sum(map(mul, first, second), 0.0)
 
@@ -289,17 +279,13 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
-    """Whether a limit that is reached opens already, and cannot push: its rate is more than rounding.
-
-    It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
-    """
+    """Whether a limit that is reached opens already, and cannot push; compared in the norm of the kinetic energy."""
     excess, size = limit.excess()
-    energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
-    turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
-    return excess > OPENS * max(size, _row_length(limit, bodies) * math.sqrt(sum(energies) + sum(turning)))
+    moving = [each.mass * each.velocity.dot(each.velocity) for each in bodies]
+    turning = [each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf]
+    return excess > OPENS * max(size, _row_length(limit, bodies) * math.sqrt(sum(moving) + sum(turning)))
 
 
 def _row_length(row: JointRow, bodies: Sequence[pymunk.Body]) -> float:
-    """Return the length of a joint's row in the norm of the kinetic energy."""
     parts = ((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in row.entries if body in bodies)
     return math.sqrt(sum(parts))
