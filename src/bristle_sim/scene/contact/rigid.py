@@ -1,16 +1,14 @@
-"""Rigid sustained contacts: what keeps them closed, and their forces as a load that adds them up.
+"""Rigid sustained contacts: two ways to keep them closed, and their forces as a load that adds them up.
 
 A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
 engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as dear.
 Contacts of several links, and of a lone one whose friction is too high for the engine's iterations, are solved for together
-with the joints (:mod:`bristle_sim.scene.contact.solver`). Which of the two a scene has is decided in
-:func:`rigid_contacts` and nowhere else.
+with the joints (:mod:`bristle_sim.scene.contact.solver`). :func:`rigid_contacts` alone decides between the two.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -22,73 +20,80 @@ from bristle_sim.scene.contact.shapes import ImpulseRecord
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.mechanism import State, cross
 
-LEAST_SLIP = 1e-9
-"""Slip below this fraction of the scene's unit has no sense, however accurate the run is."""
+LEAST_SLIP = 1e-9  # slip, in the scene's unit, below which it has no sense, however accurate the run is
 
-LEAST_ACCELERATION = 1e-7
-"""Acceleration of slip, in the scene's unit, below which it is rounding of its difference over ``MOMENT``."""
+LEAST_ACCELERATION = 1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
 
-ROUNDED_PULL = 1e-14
-"""Impulse of a step, in the scene's unit, below which a pull is rounding."""
+ROUNDED_PULL = 1e-14  # impulse of a step, in the scene's unit, below which a pull is rounding
 
 TOTALS = 5
 """Numbers of a contact: normal and tangential force in the last step, normal and tangential impulse, friction's work."""
 
 
-class RigidContacts(ABC):
+class RigidContacts:
     """The rigid contacts of a smooth motion, which are lost once one of their forces is gone.
 
     Attributes:
         scene: of the contacts.
         obstacles: the pairs in contact.
-        pieces: which straight piece of its link touches, for each of them.
+        pieces: the straight piece of its link that touches, for each of them.
         slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks; None
             without friction, and of a lone link that does not slip.
-        paired: whether steps are symmetric in time, so that the mean of two forces counts.
+        paired: whether steps are symmetric in time. The forces of odd and even ones then differ by an error that the mean
+            of two does not have.
     """
 
     symmetric = True  # they act alike forwards and backwards in time
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
-        """Prepare the contacts."""
         self.scene, self.paired = scene, paired
         self.obstacles, self.slips = tuple(obstacles), list(slips)
         self.pieces: list[int | None] = [None] * len(obstacles)
-        self._step = 0.0
-        self._sums: list[float] = []
-        self._due = False
+        self._step, self._steps_read = 0.0, -1
+        self._sums: list[list[float]] = []
+        self._last: list[tuple[float, float]] = []
 
-    @abstractmethod
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least grip."""
+        raise NotImplementedError
 
-    @abstractmethod
     def set_back(self, gaps: Gaps, state: State) -> State:
-        """Return the nearest state in which all contacts are closed and stay so."""
+        """Return the nearest state in which all contacts are closed and stay so; those that stick do not slip either."""
+        raise NotImplementedError
 
-    @abstractmethod
-    def totals(self) -> list[float]:
-        """Return ``TOTALS`` numbers of each contact, with the last step."""
-
-    @abstractmethod
-    def _add(self) -> None:
-        """Add the impulses of the step before."""
+    def _impulses(self) -> Sequence[tuple[float, float, float]]:
+        """Return normal and tangential impulse of each contact in the step before, and its slip."""
+        raise NotImplementedError
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
-        self._step, self._due = step, False
-        self._sums = [0.0] * (3 * len(self.obstacles))
-        return self._apply
+        self._step, self._steps_read = step, -1
+        self._sums = [[0.0] * TOTALS for _ in self.obstacles]
+        self._last = [(0.0, 0.0)] * len(self.obstacles)
+        return self._add
 
-    def _apply(self) -> None:
-        if self._due:
-            self._add()
-        self._due = True
+    def _add(self) -> None:
+        self._steps_read += 1
+        if not self._steps_read:
+            return
+        step, odd = self._step, self.paired and self._steps_read % 2 == 1
+        for index, (push, rub, slip) in enumerate(self._impulses()):
+            sums, (old_push, old_rub) = self._sums[index], self._last[index]
+            if not odd:
+                mean = 0.5 * (old_push + push) if self.paired else push
+                # Where an earlier step pulled, that counts, so that the contact is released.
+                if mean < -ROUNDED_PULL or sums[0] >= 0.0:
+                    sums[0] = mean / step
+                sums[1] = (0.5 * (old_rub + rub) if self.paired else rub) / step
+            self._last[index] = push, rub
+            sums[2] += push
+            sums[3] += rub
+            sums[4] += rub * slip
 
-    def _add_up(self, index: int, push: float, rub: float, slip: float) -> None:
-        self._sums[3 * index] += push
-        self._sums[3 * index + 1] += rub
-        self._sums[3 * index + 2] += rub * slip
+    def totals(self) -> list[float]:
+        """Return ``TOTALS`` numbers of each contact, with the last step."""
+        self._add()
+        return [number for sums in self._sums for number in sums]
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -145,13 +150,11 @@ class RigidContacts(ABC):
 class EngineContact(RigidContacts):
     """The engine's own contact of a lone link, which acts by itself."""
 
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
-        """Prepare the contact."""
-        super().__init__(scene, obstacles, slips, paired)
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], _: bool) -> None:
+        super().__init__(scene, obstacles, slips, paired=False)
         (self._obstacle,) = obstacles
         # A push alone is read once an interval.
         self._record = None if self._obstacle.friction else ImpulseRecord(scene.space)
-        self._last = (0.0, 0.0)
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contact act from a state on; return its grip.
@@ -159,13 +162,13 @@ class EngineContact(RigidContacts):
         Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - grip of
         the error, and there are as many as the state needs.
         """
-        obstacle, grip = self._obstacle, self.grip(gaps, state)
+        obstacle, contacts, grip = self._obstacle, self.scene.contacts, self.grip(gaps, state)
         self.pieces = [piece := self._next_piece(obstacle, state)]
         left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
-        rounds = max(self.scene.contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
-        self.scene.contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
+        rounds = max(contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
+        contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
         if (slip := self.slips[0]) is not None:
-            self.scene.contacts.direct_friction(slip, gaps.closest(obstacle, state).tangent)
+            contacts.direct_friction(slip, gaps.closest(obstacle, state).tangent)
         return grip
 
     def set_back(self, gaps: Gaps, state: State) -> State:
@@ -185,29 +188,16 @@ class EngineContact(RigidContacts):
     def totals(self) -> list[float]:
         """Return the contact's numbers."""
         if self._record is None:
-            self._add()
-            return [self._last[0] / self._step, self._last[1] / self._step, *self._sums]
+            return super().totals()
         found = self._record.pushes()
         return [found[-1] / self._step if found else 0.0, 0.0, sum(found), 0.0, 0.0]
 
-    def _add(self) -> None:
-        push, rub, slip = self.scene.contacts.totals(self._obstacle)
-        self._last = push, rub
-        self._add_up(0, push, rub, slip)
+    def _impulses(self) -> Sequence[tuple[float, float, float]]:
+        return [self.scene.contacts.totals(self._obstacle)]
 
 
 class SolvedContacts(RigidContacts):
-    """Contacts of several links, whose forces are solved for with their joints.
-
-    In steps symmetric in time the forces of odd and even ones differ by an error that the mean of two does not have.
-    """
-
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
-        """Prepare the contacts."""
-        super().__init__(scene, obstacles, slips, paired)
-        self._pulls: dict[int, float] = {}
-        self._last = self._mean = np.zeros((0, 2))
-        self._odd = False
+    """Contacts of several links, whose forces are solved for with their joints."""
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least grip."""
@@ -219,28 +209,8 @@ class SolvedContacts(RigidContacts):
         """Set links back onto the obstacles; contacts that stick do not slip either."""
         return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
 
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
-        self._pulls, self._odd = {}, False
-        return super().begin(step)
-
-    def totals(self) -> list[float]:
-        """Return the contacts' numbers; where earlier steps pulled, the normal force is that pull, so that it is released."""
-        self._add()
-        found: list[float] = []
-        for index, (push, rub) in enumerate((self._mean / self._step).tolist()):
-            found += [self._pulls.get(index, push), rub, *self._sums[3 * index : 3 * index + 3]]
-        return found
-
-    def _add(self) -> None:
-        impulses = np.array(self.scene.joint_solver.impulses)
-        self._odd = self.paired and not self._odd
-        self._mean = 0.5 * (self._last + impulses[:, :2]) if self.paired and not self._odd else impulses[:, :2]
-        self._last = impulses[:, :2]
-        for index, (push, rub, slip) in enumerate(impulses.tolist()):
-            if not self._odd and self._mean[index, 0] < -ROUNDED_PULL:
-                self._pulls[index] = self._mean[index, 0] / self._step
-            self._add_up(index, push, rub, slip)
+    def _impulses(self) -> Sequence[tuple[float, float, float]]:
+        return self.scene.joint_solver.impulses
 
 
 def rigid_contacts(
