@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -14,13 +15,18 @@ from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import ContactSpace
 from bristle_sim.contact_space.jacobian import Vector
 from bristle_sim.theory.checks import checked_numbers
-from bristle_sim.theory.impact import MOST_COMPLIANCE, Impact, energetic_impact
-from bristle_sim.units import Range, shown
+from bristle_sim.theory.impact import Impact, energetic_impact
 
-TYPE = Range(
-    "", "1", 0, (1 << 64) - 2, True, "pymunk: a machine word, the last of which stands for any type", whole=True
-)
-COMPLIANCE = Range("tangential_compliance", "1", 0.0, MOST_COMPLIANCE, True, "as the law's")
+MOST_TYPES = (1 << 64) - 1  # collision types are machine words, the last of which stands for any type
+
+
+def refusal(name: str, value: Any, rule: str) -> ValueError:
+    """Return the error, in one line, for a value that breaks a rule."""
+    try:
+        text = " ".join(reprlib.repr(value).split())[:100]
+    except ValueError:  # a whole number of thousands of digits, which Python does not write out
+        text = f"<{type(value).__name__}>"
+    return ValueError(f"{name} = {text}: {rule}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +68,16 @@ class ContactPair:
         law: Callable[..., Impact] = energetic_impact,
     ) -> None:
         for name, kind in types.items():
-            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind <= TYPE.highest:
-                raise ValueError(f"{name} = {shown(kind)}: must be a whole number from 0 to {int(TYPE.highest)}")
+            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
+                raise refusal(name, kind, f"must be a whole number from 0 to {MOST_TYPES - 1}")
         self.types = frozenset(types.values())
         later = friction if restitution_friction is None else restitution_friction
-        self.friction, self.restitution, self.restitution_friction = checked_numbers(
-            friction=friction, restitution=restitution, restitution_friction=later
+        self.friction, self.restitution, self.restitution_friction, compliance = checked_numbers(
+            friction=friction,
+            restitution=restitution,
+            restitution_friction=later,
+            tangential_compliance=tangential_compliance,
         )
-        compliance = COMPLIANCE.check(tangential_compliance)
         self.chained: Any = None
         self._law = law
         # The law gets no argument that it does not know.
@@ -80,11 +88,11 @@ class ContactPair:
             answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
         except Exception as error:  # of any kind: the function is the user's
             if "tangential_compliance" in str(error):
-                value = f"tangential_compliance = {shown(compliance)}"
-                raise ValueError(f"{value}: must be 0 in a law that does not take it") from error
+                unknown = "must be 0 in a law that does not take it"
+                raise refusal("tangential_compliance", compliance, unknown) from error
             answer = None
         if not isinstance(answer, Impact):
-            raise ValueError(f"law = {shown(law)}: must be a function like energetic_impact, which returns an Impact")
+            raise refusal("law", law, "must be a function like energetic_impact, which returns an Impact")
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
         """Return the law's answer for a contact, without restitution for one that comes to rest."""

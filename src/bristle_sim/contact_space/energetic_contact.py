@@ -13,15 +13,12 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact
+from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
 from bristle_sim.contact_space.touching import TouchingPoint
+from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
-from bristle_sim.units import Range, shown
-
-SPEED = Range("resting_speed", "length/time", 0.0, 1e300, True, "any number")
-DURATION = Range("duration", "time", 0.0, 1e9, True, "the engine lets NaN and infinity pass")
 
 
 class EnergeticContact:
@@ -75,13 +72,13 @@ class EnergeticContact:
         report: Callable[[LocatedImpact], None] | None = None,
     ) -> None:
         if not isinstance(space, pymunk.Space):
-            raise ValueError(f"space = {shown(space)}: must be a pymunk.Space")
+            raise refusal("space", space, "must be a pymunk.Space")
         if not (report is None or callable(report)):
-            raise ValueError(f"report = {shown(report)}: must be None or a function of one LocatedImpact")
+            raise refusal("report", report, "must be None or a function of one LocatedImpact")
         if self.of(space) is not None:
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
-        self.resting_speed = SPEED.check(resting_speed)
+        (self.resting_speed,) = checked_numbers(resting_speed=resting_speed)
         self.report = report
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
@@ -137,8 +134,8 @@ class EnergeticContact:
         Raises:
             ValueError: for a duration that is negative or not finite.
         """
-        if type(duration) is not float or not 0.0 <= duration <= DURATION.highest:
-            duration = DURATION.check(duration)
+        if type(duration) is not float or not 0.0 <= duration <= 1.0:
+            (duration,) = checked_numbers(duration=duration)
         rest = self._attached()
         rest.begin(self.resting_speed)
         try:
