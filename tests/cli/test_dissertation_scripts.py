@@ -100,13 +100,6 @@ def test_a_refusal_draws_nothing(arguments: tuple[str, ...], words: tuple[str, .
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("file.png", "")]
 
 
-def test_crater_depth_without_a_chip(tmp_path: Path, capsys):
-    picture = tmp_path / "picture.png"
-    assert command.main(["crater_depth", "--set", "friction=0.31", "--plot", str(picture)]) == 0
-    assert "friction = 0.31: must be friction >= tan(impact_angle)" in capsys.readouterr().out
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
 def test_points_of_a_file_are_fitted_and_drawn(tmp_path: Path, capsys):
     """A ball's impact: a bristle on a turning hub has no such contact, so that there is nothing to compare."""
     points, picture = tmp_path / "ball.csv", tmp_path / "picture.png"

@@ -482,22 +482,6 @@ def test_the_independent_solution_agrees(name: str):
     assert min(row["tolerance"] for row in referred) <= 1e-5
 
 
-@pytest.mark.parametrize(
-    ("name", "setting"),
-    [
-        *(("cue_and_impact", each) for each in ("penetration=0.03", "bar_radius=0.05", "bar_vertical=0")),
-        *(("cue_timing", each) for each in ("penetration=0.027", "penetration=-0.1")),
-    ],
-)
-def test_values_that_do_not_fit_together(name: str, setting: str, capsys: pytest.CaptureFixture[str]):
-    """One line that begins with the part concerned."""
-    assert main(scenario(name), ["--json", "-", "--set", setting]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"{name}.py: error: {setting.partition('_')[0].partition('=')[0]}")
-    assert "must be" in err
-
-
 FILMED = [name for name in SCRIPTS if PROMISES[name].film]
 
 

@@ -18,12 +18,7 @@ from bristle_sim.benchmarks.accuracy_cost import (
     study,
 )
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point
-from bristle_sim.benchmarks.accuracy_cost.scipy_methods import TipContact, phase_end
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
-from bristle_sim.parameters import Surface
-from bristle_sim.scene.strike import Chain
-from bristle_sim.theory.monofilament import final_rate, tip_speed
-from bristle_sim.theory.pendulums import double_pendulum_impact
 
 FLIGHT = cases.release_flight()
 
@@ -59,37 +54,6 @@ class TestCases:
         # Zhang 2020, sec. 2.4.2 evaluated, to the digits given there; kappa omega L from eq. 2.34 for the bristle.
         np.testing.assert_allclose(cases.double_pendulum().exact, (0.19893234, -0.22313679), atol=5e-9)
         np.testing.assert_allclose(cases.strike().exact, (-456.550,), atol=5e-4)
-
-
-class TestCompliantContact:
-    """Integrated finely, the bilinear spring ends where the energetic law's closed forms say."""
-
-    @staticmethod
-    def solved(chain, surface):
-        def follow(contact, phase, state):
-            return phase_end(contact, phase, state, "DOP853", 1e-12)[0]
-
-        return TipContact(chain, surface).solve(follow)
-
-    # The stick threshold is 0.6234: reverse slip below, stick above; at 0 nothing stops the slip.
-    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.3, 0.5, 0.6, 0.7, 2.0])
-    @pytest.mark.parametrize("restitution", [0.3, 1.0])
-    def test_double_pendulum(self, friction, restitution):
-        angles, rates = (math.radians(20.0), math.radians(30.0)), (-0.1, -0.2)
-        exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, friction, restitution)
-        chain = Chain((5.0, 5.0), (1.0, 1.0), (-angles[0], -angles[1]), (0.1, 0.2))
-        found = self.solved(chain, Surface(friction=friction, restitution=restitution))
-        # The integrator's tolerance, times the few phases and the compliance.
-        np.testing.assert_allclose(found, (-exact.final_rate_1, -exact.final_rate_2), atol=1e-9)
-
-    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.31, 0.42])
-    def test_bristle_on_its_hub(self, friction):
-        gamma, speed = math.radians(23.4), 261.8
-        chain = Chain((8.387e-5,), (0.027,), (-gamma,), (3.23 * speed,), 0.0275, speed, -gamma)
-        found = self.solved(chain, Surface(friction=friction, restitution=0.42))
-        exact = final_rate(tip_speed(0.027, 0.0275, speed, 3.23), 0.027, 0.0275, speed, gamma, friction, 0.42)
-        # Near the jam, tan gamma = 0.4327, the motion magnifies the solver's tolerance forty times.
-        assert found[0] == pytest.approx(float(exact), rel=1e-8)
 
 
 class TestMeasuring:

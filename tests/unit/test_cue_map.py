@@ -143,19 +143,6 @@ def test_a_maximum_is_found_uphill(peak: float):
     assert found.direction == pytest.approx(peak, abs=1e-5)
 
 
-def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
-    """The rows are the same questions, so that each can be asked by itself; without the reference nothing is judged."""
-    monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
-    report = cue_map(Tool(), Settings(), with_reference=False)
-    moved, soft, stiff = report.extra["moves"]
-    again = radial_place(Tool(hub=Hub(speed=0.9 * Tool().hub.speed)), simulation(Settings()))
-    # Both are roots of one lag, good to 1e-6 of some rad.
-    assert moved["bar_direction_for_radial_strike_deg"] == pytest.approx(math.degrees(again.direction), rel=1e-6)
-    # A stiffer belt swings back sooner, so the hub turns less in the meantime.
-    assert soft["bar_direction_for_radial_strike_deg"] > stiff["bar_direction_for_radial_strike_deg"]
-    assert all(row.reference is None and row.ok is None for row in report.quantities)
-
-
 def test_maps_hold_the_passes_at_their_positions():
     pytest.importorskip("zarr", reason="needs the extra sweep")
     found = position_map(Tool(), Settings(accuracy=1e-5), MapGrid(points=3.0, half_width=0.004))

@@ -11,9 +11,11 @@ from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
 from bristle_sim.render.drawing import touch_places
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.tool_films import row_film
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies import least_pitch as module
-from bristle_sim.studies.neighbours import neighbours, row_series
+from bristle_sim.studies.least_pitch import least_pitch, polyline_distance
+from bristle_sim.studies.neighbours import neighbours
 
 ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
 """The strike of a bristle without neighbours, which two integrations agree on."""
@@ -64,12 +66,6 @@ def test_the_answer_names_pitches_and_what_a_touch_does():
     assert "At 50° bristle 2 strikes with 2.75 mN s, untouched until then;" in report(pitch_deg=50.0).answer
 
 
-def test_the_series_has_every_bristle():
-    series = row_series(report(bristles=3, pitch_deg=50.0).subject)
-    assert {f"relative_angle_{number} (rad)" for number in (1, 2, 3)} <= set(series)
-    assert len({len(column) for column in series.values()}) == 1
-
-
 def test_a_pass_without_a_strike():
     """The workpart is out of reach: the whole pass has a least pitch, the strike has none."""
     found = neighbours(Tool(workpart=Workpart(penetration=-0.01)), Neighbours(search="no"), Settings())
@@ -114,6 +110,30 @@ def test_a_long_row_has_as_little_time_as_two_bristles():
         with pytest.raises(ValueError, match="step budget spent after") as refused:
             neighbours(Tool(), Neighbours(search="no", bristles=bristles), steps)
         assert 0.5 * most <= int(re.search(r"after (\d+) engine", str(refused.value))[1]) < 2 * most
+
+
+def test_wires_that_turn_with_the_hub_touch_at_their_roots():
+    """2 r_h sin(beta/2) = d."""
+    free = Tool(bar=None, workpart=Workpart(penetration=-0.01))
+    run = simulate(free, Settings(hub_turn=1.0))
+    found = least_pitch(run, 7.1e-4, largest=math.radians(5.0))
+    assert found == pytest.approx(2.0 * math.asin(7.1e-4 / (2.0 * 0.0275)), rel=1e-6)  # tolerance of the root search
+
+
+def test_distances_of_bent_lines_against_points_on_them():
+    chance = np.random.default_rng(5)
+    lines = chance.normal(size=(2, 25, 3, 2))
+    fraction = np.linspace(0.0, 1.0, 200)[:, np.newaxis]
+    dense = [
+        np.concatenate([line[:, i, np.newaxis] * (1.0 - fraction) + line[:, i + 1, np.newaxis] * fraction for i in (0, 1)], axis=1)
+        for line in lines
+    ]  # fmt: skip
+    expected = np.linalg.norm(dense[0][:, :, np.newaxis] - dense[1][:, np.newaxis], axis=-1).min(axis=(1, 2))
+    found = polyline_distance(*lines)
+    # Points are at most half of 1/199 of a piece, some 5 long, away from the nearest ones.
+    assert found == pytest.approx(expected, abs=0.03)
+    assert (found <= expected + 1e-12).all()
+    assert (found == 0.0).sum() > 2
 
 
 class TestPictures:

@@ -56,20 +56,6 @@ def test_interactions_are_in_the_total_index_alone():
     assert study.total[1] == pytest.approx([1.0, 1.0, 0.0], abs=0.05)
 
 
-def test_intervals_of_the_indices_shrink_and_enclose_what_is_known():
-    intervals = dict.fromkeys(SLOPES, (-1.0, 1.0))
-    widths = []
-    for samples in (64, 1024):
-        study = sobol_study(linear, intervals, ("sum", "alone"), samples)
-        low, high = np.moveaxis(study.total_interval[0], -1, 0)
-        assert np.all(low <= study.total[0] + 1e-12)
-        assert np.all(study.total[0] <= high + 1e-12)
-        assert low[0] <= 9.0 / 14.0 <= high[0]
-        widths.append(high[0] - low[0])
-    # A bootstrap's interval shrinks as the square root of the number of samples, here to a quarter.
-    assert widths[1] == pytest.approx(0.25 * widths[0], rel=0.4)
-
-
 def test_small_spreads_of_a_pass_agree_with_error_propagation():
     """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
     tool, settings = Tool(), Settings(accuracy=1e-8)
