@@ -59,15 +59,11 @@ class Spring:
         """Penetration at which the force is back at zero, m."""
         return (1.0 - self.restitution**2) * self.deepest
 
-    def penetration(self, gap: float) -> float:
-        """Return delta at a gap to the workpart, m."""
-        return self.surface - gap
-
-    def force(self, penetration: float) -> float:
-        """Return the normal force, N."""
+    def force(self, gap: float) -> float:
+        """Return the normal force at a gap to the undented obstacle, N."""
         if self.loading:
-            return self.stiffness * penetration
-        return self.stiffness / self.restitution**2 * (penetration - self.left) if self.restitution else 0.0
+            return self.stiffness * (self.surface - gap)
+        return self.stiffness / self.restitution**2 * (self.surface - gap - self.left) if self.restitution else 0.0
 
 
 def touch_of(
@@ -103,18 +99,12 @@ def touch_of(
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A circle that touches the wire's pieces and corners from any side; ``reach`` is r_b + d/2."""
+    """A circle that touches the wire's pieces and corners from any side; ``reach`` is its radius and the wire's, r_b + d/2."""
 
     centre: complex
-    radius: float
+    reach: float
     wire_radius: float
     surface: Surface
-    name: str = "bar"
-
-    @property
-    def reach(self) -> float:
-        """Distance of the centre line from the bar's centre in a contact, m."""
-        return self.radius + self.wire_radius
 
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
@@ -156,14 +146,12 @@ class Workpart:
 
     depth: float
     surface: Surface
-    name: str = "workpart"
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
-        links, starts, directions, lengths = _columns(chain.pieces)
-        which = list(chain.corners)
-        ends = (starts + lengths * directions)[which]
-        return np.asarray((motion.joint[..., links[which]] + ends * motion.turn[..., links[which]]).imag + self.depth)
+        links, starts, directions, lengths = (column[list(chain.corners)] for column in _columns(chain.pieces))
+        ends = (starts + lengths * directions) * motion.turn[..., links]
+        return np.asarray((motion.joint[..., links] + ends).imag + self.depth)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a corner at the surface."""
@@ -186,7 +174,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)
-        found["bar"] = Bar(complex(*bar.centre), bar.radius, tool.bristle.wire_diameter / 2.0, surface)
+        found["bar"] = Bar(complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface)
     if tool.workpart is not None:
         found["workpart"] = Workpart(tool.workpart_depth, tool.workpart)
     return found

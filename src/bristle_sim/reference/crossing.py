@@ -23,7 +23,6 @@ WEIGHTS = 2.0 / (DEGREE + 1) * chebyshev.chebvander(NODES, DEGREE).T
 WEIGHTS[0] *= 0.5
 
 DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
-
 MOST_PIECES = 400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
 ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
 
@@ -36,8 +35,8 @@ def nodes(start: float, end: float) -> Array:
 def of_one_sign(values: Array, resolution: float) -> int:
     """Return the sign that a function has on a whole interval, from its values at the nodes; 0 if it may change."""
     series = WEIGHTS @ values
-    first, others = series[0], np.abs(series[1:]).sum()
-    return int(np.sign(first)) if abs(first) > others and _resolved(series, values, resolution) else 0
+    certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(series, values, resolution)
+    return int(np.sign(series[0])) if certain else 0
 
 
 def _resolved(series: Array, values: Array, resolution: float) -> bool:

@@ -27,7 +27,6 @@ def close_contact(system: System, log: Log, name: str, piece: int, state: State)
 
 def _place(system: System, name: str, piece: int, state: State) -> Point:
     """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
-    pieces = system.chain.pieces
     if isinstance(system.obstacles[name], Workpart):
         return Point(name, system.chain.corners[piece], True)
     if isinstance(system.obstacles[name], WirePairs):
@@ -35,7 +34,7 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     foot = float(system.at(state).feet[piece])
     if foot <= 0.0 and follows(system.chain, piece):
         return Point(name, piece - 1, True)
-    return Point(name, piece, foot >= pieces[piece].length)
+    return Point(name, piece, foot >= system.chain.pieces[piece].length)
 
 
 def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
@@ -79,8 +78,8 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
 def _end(system: System, log: Log, state: State, staying: dict[Point, int], outcome: str) -> None:
     """Record the rigid sustained contacts that do not stay, then note their release if the run goes on."""
     ending = [each for each in system.sustained if each.spring is None and each.point not in staying]
-    system.sustained = [each for each in system.sustained if each not in ending]
     for each in ending:
+        system.sustained.remove(each)
         record(system, log, state, each, outcome)
     log.check_stop(state)
     for each in ending:
@@ -94,12 +93,9 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
         own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
 
 
-# Compliant contacts
-
-
 def end_compression(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
     """Begin a compliant contact's restitution, or end the contact where there is none."""
-    spring.deepest, spring.loading = spring.penetration(system.at(state).touch(each.point).gap), False
+    spring.deepest, spring.loading = spring.surface - system.at(state).touch(each.point).gap, False
     each.compression = each.sums
     return decide(system, log, state) if spring.restitution else end_compliant_contact(system, log, each, state)
 
@@ -117,9 +113,6 @@ def move_contact(system: System, each: Sustained, point: Point, state: State) ->
     """Move a contact from a flank to a corner or back."""
     each.point = point
     return system.closed(state)
-
-
-# Impacts
 
 
 def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:

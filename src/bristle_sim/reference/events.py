@@ -32,10 +32,7 @@ ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
 IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 LOCKED = 1e-6
-"""Friction is about to lock a contact where it lowers the response to a normal force to this fraction.
-
-The force grows beyond all bounds from there, and the motion to the jam itself takes a millionth of its time scale.
-"""
+"""Friction is about to lock a contact where it lowers the response to a normal force to this fraction: the force has no bound."""
 
 
 class Event(NamedTuple):
@@ -57,9 +54,13 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     def upright(own: Record, instant: Instant) -> float:
         return (0.5 * math.pi) ** 2 - own.relative(instant.state) ** 2
 
+    def lies_down(own: Record, state: State) -> State:
+        """A wire leans over by 90 degrees, where it meets the hub."""
+        own.event("retraction limit", state.time)
+        raise Finished(StopReason.RETRACTION_LIMIT, state)
+
     found = _touch_events(system, log, state)
-    for own in log.records:
-        found.append(Event(partial(upright, own), -1, ROUNDING, partial(_retraction_limit, own)))
+    found += [Event(partial(upright, own), -1, ROUNDING, partial(lies_down, own)) for own in log.records]
     for number, each in enumerate(system.sustained):
         found += _force_events(system, log, state, number)
         if isinstance(system.obstacles[each.point.obstacle], Bar):
@@ -67,33 +68,24 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     return found
 
 
-def _retraction_limit(own: Record, state: State) -> State:
-    """A wire leans over by 90 degrees, where it meets the hub."""
-    own.event("retraction limit", state.time)
-    raise Finished(StopReason.RETRACTION_LIMIT, state)
-
-
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
     """Return the events at which an obstacle is touched, or left where a compliant contact has indented it."""
     inside, found = INSIDE * system.size, []
+    indented = {each.point.obstacle for each in system.sustained if each.spring} & {"bar"}
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:
         if name in indented and _beside_contact(system, piece, instant):
             return system.size
         return float(instant.gaps(name)[piece]) - level
 
-    indented = {each.point.obstacle for each in system.sustained if each.spring} & {"bar"}
-
     for name in system.obstacles:
         for piece, now in enumerate(system.at(state).gaps(name).tolist()):
             if _shadowed(system, name, piece):
                 continue
-            value = partial(gap, name, piece, min(now, 0.0) - inside)
-            found.append(
-                Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), (name, piece))
-            )
+            place, value = (name, piece), partial(gap, name, piece, min(now, 0.0) - inside)
+            found.append(Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place))
             if now < -10.0 * inside and name in system.stiffness:
-                found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, (name, piece)))
+                found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, place))
     return found
 
 
@@ -117,41 +109,41 @@ def _beside_contact(system: System, piece: int, instant: Instant) -> bool:
 def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
     """The force of a sustained contact falls to zero, slip stops or begins, or friction locks it."""
     each, go_on = system.sustained[number], partial(decide, system, log)
-    mu, slip, mass = system.friction(each.point, each.spring), each.slip, float(system.chain.masses.sum())
-    largest, speed = mass * system.size * system.fastest**2, system.size * system.fastest
-    found = _spring_events(system, log, each, each.spring) if each.spring is not None else []
-    if each.spring is None:
+    mu, slip = system.friction(each.point, each.spring), each.slip
+    speed, acceleration = system.size * system.fastest, ROUNDING * system.size * system.fastest**2
+
+    def pressing(at: Instant) -> float:
+        """Return the force times its response, m/s^2, which stays bounded where friction locks the contact."""
+        acting = at.contacts[number]
+        response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
         # Beyond zero by rounding, so that the decision that follows finds the contact open.
-        acceleration = ROUNDING * system.size * system.fastest**2
-        pressing = lambda at: _pressing(number, at) + acceleration  # noqa: E731
-        found.append(Event(pressing, -1, acceleration, go_on))
+        return float(at.balance.normal[number]) * response + acceleration
+
+    def sliding(at: Instant) -> float:
+        return slip * at.contacts[number].touch.velocity[1] - level
+
+    def cone(at: Instant) -> float:
+        return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
+
+    if each.spring is None:
+        found = [Event(pressing, -1, acceleration, go_on)]
+    else:
+        found = _spring_events(system, log, each, each.spring)
     if mu and slip:
         # Slip that begins after stick may start from a velocity that is rounding, of either sign.
         level = min(slip * system.at(state).touch(each.point).velocity[1], 0.0) - 1e-3 * system.still(state)
-        sliding = lambda at: slip * at.contacts[number].touch.velocity[1] - level  # noqa: E731
         found.append(Event(sliding, -1, ROUNDING * speed, go_on))
-    if mu and slip and each.spring is None:
-        found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
-    if mu and not slip:
-        cone = lambda at: float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))  # noqa: E731
-        found.append(Event(cone, -1, ROUNDING * largest, go_on))
+        if each.spring is None:
+            found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
+    elif mu:
+        found.append(Event(cone, -1, acceleration * float(system.chain.masses.sum()), go_on))
     return found
-
-
-def _pressing(number: int, instant: Instant) -> float:
-    """Return a contact's force times its response, m/s^2, which stays bounded where friction locks it."""
-    acting = instant.contacts[number]
-    response = normal_response(instant.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
-    return float(instant.balance.normal[number]) * response
 
 
 def _free(number: int, instant: Instant) -> float:
     """Return the response to a normal force with friction over that without, less the fraction that is about to lock."""
-    acting = instant.contacts[number]
-    return (
-        normal_response(instant.mass, acting.touch, acting.ratio) / normal_response(instant.mass, acting.touch, 0.0)
-        - LOCKED
-    )
+    touch, ratio = instant.contacts[number].touch, instant.contacts[number].ratio
+    return normal_response(instant.mass, touch, ratio) / normal_response(instant.mass, touch, 0.0) - LOCKED
 
 
 def _lock(system: System, log: Log, number: int, state: State) -> State:
@@ -176,7 +168,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
         return instant.touch(each.point).velocity[0]
 
     def above(level: float, instant: Instant) -> float:
-        return spring.penetration(instant.touch(each.point).gap) - level
+        return spring.surface - instant.touch(each.point).gap - level
 
     def reload(state: State) -> State:
         spring.loading = True
@@ -194,8 +186,8 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     """A contact with the bar passes from a flank to a corner or back."""
-    (name, index, corner), pieces, feet = each.point, system.chain.pieces, system.at(state).feet
-    length, past = pieces[index].length, PAST * system.chain.length
+    (name, index, corner), feet = each.point, system.at(state).feet
+    length, past = system.chain.pieces[index].length, PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
         # From the far side of the end by rounding, the contact passes it only as it moves on.
@@ -204,14 +196,11 @@ def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
         return Event(foot, direction, ROUNDING * system.chain.length, partial(move_contact, system, each, point))
 
     if corner:
-        found = [event(index, length, -1, Point(name, index, False))]
-        if follows(system.chain, index + 1):
-            found.append(event(index + 1, 0.0, 1, Point(name, index + 1, False)))
-        return found
-    found = [event(index, length, 1, Point(name, index, True))]
-    if follows(system.chain, index):
-        found.append(event(index, 0.0, -1, Point(name, index - 1, True)))
-    return found
+        passes = [(index, length, -1, Point(name, index, False)), (index + 1, 0.0, 1, Point(name, index + 1, False))]
+    else:
+        passes = [(index, length, 1, Point(name, index, True)), (index, 0.0, -1, Point(name, index - 1, True))]
+    # Nothing precedes a wire's root or follows its tip.
+    return [event(*passes[0]), *([event(*passes[1])] if follows(system.chain, index + corner) else [])]
 
 
 class Step(NamedTuple):

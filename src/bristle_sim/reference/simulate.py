@@ -24,13 +24,10 @@ from bristle_sim.units import ANY, quantity, validate
 
 METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
 
-PERIODS_AT_REST = 3.0
+PERIODS_AT_REST = 3.0  # natural periods of the bristle that a run with a hub at rest lasts
 SAMPLES_PER_PERIOD = 64
-
-FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
-
 MOST_SAMPLES = 2e6
-
+FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
 LONGEST = 1e5  # radians of the fastest motion that a run may last
 
 
@@ -122,7 +119,8 @@ def simulate_row_reference(
     """Simulate a row of bristles that touch each other, bar and workpart.
 
     All start together, radial and turning with the hub, each a pitch behind the one before it. A touch of two wires obeys
-    the energetic impact law with both wires' inverse mass; taps that die out become a sustained contact.
+    the energetic impact law with both wires' inverse mass. Arguments and errors not named are those of
+    ``simulate_reference``.
 
     Args:
         tool: its bristle must be straight and rigid.
@@ -131,16 +129,11 @@ def simulate_row_reference(
         neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
         start_hub_angle: of the foremost bristle, rad.
         hub_turn: after which the last bristle's pass ends, from its passage through the foremost one's start, rad.
-        accuracy, sample_interval, contact_stiffness, bar_stiffness: as for ``simulate_reference``.
         stop_after: name of a touch or release; the run ends when every bristle has had one.
 
     Returns:
         One trajectory for each bristle, the foremost first, at common instants. A touch of two wires is the event
         ``wire touch`` of both.
-
-    Raises:
-        ValueError: for settings out of range, a bristle that is not straight and rigid, wires that touch each other at the
-            start, or one inside an obstacle.
     """
     _check_row(tool, bristles, pitch, stop_after)
     whole_turn = hub_turn + (bristles - 1) * pitch
@@ -181,7 +174,15 @@ def _simulate(
             record.event("bar not touched", run.state.time)
         if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
             record.event("workpart not reached", run.state.time)
-    return log.trajectories(reason, cost, _parameters(tool, request) | shared)
+    settings = dataclasses.asdict(request)
+    begun = {name.removeprefix("start_"): settings.pop(name) for name in [*settings] if name.startswith("start_")}
+    told = {
+        "stop_after": settings.pop("stop_after"),
+        "settings": settings,
+        "start": begun,
+        "tool": dataclasses.asdict(tool),
+    }
+    return log.trajectories(reason, cost, {"method": METHOD, **told, **shared})
 
 
 def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
@@ -233,12 +234,3 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
     if end / interval > MOST_SAMPLES:
         raise ValueError(f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)")
     return end, interval
-
-
-def _parameters(tool: Tool, request: Request) -> dict[str, Any]:
-    """What the run depends on: method, tool and settings, as the scene's trajectories have them."""
-    given = dataclasses.asdict(request)
-    start = {name.removeprefix("start_"): given.pop(name) for name in tuple(given) if name.startswith("start_")}
-    stop_after = given.pop("stop_after")
-    tool_values = dataclasses.asdict(tool)
-    return {"method": METHOD, "tool": tool_values, "settings": given, "start": start, "stop_after": stop_after}

@@ -36,9 +36,7 @@ def strike_reference(
     accuracy: float = 1e-9,
     most_evaluations: int = 20_000,
 ) -> ContactRecord:
-    """Return the first contact of a wire's end with a workpart of finite contact stiffness, with its history.
-
-    The normal force is that of a spring with energetic restitution, see :class:`bristle_sim.reference.contacts.Spring`.
+    """Return the first contact of a wire's end with the workpart by a :class:`bristle_sim.reference.contacts.Spring`, with its history.
 
     Args:
         tool: with a workpart; its bar is left out.
@@ -47,23 +45,20 @@ def strike_reference(
         stiffness: of the contact, N/m.
         longest: the contact must end within this time, s.
         accuracy: relative accuracy requested; the integrator's tolerance is a hundredth of it.
-        most_evaluations: of the right-hand side, some 4 s; the contact of a usual wire of 8 links takes a thousand.
+        most_evaluations: of the right-hand side; the contact of a usual wire of 8 links takes a thousand.
 
     Raises:
-        ValueError: if the wire's end is not at the workpart's surface or does not approach it, or if the contact lasts
-            longer than ``longest``.
+        ValueError: if the wire's end is not at the surface or does not approach it, or the contact lasts too long.
         TooStiffError: if the contact takes more than ``most_evaluations``.
     """
     chain = Chain.of(tool, hub_angle)
     obstacles = obstacles_of(dataclasses.replace(tool, bar=None))
     if "workpart" not in obstacles or not stiffness > 0.0:
-        raise ValueError(
-            f"stiffness = {stiffness:g}: must be larger than 0, and the tool must have a workpart (in N/m)"
-        )
+        raise ValueError(f"stiffness = {stiffness:g}: must be above 0, and the tool must have a workpart (in N/m)")
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
     system, log = System(chain, obstacles, {"workpart": stiffness}), Log([chain], longest / SAMPLES, "workpart release")
-    tip = len(chain.pieces) - 1
-    touch = system.at(start).touch(Point("workpart", tip, True))
+    place = Point("workpart", len(chain.pieces) - 1, True)
+    touch = system.at(start).touch(place)
     if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:
         raise ValueError(
             f"angles = {angles[-1]:g}: must bring the wire's end to the workpart, approaching it; its height is"
@@ -79,12 +74,11 @@ def strike_reference(
     (record,) = log.records
     if not record.seen("workpart release"):
         raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
-    return dataclasses.replace(record.contacts[0], history=_history(system, log))
+    return dataclasses.replace(record.contacts[0], history=_history(system, place, log))
 
 
-def _history(system: System, log: Log) -> ContactHistory:
+def _history(system: System, place: Point, log: Log) -> ContactHistory:
     """Return the contact in time, from the samples."""
-    place = Point("workpart", len(system.chain.pieces) - 1, True)
     states, forces = zip(*log.samples, strict=True)
     touches = [system.at(state).touch(place) for state in states]
     return ContactHistory(

@@ -122,7 +122,7 @@ class Instant:
         found = []
         for each in sustained:
             touch = self.touch(each.point)
-            push = None if each.spring is None else each.spring.force(each.spring.penetration(touch.gap))
+            push = None if each.spring is None else each.spring.force(touch.gap)
             found.append(Acting(touch, self.system.friction(each.point, each.spring), each.slip, push))
         return found
 
