@@ -80,9 +80,8 @@ class TestFreeWire:
         run = simulate_reference(tool, start_relative_angle=-0.5, duration=0.003, accuracy=1e-12)
         chain = Chain.of(tool, -0.5 * math.pi)
         motion = chain.kinematics(run.time, run.angles, run.rates)
-        arms = chain.centres * motion.turn
-        place, velocity = motion.joint + arms, motion.velocity + 1j * run.rates * arms
-        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * run.rates).sum(axis=1)
+        place, velocity, turning = chain.middles(motion)
+        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * turning).sum(axis=1)
         balance = run.total_energy - SPEED * moment
         assert np.ptp(balance) < 1e-10 * np.ptp(run.kinetic_energy)
 

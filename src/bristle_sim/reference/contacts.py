@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics, Piece
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 
 class Point(NamedTuple):
@@ -108,7 +107,7 @@ class Bar:
 
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
-        links, starts, directions, lengths = _columns(chain.pieces)
+        links, starts, directions, lengths = chain.pieces
         turn, joint = motion.turn[..., links], motion.joint[..., links]
         origin, along = joint + starts * turn, directions * turn
         foot = (np.conj(along) * (self.centre - origin)).real
@@ -121,12 +120,11 @@ class Bar:
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact on a flank or a corner."""
-        piece = chain.pieces[point.piece]
-        link = piece.link
+        link, start, direction, length = (column[point.piece] for column in chain.pieces)
         joint, turn = motion.joint[link], motion.turn[link]
-        along = piece.direction * turn
-        origin = joint + piece.start * turn
-        held = piece.length if point.corner else dot(along, self.centre - origin)
+        along = direction * turn
+        origin = joint + start * turn
+        held = length if point.corner else dot(along, self.centre - origin)
         outward = origin + held * along - self.centre
         distance = abs(outward)
         normal = outward / distance
@@ -149,24 +147,18 @@ class Workpart:
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
-        links, starts, directions, lengths = (column[list(chain.corners)] for column in _columns(chain.pieces))
-        ends = (starts + lengths * directions) * motion.turn[..., links]
+        corners = list(chain.corners)
+        links = chain.pieces.links[corners]
+        ends = chain.pieces.ends[corners] * motion.turn[..., links]
         return np.asarray((motion.joint[..., links] + ends).imag + self.depth)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a corner at the surface."""
-        piece = chain.pieces[point.piece]
-        arm = complex(piece.end * motion.turn[piece.link])
-        corner = complex(motion.joint[piece.link]) + arm
-        moving = complex(motion.velocity[piece.link] + 1j * motion.rates[piece.link] * arm)
-        return touch_of(chain, motion, piece.link, corner.imag + self.depth, 1j, corner, 0.0, moving)
-
-
-@lru_cache(maxsize=64)
-def _columns(pieces: tuple[Piece, ...]) -> tuple[Array, Complexes, Complexes, Array]:
-    """Return links, starts, directions and lengths of pieces as arrays."""
-    links, starts, directions, lengths = map(np.array, zip(*pieces, strict=True))
-    return links, starts, directions, lengths
+        link = int(chain.pieces.links[point.piece])
+        arm = complex(chain.pieces.ends[point.piece] * motion.turn[link])
+        corner = complex(motion.joint[link]) + arm
+        moving = complex(motion.velocity[link] + 1j * motion.rates[link] * arm)
+        return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:

@@ -34,7 +34,7 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     foot = float(system.at(state).feet[piece])
     if foot <= 0.0 and follows(system.chain, piece):
         return Point(name, piece - 1, True)
-    return Point(name, piece, foot >= system.chain.pieces[piece].length)
+    return Point(name, piece, foot >= system.chain.pieces.lengths[piece])
 
 
 def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:

@@ -103,7 +103,7 @@ def _beside_contact(system: System, piece: int, instant: Instant) -> bool:
     """Whether a piece's nearest point to the bar is the corner that it shares with a piece in contact, which is nearer."""
     touched = {each.point.piece for each in system.sustained if each.point.obstacle == "bar" and not each.point.corner}
     before = instant.feet[piece] <= 0.0 and follows(system.chain, piece) and piece - 1 in touched
-    return before or (instant.feet[piece] >= system.chain.pieces[piece].length and piece + 1 in touched)
+    return before or (instant.feet[piece] >= system.chain.pieces.lengths[piece] and piece + 1 in touched)
 
 
 def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
@@ -187,7 +187,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     """A contact with the bar passes from a flank to a corner or back."""
     (name, index, corner), feet = each.point, system.at(state).feet
-    length, past = system.chain.pieces[index].length, PAST * system.chain.length
+    length, past = float(system.chain.pieces.lengths[index]), PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
         # From the far side of the end by rounding, the contact passes it only as it moves on.

@@ -33,18 +33,23 @@ from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 Complexes = NDArray[np.complex128]
 
 
-class Piece(NamedTuple):
-    """A straight piece of the wire's centre line: its link, and start and direction from that link's joint."""
+class Pieces(NamedTuple):
+    """The straight pieces of the wires' centre lines: their links, starts and directions from these links' joints, lengths."""
 
-    link: int
-    start: complex
-    direction: complex
-    length: float
+    links: NDArray[np.int_]
+    starts: Complexes
+    directions: Complexes
+    lengths: Array
 
     @property
-    def end(self) -> complex:
-        """Its end, from the link's joint."""
-        return self.start + self.length * self.direction
+    def ends(self) -> Complexes:
+        """Return their ends, from the links' joints."""
+        return np.asarray(self.starts + self.lengths * self.directions)
+
+    @property
+    def middles(self) -> Complexes:
+        """Return their middles, from the links' joints."""
+        return np.asarray(self.starts + 0.5 * self.lengths * self.directions)
 
 
 class Kinematics(NamedTuple):
@@ -68,6 +73,7 @@ class Kinematics(NamedTuple):
 class Chain:
     """The links, springs and hub of one or several wires as plain numbers, SI units; arrays over the links.
 
+    ``masses`` and ``inertias``, about their middles, are those of the pieces.
     ``before`` has a 1 in row k and column i where link k is before link i on its wire, ``first`` where a link begins one;
     ``apart`` takes the links' angles to each one's less that of the link before it.
     ``tips`` are the pieces that end at a wire's tip, ``corners`` those whose end can touch a flat surface: before a knee too.
@@ -81,8 +87,7 @@ class Chain:
     masses: Array
     inertias: Array
     ends: Complexes
-    centres: Complexes
-    pieces: tuple[Piece, ...]
+    pieces: Pieces
     stiffness: Array
     damping: Array
     products: Complexes
@@ -98,24 +103,25 @@ class Chain:
     def of(cls, tool: Tool, *start_hub_angles: float) -> Chain:
         """Cut a tool's bristle into its links, once for each hub angle that a wire starts at."""
         bristle, links, count = tool.bristle, tool.bristle.links, len(start_hub_angles)
-        cut = _cut(bristle, links)
-        ends = np.tile([each[-1].end for each in cut], count)
-        columns = zip(*(_mass(bristle, each) for each in cut), strict=True)
-        masses, centres, inertias = (np.tile(column, count) for column in columns)
+        lone = _cut(bristle, links)
+        own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
+        shapes = np.tile(lone.starts, count), np.tile(lone.directions, count), np.tile(lone.lengths, count)
+        pieces = Pieces(own, *shapes)
+        ends = np.zeros(count * links, dtype=complex)
+        ends[pieces.links] = pieces.ends  # the last piece of each link
+        masses = bristle.mass * pieces.lengths / bristle.length
+        inertias = masses * pieces.lengths**2 / 12.0
         before = np.kron(np.eye(count), np.tri(links, k=-1).T)
-        arms = before.T * ends + np.diag(centres)
+        arms = (before.T * ends)[pieces.links]
+        arms[np.arange(len(masses)), pieces.links] = pieces.middles
         hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
         if links > 1:
             hinge = hinge_stiffness(*wire, links)
             if zeta := bristle.bending_damping_ratio:
                 diameter, length, modulus = wire
                 damper = hinge_damping(bristle.mass, length, diameter, modulus, tool.belt.stiffness, zeta, links)
-        lone = list(itertools.chain.from_iterable(cut))
-        pieces = [each._replace(link=each.link + links * number) for number in range(count) for each in lone]
-        tips = frozenset(range(len(lone) - 1, len(pieces), len(lone)))
-        bends = (
-            number for number, (one, two) in enumerate(itertools.pairwise(pieces)) if one.direction != two.direction
-        )
+        tips = frozenset(range(len(lone.links) - 1, len(masses), len(lone.links)))
+        bends = np.flatnonzero(pieces.directions[1:] != pieces.directions[:-1]).tolist()
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
@@ -125,13 +131,12 @@ class Chain:
             masses=masses,
             inertias=inertias,
             ends=ends,
-            centres=centres,
-            pieces=tuple(pieces),
+            pieces=pieces,
             stiffness=np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count),
             damping=np.tile([tool.belt_damping] + [damper] * (links - 1), count),
             products=np.conj(arms).T @ (masses[:, None] * arms),
             moments=masses @ arms,
-            inertia_matrix=np.diag(inertias),
+            inertia_matrix=np.diag(np.bincount(pieces.links, inertias)),
             before=before.astype(complex),
             first=np.tile(np.arange(links) == 0, count).astype(float),
             apart=np.eye(count * links) - np.kron(np.eye(count), np.eye(links, k=1)),
@@ -142,7 +147,7 @@ class Chain:
     @property
     def links(self) -> int:
         """Return the number of links of all wires."""
-        return len(self.masses)
+        return len(self.ends)
 
     def hub_angle(self, time: Any) -> Any:
         """Return the hub's angle, psi_0 + omega t, rad, of the first wire."""
@@ -195,17 +200,23 @@ class Chain:
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
         """Return the root of a lone wire and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
         motion = self.kinematics(time, angles, rates)
-        links = [0] + [each.link for each in self.pieces]
-        arms = np.array([0j] + [each.end for each in self.pieces]) * motion.turn[..., links]
+        links = [0, *self.pieces.links]
+        arms = np.array([0j, *self.pieces.ends]) * motion.turn[..., links]
         return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[..., links] * arms
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
         motion, twists = self.kinematics(time, angles, rates), self._twists(angles, self._hub_angles(time))
-        velocity = motion.velocity + 1j * rates * self.centres * motion.turn
-        height = (motion.joint + self.centres * motion.turn).imag
-        kinetic = 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
-        return kinetic, (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
+        places, velocities, turning = self.middles(motion)
+        kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(axis=-1)
+        springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
+        return kinetic, springs + self.gravity * (self.masses * places.imag).sum(axis=-1)
+
+    def middles(self, motion: Kinematics) -> tuple[Complexes, Complexes, Array]:
+        """Return positions and velocities of the pieces' middles, and the rates of the pieces."""
+        links, rates = self.pieces.links, motion.rates[..., self.pieces.links]
+        arms = self.pieces.middles * motion.turn[..., links]
+        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates * arms, rates
 
     @property
     def swing_and_decay(self) -> tuple[float, float]:
@@ -228,11 +239,11 @@ class Chain:
         return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
 
 
-def _cut(bristle: Bristle, links: int) -> list[list[Piece]]:
-    """Cut the centre line into links of equal length along the wire; each is a list of straight pieces."""
+def _cut(bristle: Bristle, links: int) -> Pieces:
+    """Cut the centre line into links of equal length along the wire, and these where it bends."""
     corners = [0j, *(complex(*corner) for corner in bristle.path)]
     borders = [bristle.length * number / links for number in range(links + 1)]
-    cut: list[list[Piece]] = [[] for _ in range(links)]
+    cut: list[tuple[int, complex, complex, float]] = []
     passed = 0.0
     for start, end in itertools.pairwise(corners):
         size = abs(end - start)
@@ -240,20 +251,7 @@ def _cut(bristle: Bristle, links: int) -> list[list[Piece]]:
         for link, (low, high) in enumerate(itertools.pairwise(borders)):
             first, last = max(low, passed), min(high, passed + size)
             if last - first > 1e-12 * bristle.length:
-                begun = cut[link][-1].end if cut[link] else 0j
-                cut[link].append(Piece(link, begun, direction, last - first))
+                goes_on = bool(cut) and cut[-1][0] == link
+                cut.append((link, cut[-1][1] + cut[-1][2] * cut[-1][3] if goes_on else 0j, direction, last - first))
         passed += size
-    return cut
-
-
-def _mass(bristle: Bristle, pieces: list[Piece]) -> tuple[float, complex, float]:
-    """Return a link's mass, its centre of mass from its joint, and its moment of inertia about that centre."""
-    masses = [bristle.mass * each.length / bristle.length for each in pieces]
-    middles = [each.start + 0.5 * each.length * each.direction for each in pieces]
-    total = sum(masses)
-    centre = sum(mass * middle for mass, middle in zip(masses, middles, strict=True)) / total
-    inertia = sum(
-        mass * (each.length**2 / 12.0 + abs(middle - centre) ** 2)
-        for mass, each, middle in zip(masses, pieces, middles, strict=True)
-    )
-    return total, centre, inertia
+    return Pieces(*map(np.array, zip(*cut, strict=True)))

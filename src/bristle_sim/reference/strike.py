@@ -57,7 +57,7 @@ def strike_reference(
         raise ValueError(f"stiffness = {stiffness:g}: must be above 0, and the tool must have a workpart (in N/m)")
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
     system, log = System(chain, obstacles, {"workpart": stiffness}), Log([chain], longest / SAMPLES, "workpart release")
-    place = Point("workpart", len(chain.pieces) - 1, True)
+    place = Point("workpart", len(chain.masses) - 1, True)
     touch = system.at(start).touch(place)
     if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:
         raise ValueError(
