@@ -121,9 +121,17 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
     empty.mkdir()
     with zipfile.ZipFile(tmp_path / "package.zip", "w") as archive:
         package = Path(bristle_sim.__file__).parent
-        for folder, place in ((package, "bristle_sim"), (ROOT / "scenarios", "bristle_sim/scenarios")):
+        scripts = next(iter(command.scripts().values())).parent  # in the package already, if this is installed
+        for folder, place in {package: "bristle_sim", scripts: "bristle_sim/scenarios"}.items():
             for path in folder.rglob("*"):
-                if path.suffix in (".py", ".jinja", ".mplstyle", ".html", ".js", ".css"):
+                if (folder == scripts or scripts not in path.parents) and path.suffix in (
+                    ".py",
+                    ".jinja",
+                    ".mplstyle",
+                    ".html",
+                    ".js",
+                    ".css",
+                ):
                     archive.write(path, f"{place}/{path.relative_to(folder).as_posix()}")
         archive.extractall(site)
     arguments = [sys.executable, "-m", "bristle_sim", "single_pendulum", "--report", "page.html", "--json", "-"]
