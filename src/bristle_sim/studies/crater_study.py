@@ -129,7 +129,6 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 
 
 def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
-    """Return the depths by plies, by energy and by the simulated contact beside the measured one."""
 
     def shown(name: str) -> str:
         beside = f" (printed {amount(printed[name] or 0.0, 'm')})" if name in printed else ""

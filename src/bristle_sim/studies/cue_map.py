@@ -129,7 +129,6 @@ def _answer(simulated: Values, now: str) -> str:
 
 
 def _where_it_stands(tool: Tool, strike: Strike) -> str:
-    """Return a sentence with the strike that the bar gives where it stands."""
     assert tool.bar is not None
     stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
     try:

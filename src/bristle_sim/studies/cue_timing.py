@@ -140,7 +140,6 @@ def cue_timing(
 
 
 def _answer(own: CueTiming, direction: Quantity) -> str:
-    """Return where the release needs the bar, by how much the formula misses that, and what a pass with the bar there gives."""
     if direction.simulated is None:
         return "No bar cues this bristle: its relative speed has no maximum."
     formula = ""
@@ -157,7 +156,6 @@ def _answer(own: CueTiming, direction: Quantity) -> str:
 
 
 def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
-    """Return where each belt stiffness needs the bar, and the lag at the strike of whole passes with it there and as given."""
     rows = []
     for name, each in readings.items():
         cues = (cue and f"{math.degrees(cue.bar_direction):.2f}" for cue in (each.simulated, each.formula))

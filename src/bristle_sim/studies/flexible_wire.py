@@ -178,7 +178,6 @@ def flexible_wire(
 
 
 def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None) -> str:
-    """Return the wire's measures beside the rigid bristle's, and whether its end touches again."""
     shown = {name: (amount(own[name], unit), amount(stiff[name], unit)) for name, (_, unit) in MEASURES.items()}
     found = (
         f"With {links} links the impulse is {shown['normal_final_impulse'][0]}, the largest force {shown['peak_force'][0]} and the"

@@ -124,7 +124,6 @@ def force_comparison(
 
 
 def _answer(subject: ForceComparison, main: Sequence[Quantity]) -> str:
-    """Return the peak of the simulated force beside that of the curve, and whether impulse and time are the same."""
     peak, time, impulse = main
     curve = "chapter 3's curve" if subject.measured is None else "the curve fitted to the measurement"
     own = f"{curve} {amount(peak.theory or 0.0, 'N')}"
@@ -229,7 +228,6 @@ def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
 
 
 def _measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
-    """Describe for the terminal what was found in the file."""
     fit = measured.fit
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
     sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()

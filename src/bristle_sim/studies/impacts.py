@@ -187,7 +187,6 @@ def _tolerance(
 
 
 def _widened(tolerance: float | None, rounding: float) -> float | None:
-    """Return a tolerance with rounding that the law does not cause."""
     return None if tolerance is None else tolerance + min(rounding, MOST_WIDENED)
 
 
@@ -205,7 +204,6 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
-    """Return the report; ``rate`` is that of the rod that turns, rad/s."""
     requested = impacts.strikes[impacts.law]
     one, turned = requested.contact, rate(requested)
     laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]

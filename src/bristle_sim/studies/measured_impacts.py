@@ -256,7 +256,6 @@ def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Repor
 
 
 def _motions(hit: Impact) -> Table:
-    """Return the fractions of the impacts that end in slip, stick and reverse slip."""
     last = np.where(hit.phase_impulse[:, 3] > 0.0, hit.phase_slip[:, 3], hit.phase_slip[:, 2])
     reverse = float(np.mean((last != 0.0) & (last == -hit.phase_slip[:, 0])))
     stuck = float(np.mean(last == 0.0))

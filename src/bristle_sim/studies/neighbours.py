@@ -123,7 +123,6 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 
 
 def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
-    """Return from what pitch on wires do not touch, and what a touch does at the row's pitch."""
     known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
     whole, own = known["least_pitch_whole_pass_deg"], known["least_pitch_to_own_strike_deg"]
     found = [] if whole is None else [f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"]
@@ -139,7 +138,6 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
 
 
 def _strike_of(tool: Tool, number: int, run: Trajectory) -> dict[str, float | None]:
-    """Return number, touches before the strike, instant and measures of the strike of a bristle of the row."""
     time = run.event_time("strike")
     before = sum(time is None or each < time for each in _touches(run))
     return {"bristle": number, "touches_before_strike": before, "contact_time": time} | strike_values(tool, run)
@@ -173,7 +171,6 @@ def row_series(row: NeighbourRow) -> dict[str, Any]:
 
 
 def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
-    """Return a row's arguments at a pitch in degrees."""
     own = {"neighbour_friction": row.friction, "neighbour_restitution": row.restitution}
     return {"bristles": row.bristles, "pitch": math.radians(pitch), **own}
 
@@ -201,7 +198,6 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
     pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
-        """Tell whether two wires a pitch apart, deg, touch in the time that counts."""
         if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
@@ -253,7 +249,6 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": row.tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
-        """Return the relative difference that a quantity may have; None where nothing judges it."""
         if name == "wire_contacts":  # a row ends for all when one bristle jams
             return 0.0 if judged and (reference is not None or ended) else None
         value = (referred or theory)[name]

@@ -90,7 +90,6 @@ def evaluated(
             yield batch
 
     def task(batch: list[Point]) -> Any:
-        """Note that a batch is under way."""
         under_way[batch[0][0]] = batch
         return joblib.delayed(call)(function, batch)
 

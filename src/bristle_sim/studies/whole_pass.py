@@ -83,7 +83,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         referred = _measured(tool, reference)
 
     def tolerance(name: str) -> float | None:
-        """Return the relative difference from the reference that a quantity may have; None without a reference."""
         value = referred.get(name)
         if value is None:
             return None
@@ -120,7 +119,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
 
 def _answer(tool: Tool, run: Trajectory, quantities: tuple[Quantity, ...]) -> str:
-    """Return when, how far from radial and how fast the bristle strikes, or why it does not."""
     contact, found = run.first_contact("workpart"), {each.name: each.simulated or 0.0 for each in quantities}
     if contact is None:
         return f"The bristle does not strike the workpart: {_why_not(tool, run)}."
@@ -136,7 +134,6 @@ def _answer(tool: Tool, run: Trajectory, quantities: tuple[Quantity, ...]) -> st
 
 
 def _why_not(tool: Tool, run: Trajectory) -> str:
-    """Return the reason why a run has no strike."""
     if tool.workpart is None:
         return "the tool has no workpart"
     if run.stop_reason is StopReason.RETRACTION_LIMIT:

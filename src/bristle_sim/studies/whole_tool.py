@@ -147,7 +147,6 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
 
 
 def _moment(whole: WholeTool, obstacle: str) -> float:
-    """Return the moment about the hub of an obstacle's impulses over the turns that count, N m s."""
     return float(sum(each.integral[2] for turn in whole.forces for each in turn if each.obstacle == obstacle))
 
 
