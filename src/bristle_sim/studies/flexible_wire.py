@@ -80,13 +80,10 @@ class FlexibleStrike:
 
     def of(self, links: int, duration: float | None = None, accuracy: float | None = None) -> FlexibleStrike:
         """Return the strike of a wire of so many links, at the stiffness of another duration, s, and to another accuracy."""
-        bristle = dataclasses.replace(self.tool.bristle, links=links)
-        return dataclasses.replace(
-            self,
-            tool=dataclasses.replace(self.tool, bristle=bristle),
-            contact=self.contact if duration is None else ContactStiffness(duration),
-            settings=self.settings if accuracy is None else dataclasses.replace(self.settings, accuracy=accuracy),
-        )
+        settings = self.settings if accuracy is None else dataclasses.replace(self.settings, accuracy=accuracy)
+        contact = self.contact if duration is None else ContactStiffness(duration)
+        tool = self.tool.replace(wire_links=links)
+        return dataclasses.replace(self, tool=tool, contact=contact, settings=settings)
 
     def run(self, flight: float = 0.0) -> WireStrike:
         """Simulate the strike in the scene, followed by free motion of the given duration, s."""
@@ -106,10 +103,9 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of strikes over contact stiffness and number of links, by name, each over that of the rigid bristle.
+    """Measures of strikes by name, each over that of the rigid bristle: over contact stiffness, and over numbers of links.
 
-    Durations are times for which the rigid bristle would be in touch, s; by number of links there are arrays over them, and
-    arrays over numbers of links at the requested stiffness.
+    Durations are times for which the rigid bristle would be in touch, s; by number of links there are arrays over them.
     """
 
     durations: Array
@@ -120,7 +116,7 @@ class WireStudy:
 
 @dataclass(frozen=True, slots=True)
 class FlexibleWire:
-    """What pictures are drawn from: the strike that was requested, of the wire and of the rigid bristle."""
+    """The strike that was requested, of the wire and of the rigid bristle."""
 
     strike: FlexibleStrike
     wire: WireStrike
@@ -178,17 +174,14 @@ def flexible_wire(
 
 
 def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None) -> str:
-    shown = {name: (amount(own[name], unit), amount(stiff[name], unit)) for name, (_, unit) in MEASURES.items()}
+    wire, rigid = ([amount(each[name], unit) for name, (_, unit) in MEASURES.items()] for each in (own, stiff))
     found = (
-        f"With {links} links the impulse is {shown['normal_final_impulse'][0]}, the largest force {shown['peak_force'][0]} and the"
-        f" crater {shown['crater_depth'][0]} deep; the rigid bristle at the same contact stiffness has"
-        f" {shown['normal_final_impulse'][1]}, {shown['peak_force'][1]} and {shown['crater_depth'][1]}."
+        f"With {links} links the impulse is {wire[0]}, the largest force {wire[1]} and the crater {wire[3]} deep; the rigid"
+        f" bristle at the same contact stiffness has {rigid[0]}, {rigid[1]} and {rigid[3]}."
     )
-    if again is not None:
-        found += (
-            f" The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
-        )
-    return found
+    if again is None:
+        return found
+    return f"{found} The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
 
 
 def again(wire: WireStrike) -> float | None:
@@ -207,12 +200,10 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 
     try:
         found = measures(strike, strike.reference())
-        if rigid_outcome != "rebound":
-            return found
-        rigid = measures(strike, strike.of(1).reference())
+        rigid = measures(strike, strike.of(1).reference()) if rigid_outcome == "rebound" else None
     except TooStiffError:
         return {}
-    return found | {RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]}
+    return found | ({RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]} if rigid else {})
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:

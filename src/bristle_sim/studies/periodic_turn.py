@@ -55,34 +55,25 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
-    least, natural_rate = max(REPEATED, MAGNIFIED * settings.accuracy), _natural_rate(tool)
+    bristle, hub, least = tool.bristle, tool.hub, max(REPEATED, MAGNIFIED * settings.accuracy)
+    stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
+    natural_rate = max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
     settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
     start = -0.5 * math.pi if tool.bar is None else start_angle(tool)
     runs, changes, angle, rate = list[Trajectory](), list[float](), 0.0, 0.0
     while len(runs) < MOST_TURNS:
         run = simulate(tool, settings, start_hub_angle=start, start_relative_angle=angle, start_relative_rate=rate)
-        _require_completed(run, settings, len(runs))
-        after = float(run.relative_angle[-1]), float(run.relative_rate[-1])
-        changes.append(max(abs(after[0] - angle), abs(after[1] - rate) / natural_rate))
+        require_result(run, settings)
+        if run.stop_reason is not StopReason.END:
+            after = "" if not runs else f" of turn {len(runs) + 1}"
+            raise TurnNotCompleted(
+                f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms{after}, after"
+                f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
+            )
+        after_turn = float(run.relative_angle[-1]), float(run.relative_rate[-1])
+        changes.append(max(abs(after_turn[0] - angle), abs(after_turn[1] - rate) / natural_rate))
         runs.append(run)
-        angle, rate = after
+        angle, rate = after_turn
         if changes[-1] <= least:
             return PeriodicTurn((run,), tuple(changes), repeats=True)
     return PeriodicTurn(tuple(runs[MOST_TURNS // 2 :]), tuple(changes), repeats=False)
-
-
-def _require_completed(run: Trajectory, settings: Settings, turns: int) -> None:
-    require_result(run, settings)
-    if run.stop_reason is not StopReason.END:
-        after = "" if not turns else f" of turn {turns + 1}"
-        raise TurnNotCompleted(
-            f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms{after}, after"
-            f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
-        )
-
-
-def _natural_rate(tool: Tool) -> float:
-    """The larger of the hub's speed and the bristle's natural rate, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
-    bristle, hub = tool.bristle, tool.hub
-    stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
-    return max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)

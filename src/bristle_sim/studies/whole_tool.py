@@ -7,7 +7,6 @@ turn that one bristle repeats. The drive's torque is the moment of the forces on
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,27 +79,30 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     except TurnNotCompleted as reason:
         return Report(None, rows(UNITS, {}), answer=f"There is no mean force: {reason}.")
     found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, run) for run in turn.runs))
+    last, count = turn.changes[-1], len(turn.changes)
+    settled = f"turn {count} repeats the one before, but for {last:.0e} rad"
+    if not turn.repeats:
+        settled = (
+            f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
+            f" means over {len(turn.runs)} turns, without an energy balance"
+        )
     quantities = _quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy))
+    value = {each.name: each.simulated or 0.0 for each in quantities}
+    answer = (
+        f"The hand presses with {value['mean_normal_force']:.3g} N and holds back"
+        f" {abs(value['mean_tangential_force']):.3g} N along the workpart and"
+        f" {abs(value['mean_hand_torque']):.3g} N m; the drive gives {value['drive_power']:.4g} W; behind"
+        f" {assembly.bandwidth:g} Hz a load cell sees {value['force_envelope_low']:.3g} to"
+        f" {value['force_envelope_high']:.3g} N for 90 % of the time."
+    )
     return Report(
         outcome=None,
         quantities=quantities,
         **ran(turn.runs[-1]),
-        remarks=(_settled(turn), "theory: the energy that a turn loses"),
+        remarks=(settled, "theory: the energy that a turn loses"),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
-        answer=_answer(found, {each.name: each.simulated or 0.0 for each in quantities}),
-    )
-
-
-def _answer(whole: WholeTool, found: Mapping[str, float]) -> str:
-    if not found["impact_rate"]:
-        return "The hand holds against nothing: no bristle touches the workpart."
-    return (
-        f"The hand presses with {found['mean_normal_force']:.3g} N and holds back"
-        f" {abs(found['mean_tangential_force']):.3g} N along the workpart and"
-        f" {abs(found['mean_hand_torque']):.3g} N m; the drive gives {found['drive_power']:.4g} W; behind"
-        f" {whole.assembly.bandwidth:g} Hz a load cell sees {found['force_envelope_low']:.3g} to"
-        f" {found['force_envelope_high']:.3g} N for 90 % of the time."
+        answer=answer if value["impact_rate"] else "The hand holds against nothing: no bristle touches the workpart.",
     )
 
 
@@ -125,11 +127,14 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
 def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     tool, runs, speed = whole.tool, whole.turn.runs, whole.tool.hub.speed
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
-    rate = turns / len(runs)
+    rate, forces = turns / len(runs), [each for turn in whole.forces for each in turn]
     pressed = [[each for each in run.contacts if each.obstacle == "workpart"] for run in runs]
     normal, tangential = rate * np.sum([(0.0, 0.0), *(each.impulse for run in pressed for each in run)], axis=0)
-    hand = 0.0 - rate * _moment(whole, "workpart")
-    drive = hand - rate * _moment(whole, "bar")
+    moment = {
+        name: float(sum(each.integral[2] for each in forces if each.obstacle == name)) for name in ("workpart", "bar")
+    }
+    hand = 0.0 - rate * moment["workpart"]
+    drive = hand - rate * moment["bar"]
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
     struck = rate * sum(map(bool, pressed))
     simulated = (struck, normal, 0.0 - tangential, drive, hand, drive * speed, float(low), float(high))
@@ -137,24 +142,5 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     if whole.turn.repeats:
         power = rate * dissipated(tool, runs[-1])
         theory |= {"mean_torque": power / speed, "drive_power": power}
-    judged = ("mean_torque", "drive_power")
-    return rows(
-        UNITS,
-        dict(zip(UNITS, simulated, strict=True)),
-        theory,
-        tolerance=lambda name: tolerance if name in judged else None,
-    )
-
-
-def _moment(whole: WholeTool, obstacle: str) -> float:
-    return float(sum(each.integral[2] for turn in whole.forces for each in turn if each.obstacle == obstacle))
-
-
-def _settled(turn: PeriodicTurn) -> str:
-    last, count = turn.changes[-1], len(turn.changes)
-    if turn.repeats:
-        return f"turn {count} repeats the one before, but for {last:.0e} rad"
-    return (
-        f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
-        f" means over {len(turn.runs)} turns, without an energy balance"
-    )
+    within = {"mean_torque": tolerance, "drive_power": tolerance}
+    return rows(UNITS, dict(zip(UNITS, simulated, strict=True)), theory, tolerance=within.get)
