@@ -9,10 +9,11 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.parameters import Bar, Tool
@@ -39,6 +40,9 @@ FINEST_MAXIMUM = 1e-5
 
 FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
 """Steps by which a root is enclosed: a degree is what the formulas miss it by, and no answer is as narrow as eight."""
+
+MOST_STEPS = 30
+"""Steps to either side: more than 180 degrees."""
 
 MOST_GIVEN_UP = 3
 """Directions in a row, from the first on, in which a pass may be given up after seconds; then the others would be, too."""
@@ -100,9 +104,10 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
 def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
     """Return two directions between which the lag falls through zero, the nearest to a guess."""
-    lags: dict[float, float] = {}
-    reasons: list[ValueError] = []
-    tried = [guess, *_outwards(guess, math.pi), *_outwards(guess, 0.0)]
+    lags, reasons = dict[float, float](), list[ValueError]()
+    offsets = np.cumsum(FIRST_STEP * np.minimum(2.0 ** np.arange(MOST_STEPS), LARGEST_STEP / FIRST_STEP))
+    sides = (guess + offsets[offsets < math.pi - guess], [math.pi], guess - offsets[offsets < guess], [0.0])
+    tried = [guess, *np.concatenate(sides).tolist()]
     for direction in sorted(tried, key=lambda each: abs(each - guess)):
         try:
             lags[direction] = lag(direction)
@@ -120,16 +125,6 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
         )
     least, most = min(lags.values()), max(lags.values())
     raise NotCuedError(f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg")
-
-
-def _outwards(guess: float, end: float) -> Iterator[float]:
-    """Yield directions from a guess to an end, near the guess in smaller steps, rad."""
-    sign, step, offset = math.copysign(1.0, end - guess), FIRST_STEP, FIRST_STEP
-    while offset < abs(end - guess):
-        yield guess + sign * offset
-        step = min(2.0 * step, LARGEST_STEP)
-        offset += step
-    yield end
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:

@@ -42,14 +42,14 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
     """
     if contact is None:
         return dict.fromkeys(STATE)
-    lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
-    rate = contact.rates_before[0] - tool.hub.speed
-    if tool.bristle.links > 1:
+    if tool.bristle.links == 1:
+        lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
+        rate = contact.rates_before[0] - tool.hub.speed
+    else:
         before = int(abs(run.time - contact.time).argmin())
         angle, rate = (float(each[before]) for each in from_radial(run, tool.bristle))
         lag = -angle
-    values = (math.degrees(lag), rate, math.hypot(*contact.velocity_before))
-    return dict(zip(STATE, values, strict=True))
+    return dict(zip(STATE, (math.degrees(lag), rate, math.hypot(*contact.velocity_before)), strict=True))
 
 
 def from_radial(run: Trajectory, bristle: Bristle) -> tuple[Array, Array]:
