@@ -6,6 +6,7 @@ from pathlib import Path
 
 KEPT = {
     "tolerances": [],
+    "film": [],
     "accuracy_cost": [],
     "hard_cases": ["--set", "effort=quick"],
     "dissertation_audit": [],

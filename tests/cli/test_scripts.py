@@ -134,6 +134,14 @@ PROMISES = {
         "tangential_compliance data",
         strikes=False,
     ),
+    "film": Promise(
+        "nearest_contact_duration nearest_wire_damping_ratio touches compression_time crater_depth",
+        f"{PASS} {RUBBING} accuracy wire_links wire_modulus frame_rate exposure store",
+        lists={"frames": "time tip_height", "variants": "variant touches compression_time crater_depth"},
+        quick="wire_links=1 map_durations=2 map_dampings=2 workers=1 accuracy=1e-2",
+        slow=True,
+        strikes=False,
+    ),
     "accuracy_cost": Promise(
         keys="effort peers",
         lists={"curves": "case method setting error cpu_s steps"},
@@ -436,8 +444,8 @@ def test_an_impact_at_an_instant_has_no_time_series(tmp_path: Path, capsys: pyte
 
 
 def bad_texts(found: Range | Choice) -> Iterator[str]:
-    """Nothing, words, what floats know besides numbers, and the nearest numbers out of range; a heading may be any word."""
-    if found.unit == "column":
+    """Nothing, words, what floats know besides numbers, and the nearest numbers out of range; a heading or folder is any word."""
+    if found.unit in ("column", "folder"):
         yield from ("", " ", "\t")
         return
     yield from ("", " ", "abc", "nan", "inf", "-inf", "1e999", "1_0", "0x10", "1,5", "\u22121", "1\n2")

@@ -53,6 +53,10 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
             if options.parameters is not None:
                 from_file, remarks = scenario.assignments_from(options.parameters)
                 options.set = [*from_file, *options.set]
+            for key in () if sweeping else {"workers", "store"} & scenario.keys().keys():
+                if (given := getattr(options, key)) is not None:
+                    options.set.append(f"{key}={given}")
+                    setattr(options, key, None)
             values = scenario.values_of(options.set)
             remarks += scenario.warnings_of(options.set, values)
             status = _swept(scenario, options) if options.sweep else _answer(scenario, options, values, command)

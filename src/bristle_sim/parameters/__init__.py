@@ -21,7 +21,7 @@ from bristle_sim.parameters.experiments import (
     Spreads,
     Strike,
 )
-from bristle_sim.parameters.force import Crater, ForceHistory, Measured, Measurement
+from bristle_sim.parameters.force import Crater, FilmGrid, ForceHistory, Measured, Measurement
 from bristle_sim.parameters.parts import (
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
@@ -39,7 +39,7 @@ from bristle_sim.parameters.tool import PARTS, Tool, operating_point, tool_keys
 
 __all__ = [
     "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
-    "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "ForceHistory", "Hub", "MapGrid",
+    "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "FilmGrid", "ForceHistory", "Hub", "MapGrid",
     "Measured", "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
     "operating_point", "tool_keys",
 ]  # fmt: skip

@@ -24,6 +24,8 @@ class Text:
     @property
     def allowed(self) -> str:
         """Say what the text must be, for messages and listings."""
+        if self.unit == "folder":
+            return "the name of a folder"
         return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
 
     def check(self, value: Any) -> str:
@@ -156,3 +158,42 @@ class Measured(Declared):
         "measured impacts of an ellipse: MATLAB file with an array bounce_array",
         "none: the file is its authors'",
     )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class FilmGrid(Declared):
+    """The map over contact stiffness and wire damping, the camera of the nearest pass, and where finished cases are kept."""
+
+    durations: int = count(8, "2 <= map_durations <= 200", "contact durations of the map, in equal ratios", "chosen")
+    shortest: float = quantity(
+        5e-5, "1e-6 <= shortest_duration <= 0.001 s", "shortest contact of a rigid bristle on the map", "chosen"
+    )
+    longest: float = quantity(
+        3e-4,
+        "1e-6 <= longest_duration <= 0.001 s",
+        "longest contact of a rigid bristle on the map",
+        "chosen: a period of the wire's first bending mode",
+    )
+    dampings: int = count(6, "2 <= map_dampings <= 200", "wire damping ratios of the map, closest at 0", "chosen")
+    largest_damping: float = quantity(
+        0.4, "0 < largest_damping <= 10", "largest damping ratio of the wire's first bending mode on the map", "chosen"
+    )
+    frame_rate: float = quantity(
+        2e4,
+        "2000 <= frame_rate <= 1e7 1/s",
+        "frames a second of the camera",
+        "chosen: one in the printed compression time",
+    )
+    exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s", "time that the camera's shutter is open", "chosen")
+    workers: int = count(2, "1 <= workers <= 64", "processes for the map", "chosen: a small computer's")
+    store: str | None = _text(
+        "store", "folder", "folder that keeps finished cases, from which an interrupted map goes on", "none"
+    )
+
+    def __post_init__(self) -> None:
+        Declared.__post_init__(self)
+        if not self.shortest < self.longest:
+            raise ValueError(
+                f"shortest_duration = {self.shortest:g}: must be below longest_duration = {self.longest:g} (in s)"
+            )

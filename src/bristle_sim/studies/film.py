@@ -1,0 +1,219 @@
+"""Which contact stiffness and wire damping would explain film and crater: a map over both, and the nearest pair.
+
+Film and micrograph give three facts of a strike of a straight wire: one touch, some 50 us of compression, a crater 130 um deep.
+Nobody measured the contact's stiffness, given here as the time that a rigid bristle would be in touch, nor the wire's damping.
+Each case is a pass of a wire of links to its strike, followed for half a millisecond: the wire vibrates when it arrives.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import time as clock
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.comparison import Quantity, Report, Table, finite, rows
+from bristle_sim.parameters import FilmGrid, Tool
+from bristle_sim.scene.simulate import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount
+from bristle_sim.studies.bent_bristles import slide_of
+from bristle_sim.studies.contact_course import compression_end
+from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
+from bristle_sim.studies.strike_point import crater_depth, ran, require_result
+from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION
+from bristle_sim.theory.crater import CUTTING_FRICTION
+from bristle_sim.trajectory import Trajectory
+
+FOLLOWED = 5e-4
+"""Time that a strike is followed, s: one and a half periods of the wire's first bending mode."""
+
+MEASURED = {"touches": 1.0, "compression_time": PRINTED_COMPRESSION, "crater_depth": MEASURED_CRATER}
+"""Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the first, s, and
+depth of the crater, m; of several touches the deepest."""
+
+MEASURES = {
+    "touches": ("touches within 0.5 ms", "1"),
+    "compression_time": ("compression time", "s"),
+    "crater_depth": ("crater depth by energy", "m"),
+    "forward_slide": ("slide forward in the first touch", "m"),
+}
+"""A case's results: label and unit."""
+
+EXPLAINED = 0.1
+"""Relative difference within which a measured value counts as explained: film and micrograph are read to about that."""
+
+ANY_DURATION = 1e-4
+"""Contact duration of the passes that find the instant of the strike, s; up to there it has no effect."""
+
+
+@dataclass(frozen=True, slots=True)
+class FilmMap:
+    """The map, of shape (damping ratios, durations), NaN without a strike; the nearest case's place, tool and whole pass."""
+
+    grid: FilmGrid
+    dampings: Array
+    durations: Array
+    results: Mapping[str, Array]
+    nearest: tuple[int, int]
+    tool: Tool
+    run: Trajectory
+
+    @property
+    def frames(self) -> Array:
+        """Return the instants at which the camera's shutter opens about the strike, s, the strike between two of them."""
+        strike, step = self.run.event_time("strike") or 0.0, 1.0 / self.grid.frame_rate
+        return np.asarray(strike + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5))
+
+
+def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
+    """Map touches, compression time and crater over contact duration and wire damping, and look closer at the nearest case.
+
+    Raises:
+        ValueError: if no pass of the map strikes, or the extra ``sweep`` is not installed.
+    """
+    started, found = clock.perf_counter(), _mapped(tool, grid, settings)
+    variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings, grid.workers)
+    values = {name: finite(each[found.nearest]) for name, each in found.results.items()}
+    damping, duration = found.tool.bristle.bending_damping_ratio, found.tool.contact.duration or 0.0
+    axes = {"wire_damping_ratio": found.dampings, "contact_duration": found.durations}
+    plain = {name: [[finite(value) for value in row] for row in each.tolist()] for name, each in found.results.items()}
+    return Report(
+        outcome=None,
+        quantities=(
+            Quantity("nearest_contact_duration", "s", duration, label="nearest: contact of a rigid bristle"),
+            Quantity("nearest_wire_damping_ratio", "1", damping, label="nearest: damping ratio of the wire"),
+            *rows(MEASURES, values, printed=MEASURED),
+        ),
+        **ran(found.run) | {"wall_s": clock.perf_counter() - started},
+        remarks=("printed: what film and micrograph show", *_reached(found.results)),
+        tables=(_table(variants),),
+        extra={
+            "map": {name: axis.tolist() for name, axis in axes.items()} | plain,
+            "variants": variants,
+            "frames": [{"time": time, "tip_height": height} for time, height in _seen(found)],
+        },
+        subject=found,
+        answer=_answer(values, duration, damping),
+    )
+
+
+def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
+    try:
+        from bristle_sim.studies.sweep import sweep
+    except ImportError as error:
+        raise ValueError(f"film needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+    straight = tool.replace(knee_angle_deg=0.0, contact="compliant")
+    dampings = grid.largest_damping * np.linspace(0.0, 1.0, grid.dampings) ** 2
+    durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
+    space = {"wire_damping_ratio": dampings, "contact_duration": durations}
+    options: dict[str, Any] = {"workers": None if grid.workers == 1 else grid.workers, "store": grid.store}
+    swept = sweep(functools.partial(followed, settings, straight), space, **options).load()
+    unknown = np.full(swept["failure"].shape, math.nan)
+    results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
+    missed = np.sum([np.log(results[name] / value) ** 2 for name, value in MEASURED.items()], axis=0)
+    if not np.isfinite(missed).any():
+        raise ValueError(
+            f"no pass of the map has a strike that is resolved in time; {swept['failure'].values.ravel()[0]}"
+        )
+    row, column = (int(at) for at in np.unravel_index(int(np.nanargmin(missed)), missed.shape))
+    best = straight.replace(wire_damping_ratio=dampings[row], contact_duration=durations[column])
+    return FilmMap(grid, dampings, durations, results, (row, column), best, simulate(best, settings))
+
+
+@functools.cache
+def _strike_time(tool: Tool, settings: Settings) -> float:
+    run = simulate(tool, settings, stop_after="strike")
+    require_result(run, settings)
+    if (contact := run.first_contact("workpart")) is None:
+        raise ValueError(f"no strike: {run.stop_reason}")
+    return contact.time
+
+
+def followed(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
+    """Return a strike's measures, by the names and in the units of MEASURES, of a tool at other values of its keys.
+
+    The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
+    Raises ValueError for a pass without a strike, or one that is given up.
+    """
+    tool = tool.replace(**keys)
+    until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
+    run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))
+    require_result(run, settings)
+    touches = [each for each in run.contacts if each.obstacle == "workpart"]
+    entries = [math.atan2(-each.velocity_before[0], abs(each.velocity_before[1])) for each in touches]
+    cut = [(each.compressive_work, entry) for each, entry in zip(touches, entries, strict=True) if entry > 0.0]
+    depths = [crater_depth(work, CUTTING_FRICTION, entry) for work, entry in cut if work is not None]
+    values: tuple[float | None, ...] = (float(len(touches)), None, max(depths, default=None), None)
+    if (history := touches[0].history) is not None:
+        values = values[0], compression_end(history), values[2], slide_of(touches[0]).forward
+    return dict(zip(MEASURES, values, strict=True))
+
+
+def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list[dict[str, Any]]:
+    """Return the measures of the nearest case with other shapes, numbers of links and friction, or why there are none."""
+    from joblib import Parallel, delayed
+
+    links = best.bristle.links
+    changes: dict[str, dict[str, float]] = {
+        "straight": {},
+        "reverse bent": {"knee_angle_deg": -knee},
+        "forward bent": {"knee_angle_deg": knee},
+        "rigid": {"wire_links": 1},
+        **{f"{number} links": {"wire_links": number} for number in {links // 2, 5 * links // 4} - {1, links}},
+        **{f"friction {value:g}": {"friction": value} for value in (0.2, 0.5)},
+    }
+
+    def one(keys: Mapping[str, float]) -> dict[str, Any]:
+        try:
+            return followed(settings, best, **keys) | {"failure": ""}
+        except ValueError as error:
+            return dict.fromkeys(MEASURES) | {"failure": str(error)}
+
+    found = Parallel(workers)(delayed(one)(keys) for keys in changes.values())
+    return [{"variant": name, **each} for name, each in zip(changes, found, strict=True)]
+
+
+def _table(variants: list[dict[str, Any]]) -> Table:
+    head = ("the nearest pair, but", "touches", "compression, us", "crater, um", "slide forward, mm")
+    cells = []
+    for each in variants:
+        values = zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True)
+        shown = ("-" if each[name] is None else f"{factor * each[name]:.4g}" for name, factor in values)
+        cells.append((": ".join(filter(None, (each["variant"], each["failure"])))[:40], *shown))
+    return Table("the nearest pair with other wires", head, tuple(cells))
+
+
+def _reached(results: Mapping[str, Array]) -> list[str]:
+    lines = []
+    for name, value in MEASURED.items():
+        label, unit = MEASURES[name]
+        low, high = float(np.nanmin(results[name])), float(np.nanmax(results[name]))
+        reached = f"{amount(value, unit)} {'lies' if low <= value <= high else 'does not lie'} on the map"
+        lines.append(f"{label}: {reached}, {amount(low, unit)} to {amount(high, unit)}")
+    return lines
+
+
+def _seen(film: FilmMap) -> list[tuple[float, float]]:
+    """Return the middle of each exposure and the tip's mean height over the workpart in it, s and m."""
+    during = np.linspace(0.0, film.grid.exposure, 11)
+    heights = (film.run.at(opened + during).tip[:, 1].mean() + film.tool.workpart_depth for opened in film.frames)
+    return [(float(opened + during[5]), float(height)) for opened, height in zip(film.frames, heights, strict=True)]
+
+
+def _answer(values: Mapping[str, float | None], duration: float, damping: float) -> str:
+    missed = []
+    for name, measured in MEASURED.items():
+        value, (label, unit) = values[name] or 0.0, MEASURES[name]
+        if abs(value / measured - 1.0) > EXPLAINED:
+            missed.append(f"{label} {amount(value, unit)}, measured {amount(measured, unit)}")
+    place = f"a contact of {amount(duration, 's')} and a damping ratio of {damping:.2g}"
+    if not missed:
+        return f"{place[0].upper()}{place[1:]} explain touches, compression time and crater to {EXPLAINED:.0%}."
+    return f"No pair of the map explains all three facts; the nearest, {place}, misses {' and '.join(missed)}."
