@@ -160,7 +160,6 @@ class Measured(Declared):
     )
 
 
-@described
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
     """The map over contact stiffness and wire damping, the camera of the nearest pass, and where finished cases are kept."""
