@@ -187,7 +187,10 @@ class FilmGrid(Declared):
     exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s", "time that the camera's shutter is open", "chosen")
     workers: int = count(2, "1 <= workers <= 64", "processes for the map", "chosen: a small computer's")
     store: str | None = _text(
-        "store", "folder", "folder that keeps finished cases, from which an interrupted map goes on", "none"
+        "store",
+        "folder",
+        "folder that keeps finished cases, from which an interrupted map goes on",
+        "none: nothing is kept",
     )
 
     def __post_init__(self) -> None:
