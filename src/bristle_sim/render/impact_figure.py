@@ -16,14 +16,9 @@ from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, 
 
 LEFT, FOOT, WIDTH, HEIGHT = 1.45, 1.9, 13.4, 4.9  # left and lower edge, width and height of the panel, cm
 PHASE_COLOURS = {
-    "compression slip": "#e6eef6",
-    "compression reverse slip": "#d3e2f0",
-    "compression stick": "#dadde6",
-    "restitution slip": "#eff5e8",
-    "restitution reverse slip": "#e0ecd2",
-    "restitution stick": "#e7e7df",
-}
-
+    "compression slip": "#e6eef6", "compression reverse slip": "#d3e2f0", "compression stick": "#dadde6",
+    "restitution slip": "#eff5e8", "restitution reverse slip": "#e0ecd2", "restitution stick": "#e7e7df",
+}  # fmt: skip
 NARROW = 0.09  # a phase that takes less than this fraction of the panel is not named in it
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
@@ -31,20 +26,16 @@ LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_ve
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
     """Draw an impact on the impulse plane, phase by phase."""
-    figure = blank_figure(16.0, 8.0)
-    axes = add_panel(figure, (LEFT, FOOT, WIDTH, HEIGHT), "the impact over its normal impulse", _coefficients(impacts))
+    figure, surface = blank_figure(16.0, 8.0), impacts.surface
+    angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
+    later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
+    words = f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
+    axes = add_panel(figure, (LEFT, FOOT, WIDTH, HEIGHT), "the impact over its normal impulse", words)
     resolved = impacts.strikes.get("compliant")
     history = None if resolved is None else resolved.contact.history
     recorded = None if history is None else recorded_course(history)
-    _draw_impulse_plane(axes, energetic_course(impacts.chain, impacts.surface), recorded)
+    _draw_impulse_plane(axes, energetic_course(impacts.chain, surface), recorded)
     return figure
-
-
-def _coefficients(impacts: Impacts) -> str:
-    surface = impacts.surface
-    angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
-    later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
-    return f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
@@ -104,14 +95,11 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         if 0.0 < place < math.inf:
             near = next((other for other in marks if abs(other - place) < 0.02 * last), place)
             marks.setdefault(near, []).append(name)
+    foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
     for place, names in marks.items():
-        # Slip may stop within compression or restitution, whose names stand above.
-        look: dict[str, Any] = {
-            "linewidth": 0.7,
-            "dashes": (4, 2),
-            "zorder": 1,
-            "ymax": 0.8 if names == ["p_s"] else 1.0,
-        }
-        axes.axvline(place * factor, color=BLACK, gid=" ".join(names), **look)
-        foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
+        top = (
+            0.8 if names == ["p_s"] else 1.0
+        )  # slip may stop within compression or restitution, whose names stand above
+        look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "ymax": top}
+        axes.axvline(place * factor, gid=" ".join(names), **look)
         note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)
