@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, say, styled
-from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
+from bristle_sim.studies.bent_bristles import BentBristles, against_film
 from bristle_sim.trajectory import ContactRecord
 
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
@@ -73,13 +73,15 @@ def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact
         paths.plot(*(MILLIMETRES * (tips - origin)).T, color=color, **MARKS[mark])
     if history is None:
         return
-    time, path = MICROSECONDS * (history.time - history.time[0]), MILLIMETRES * slide_path(history)
-    paths.plot(path, -MILLIMETRES * history.penetration, color=color, **MARKS["in touch"])
+    time = np.linspace(contact.time, end, 400)
+    path, above = (MILLIMETRES * (run.at(time).tip - origin)).T
+    time = MICROSECONDS * (time - contact.time)
+    paths.plot(path, above, color=color, **MARKS["in touch"])
     slides.plot(time, path, color=color)
-    compressed = int(np.argmax(history.penetration))
+    compressed, turned = int(np.argmin(above)), int(np.argmax(path))
     slides.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
     if slide is not None and slide.ending == "turns":
-        slides.plot(time[np.argmax(path)], path.max(), color=color, **MARKS["slip turns back"])
+        slides.plot(time[turned], path[turned], color=color, **MARKS["slip turns back"])
 
 
 def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:

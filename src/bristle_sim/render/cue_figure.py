@@ -40,7 +40,8 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
-    lines = [("simulated", BLUE, "-", timing.motion)]
+    course = timing.trajectory.course()
+    lines = [("simulated", BLUE, "-", (course.time, course.retraction, course.relative_rate))]
     if timing.formula is not None:
         instants = np.linspace(0.0, timing.formula.cue_time, POINTS)
         formula = (instants, *released_motion(timing.tool, timing.retraction, instants))
@@ -112,4 +113,5 @@ def _draw_table(axes: Axes, timing: CueTiming) -> None:
     table.scale(1.0, 1.5)
     for column, color in ((1, BLUE), (2, VERMILION)):
         table[0, column].get_text().set_color(color)
-    note(axes, "bars from the workpart's normal; lags at the strikes of full passes", (0.0, 0.0), (0.0, -9.0))
+    words = "bars from the workpart's normal;\nlags at the strikes of full passes"
+    note(axes, words, (0.0, 0.0), (-12.0, 2.0), va="top")

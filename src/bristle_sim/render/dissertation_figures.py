@@ -166,9 +166,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
     lines = [line for line in (*names, *levels.values()) if str(line.get_label()).strip()]
-    look = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
+    look = {"fontsize": 6.5, "handlelength": 0.9, "handletextpad": 0.3, "labelspacing": 0.25}
     if panel.family:
-        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
+        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.55}
     else:
         look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
     axes.legend(handles=lines, **look)

@@ -157,8 +157,10 @@ class TipDrawing:
         left = motion.at("depth", motion.touch_end)
         if left > CRATER * motion.depth.max():
             crater = scale_for(left, "m")
-            why = f"the tip leaves a crater of {left * crater.factor:.3g} {crater.unit},\nbelow the old surface."
-            why = f"It unloads more stiffly than it loads:\n{why}"
+            deep = f"{left * crater.factor:.3g} {crater.unit}"
+            why = (
+                f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {deep}, below\nthe old surface."
+            )
             axes.text(0.03, 0.1, why, color=BLACK, **words | {"fontsize": 0.92 * size})
         axes.text(0.03, 0.02, "normal force", color=NORMAL, **words)
         axes.text(0.97, 0.02, "friction on the tip", color=TANGENTIAL, ha="right", **words)

@@ -69,7 +69,7 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, values: np.ndarray |
     left, bottom, width, height = axes.get_position().bounds
     scale = figure.add_axes((left + 1.03 * width, bottom, 0.04 * width, height))
     figure.colorbar(image, cax=scale, extend="max" if np.nanmax(values, initial=high) > high else "neither")
-    scale.set_title({"°": "deg."}.get(unit, unit), fontsize=7.0, color=GREY)
+    scale.set_title(unit, fontsize=7.0, color=GREY)
     axes.set_aspect("equal")
     lag = maps.get("lag_deg_at_contact")
     if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):

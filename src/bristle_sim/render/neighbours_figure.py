@@ -53,7 +53,7 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
             words, dashes = LEAST[each.name]
             if (least := each.by_theory) is not None:
                 axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=f"{least:.2f}°: {words}")
-        axes.set(xlabel="pitch (°)", ylabel={"°": "degrees"}.get(unit, unit), xlim=(0.0, None))
+        axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
         if np.isnan(strikes[name]).all():
             say(axes, "no strike at any pitch")
     handles, _ = axes.get_legend_handles_labels()

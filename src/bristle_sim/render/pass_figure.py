@@ -21,7 +21,7 @@ from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
 from bristle_sim.trajectory import ContactRecord, Event, Motion, Trajectory
 
-DRAWING, PANEL, ROW = (8.7, 6.6), (13.4, 2.9), 3.2
+DRAWING, PANEL, ROW = (8.1, 6.6), (13.4, 2.9), 3.2
 """Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
 
 BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
@@ -61,7 +61,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     ]
     anchor = (0.5, (base - 1.6) / (20.0 + forced * ROW))
     figure.legend(handles=handles, loc="center", bbox_to_anchor=anchor, ncols=len(handles), columnspacing=1.6)
-    _draw_table(axes_at(figure, 10.25, base, 5.6, 6.6), marks, trajectory)
+    _draw_table(axes_at(figure, 9.65, base, 6.2, 6.6), marks, trajectory)
     potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
     rows: list[tuple[str, list[tuple[str, Array, dict[str, Any]]]]] = [
         ("retraction (°)", [("retraction", np.degrees(course.retraction), {})]),
@@ -191,7 +191,7 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     """List the numbered instants, and below them the strike's speeds, or why there is none."""
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
-    for x, heading in {0.08: "event", 0.765: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
+    for x, heading in {0.08: "event", 0.75: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
         axes.text(x, 0.4, heading, ha="left" if x < 0.5 else "right", va="center", fontsize=7.0, color=GREY)
     for row, mark in enumerate(marks, start=1):
         retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
@@ -200,7 +200,7 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
         if name == "largest retraction" and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01:
             name = "largest retraction so far"
         axes.text(0.08, -row, name, fontsize=7.0)
-        axes.text(0.765, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
+        axes.text(0.75, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
         axes.text(1.0, -row, signed(retraction, 2), fontsize=7.0, ha="right")
     contact = trajectory.first_contact("workpart")
     lines = ["no strike; the run ended:", str(trajectory.stop_reason)]

@@ -31,7 +31,7 @@ _LOOK = mpl.rc_params_from_file(Path(__file__).with_name("look.mplstyle"), use_d
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 QUANTITIES: dict[str, tuple[str, str, float]] = {
-    "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
+    "lag_deg_at_contact": ("lag at the strike", "degrees", 1.0),
     "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),
     "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
     "normal_final_impulse": ("normal impulse", "mN·s", 1e3),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.style import MICROSECONDS, add_panel, blank_figure, note, scale_for, styled
+from bristle_sim.studies.contact_course import cubics
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 
 LOOKS = {
@@ -45,7 +47,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
         axes.xaxis.set_major_formatter("{x:g}")
         if axes.get_xlim()[0] < own < axes.get_xlim()[1]:
             axes.axvline(own, color=BLACK, linewidth=0.8, dashes=(2, 2), zorder=1)
-            note(axes, "a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
+            note(axes, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
     by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
     impulse.set_ylabel("impulse, wire / rigid bristle")
     others.set_ylabel(f"wire of {most} links / rigid bristle")
@@ -70,8 +72,9 @@ def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
         shown = scale_for(values["normal_final_impulse"], "N s")
         label = f"{name}, {values['normal_final_impulse'] * shown.factor:.3g} {shown.unit}"
         time = (history.time - history.time[0]) * clock.factor
-        axes.fill_between(time, history.normal_force, color=color, alpha=0.12, linewidth=0.0)
-        axes.plot(time, history.normal_force, color=color, label=label)
+        force = cubics(time, history.normal_force)(shown_time := np.linspace(0.0, time[-1], 300))
+        axes.fill_between(shown_time, force, color=color, alpha=0.12, linewidth=0.0)
+        axes.plot(shown_time, force, color=color, label=label)
     axes.set(xlabel=f"time since the first touch ({clock.unit})", ylabel="normal force (N)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(0.0, 1.3 * max(rigid["peak_force"], own["peak_force"]))

@@ -13,12 +13,13 @@ from bristle_sim.render.colours import BLACK, BLUE, ORANGE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, signed, styled
+from bristle_sim.studies.contact_course import cubics
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.wire import hinge_stiffness
 
 LONGEST_FORCE = 0.22  # arrow of the largest force as it is drawn, in lengths of the wire
 ARRIVED = 0.1  # fraction of the largest bending moment at which the wave has reached the hinge next to the root
-GRID = 400  # instants of the map of bending moments
+GRID = 400  # instants of the curves of force and of the map of bending moments
 
 
 class WireFilm(Film):
@@ -79,8 +80,9 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    history = run.contact.history
-    return history.time - history.time[0], history.normal_force
+    history, clock = run.contact.history, run.contact.history.time - run.contact.history.time[0]
+    time = np.linspace(0.0, clock[-1], GRID)
+    return time, cubics(clock, history.normal_force)(time)
 
 
 def _centre_line(run: Any, time: float) -> Array:
