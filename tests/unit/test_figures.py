@@ -13,8 +13,11 @@ from matplotlib.figure import Figure
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.cli import Scenario, command
+from bristle_sim.dissertation.figures import NUMBERS, redrawn
+from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, best_methods, cost_figure, verdict
 from bristle_sim.render.crater_figure import MEASURED, MICRO
+from bristle_sim.render.dissertation_figures import contact_sheet, draw
 from bristle_sim.render.style import add_panel, blank_figure
 from bristle_sim.render.wire_figure import wire_figure
 from figure_faults import faults
@@ -36,8 +39,11 @@ OTHERS = {
     "inertia_driven": ("", "belt_stiffness=0.1", "penetration=-0.01"),
     "neighbours": ("pitch_deg=15 search=no", "pitch_deg=50 search=no"),
     "crater_depth": ("", "friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
-    "force_history": ("",),
-    "whole_tool": ("",),
+    "force_history": ("", "restitution=0.6"),
+    "whole_tool": ("", "hub_speed=500 friction=0.6"),
+    "measured_impacts": ("",),
+    "tolerances": ("samples=8",),
+    "flexible_wire": ("wire_links=4 friction=0.6 contact_duration=0.2ms",),
 }
 QUICK = {("cue_and_impact", PASSES[7]), ("crater_depth", "friction=0.3"), ("oblique_impact", "friction=0.9")}
 """Drawn with every run of the tests; the others are many."""
@@ -48,10 +54,13 @@ def scenario(name: str) -> Scenario:
     return command.load(command.scripts()[name])
 
 
-def drawn(name: str, assignments: str) -> Figure:
+def drawn(name: str, assignments: str, film: bool = False) -> Figure:
+    """The figure of a scenario, or the still part of its film."""
     declared = scenario(name)
-    assert declared.plot is not None
-    return declared.plot(declared.answer(declared.values_of(assignments.split())))
+    draw = declared.film if film else declared.plot
+    assert draw is not None
+    made = draw(declared.answer(declared.values_of(assignments.split())))
+    return made.figure if film else made
 
 
 CASES = [("cue_and_impact", each) for each in PASSES]
@@ -63,6 +72,27 @@ CASES += [(name, each) for name, given in OTHERS.items() for each in given]
 )
 def test_nothing_overlaps_is_cut_or_empty(name: str, assignments: str):
     assert faults(drawn(name, assignments)) == []
+
+
+FILMS = [("cue_and_impact", PASSES[3]), ("oblique_impact", "impact_angle_deg=80"), ("inertia_driven", "")]
+FILMS += [("neighbours", "pitch_deg=15 search=no"), ("flexible_wire", "wire_links=4")]
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("name", "assignments"), FILMS)
+def test_nothing_that_is_still_in_a_film_overlaps_is_cut_or_empty(name: str, assignments: str):
+    assert faults(drawn(name, assignments, film=True)) == []
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_dissertations_figures_can_be_read(number: str):
+    assert faults(draw(redrawn(number))) == []
+
+
+@pytest.mark.nightly
+def test_the_sheet_of_the_dissertations_figures_can_be_read():
+    assert faults(contact_sheet(redrawn(number) for number in NUMBERS)) == []
 
 
 def titles(figure: Figure) -> str:
@@ -167,8 +197,10 @@ def test_a_fault_is_seen():
     figure = blank_figure(10.0, 8.0)
     add_panel(figure, (1.0, 1.0, 3.0, 3.0), "nothing")
     axes = add_panel(figure, (6.0, 1.0, 3.0, 3.0), "a title that goes on and on, far beyond the page's edge")
-    axes.plot([0.0, 1.0], [0.0, 1.0])
+    axes.plot([0.0, 1.0], [0.0, 1.0], label="named")
+    axes.plot([0.0, 1.0], [1.0, 0.0], color=PURPLE)
+    axes.legend()
     axes.set_ylabel("(°)")
     for shift in (0.0, 0.05):
         axes.text(0.5, 0.5 + shift, "words")
-    assert {each.split()[0] for each in faults(figure)} == {"empty", "cut:", "a", "overlap:"}
+    assert {each.split()[0] for each in faults(figure)} == {"empty", "cut:", "a", "overlap:", "not"}

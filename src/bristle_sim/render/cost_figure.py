@@ -66,9 +66,12 @@ def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
         rows = [row for row in measured.effects if row.what == what]
         numbers, times = [int(row.effect) for row in rows], [row.cpu_s * MILLISECONDS for row in rows]
         axes.loglog(numbers, times, color=color, marker=marker, markersize=3.6, linewidth=1.3, label=label)
-    axes.set_title("cost over links and bristles", loc="left", pad=16.0)
+    axes.set_title("cost over links and bristles", loc="left", pad=16.0, fontweight="bold")
     axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
     axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlim(0.85, 1.3 * max(int(row.effect) for row in measured.effects if row.what in names))
     axes.set_xlabel("number", labelpad=1.0)
     axes.set_ylabel("CPU time (ms)", labelpad=2.0)
@@ -86,16 +89,21 @@ def best_methods(points: Sequence[Point]) -> dict[str, str]:
     return best
 
 
+def compared(points: Sequence[Point]) -> tuple[float, Point | None, Point | None]:
+    """Return the error that is compared, the cheapest of our points there and the cheapest of all peers."""
+    for target in TARGETS:
+        if own := cheapest([point for point in points if package_of(point.method) == OURS], target):
+            return target, own, cheapest([point for point in points if package_of(point.method) != OURS], target)
+    return 1.0, None, None
+
+
 def verdict(points: Sequence[Point]) -> str:
     """Return the cheapest of ours and the cheapest of all peers at one error, in words."""
-    ours = [point for point in points if package_of(point.method) == OURS]
-    peers = [point for point in points if package_of(point.method) != OURS]
-    for target in TARGETS:
-        own, peer = cheapest(ours, target), cheapest(peers, target)
-        if own is not None:
-            said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
-            return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}, no peer gets there"
-    return "none of our methods is within 1"
+    target, own, peer = compared(points)
+    if own is None:
+        return "none of our methods is within 1"
+    said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
+    return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}, no peer gets there"
 
 
 def _shown(point: Point) -> str:
@@ -121,17 +129,26 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
         else:
             grey.setdefault(package, []).append(method.partition(" ")[2])
         axes.loglog(times, errors, gid=method, **look)
+    if grey:
+        axes.plot([], [], **{**PALE, "linewidth": 1.6}, label="others, named below")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
     axes.axhline(TARGETS[0], color=GREY, linewidth=0.7, dashes=(4, 2), zorder=0)
     in_time = [each for each in points if each.method not in NOT_IN_TIME]
-    note(axes, verdict(in_time), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
+    note(axes, verdict(in_time), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", color=BLACK, fontsize=6.5)
+    for each in compared(in_time)[1:]:
+        if each is not None:
+            ring: dict[str, Any] = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
+            axes.plot([each.cpu_s * MILLISECONDS], [max(each.error, LEAST)], "o", label="compared above", **ring)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
     look = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, -1.05 / PANEL[1]), ncols=2, borderaxespad=0.0, **look)
+    handles, names = axes.get_legend_handles_labels()
+    unique = dict(zip(names, handles, strict=True))
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (-0.2, -1.05 / PANEL[1]), "borderaxespad": 0.0}
+    axes.legend(unique.values(), unique.keys(), ncols=2, **place, **look)
     words = "grey: " + "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
     packages = {package_of(point.method) for point in drawn}
     notes = [each for each in case.notes if each.partition(":")[0] in packages]
