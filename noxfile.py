@@ -4,7 +4,11 @@
 # ///
 """Tasks of a developer, each in its own virtual environment: ``nox`` checks and tests, ``nox -l`` lists all."""
 
+from collections import Counter, defaultdict
+
 import nox
+
+LEAST_NOTICED = 0.93  # fraction of mutmut's changes that tests must notice; the rest changes words, effort or nothing
 
 nox.needs_version = ">=2024.10.9"
 nox.options.default_venv_backend = "uv|virtualenv"
@@ -49,17 +53,33 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def nightly(session: nox.Session) -> None:
-    """Run what takes long: long wires, long random lists and lines, with every peer."""
-    session.install("-e", ".[test,peers]", "playwright")
+    """Run the long tests, with every peer: long wires, long random lists and lines; and make the site's kept results anew."""
+    session.install("-e", ".[sweep,test,peers]", "playwright")
     session.run("pytest", "-m", "nightly", *session.posargs)
+    session.run("python", "docs/keep.py")
 
 
 @nox.session(default=False)
 def mutants(session: nox.Session) -> None:
-    """Change the physics in every way that mutmut knows, and list the changes that no test notices; hours."""
+    """Change the physics in every way that mutmut knows; print the survivors and, by module, the changes that tests notice; hours.
+
+    Arguments after ``--`` are patterns of names, such as ``"bristle_sim.theory.cueing*"``.
+    """
     session.install("-e", ".[test]", "mutmut>=3.3")
     session.run("mutmut", "run", *session.posargs)
-    session.run("mutmut", "results")
+    modules: dict[str, Counter[str]] = defaultdict(Counter)
+    for line in str(session.run("mutmut", "results", "--all", "true", silent=True)).splitlines():
+        name, _, status = line.strip().rpartition(": ")
+        if name and status != "not checked":
+            modules[name.rpartition(".")[0]][status] += 1
+            if status in ("survived", "no tests", "suspicious"):
+                session.log(f"{status}: {name}")
+    for module, found in sorted(modules.items()):
+        session.log(f"{found['killed'] + found['timeout']:5} of {found.total():5} noticed: {module}")
+    noticed = sum(found["killed"] + found["timeout"] for found in modules.values())
+    changes = sum(found.total() for found in modules.values())
+    if noticed < LEAST_NOTICED * changes:
+        session.error(f"{noticed} of {changes} changes are noticed; must be at least {LEAST_NOTICED:.0%}")
 
 
 @nox.session(default=False)
