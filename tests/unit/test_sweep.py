@@ -98,6 +98,7 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
         (lambda x: {"x": x}, {"x": [1.0]}, "must not be named as a parameter or"),
         (lambda x: {"sample": x}, {"x": ("sample", [1.0])}, "must not be named as a parameter or dimension"),
         (lambda x: {"a/b": x}, {"x": [1.0]}, "its result 'a/b' must have a name without /"),
+        (lambda x: {"": x}, {"x": [1.0]}, "its result '' must have a name"),
         (dict, {"a/b": [1.0]}, "its parameter 'a/b' must have a name without /"),
         (3, {"x": [1.0]}, "function = 3: must be callable"),
         *((power, SPACE | {"workers": each}, "workers = .*must be") for each in (0, True, 1.5, "two", 10**6)),
