@@ -156,7 +156,7 @@ class _Contacts:
         for at, slides in ((active[slips], True), (active[~slips], False)):
             if not at.size:
                 continue
-            bodies, before = Bodies(*self.bodies[:, at]), Motion(*self.motion[:, at])
+            bodies, before = Bodies(*np.take(self.bodies, at, axis=1)), Motion(*np.take(self.motion, at, axis=1))
             if slides:
                 after, event, done = _slip(bodies, before)
             else:
@@ -165,7 +165,9 @@ class _Contacts:
             over = self.note(at, bodies, before, after, event, done)
             self.motion[:4, at] = after[:4]
             turns = np.flatnonzero((event != NONE) & ~over)
-            self.turn(at[turns], event[turns])
+            if turns.size < at.size:
+                bodies, after = Bodies(*(each[turns] for each in bodies)), Motion(*(each[turns] for each in after))
+            self.turn(at[turns], before.slip[turns], _turned(bodies, after, event[turns]), event[turns])
             going.append(at[~over])
         return np.concatenate(going)
 
@@ -174,21 +176,21 @@ class _Contacts:
     ) -> Number:
         """Add a step of the contacts ``at`` an index; return which of them it ends."""
         row, loading = self.row[at], before.loading > 0.0
-        self.totals[:, row, at] += done
+        for total, part in zip(self.totals, done, strict=True):
+            total.ravel()[row * total.shape[1] + at] += part
         self.slips[row, at] = np.where(done[0] > 0.0, before.slip, self.slips[row, at])
         counts = (before.slip == 0.0) | (bodies.restitution < LEAST_EXACT)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
         parts, never = event == APART, event == NEVER
+        over = parts | never | ((event == LINE) & loading & (bodies.restitution == 0.0))
         parted = np.where(parts & (after.normal > 0.0), REBOUND, NO_REBOUND)
         pressed = loading | (after.normal < -KNIFE_EDGE * bodies.approach)
         self.outcome[at] = np.where(never, np.where(pressed, JAM, STICTION), parted)
-        return parts | never | ((event == LINE) & loading & (bodies.restitution == 0.0))
+        return over
 
-    def turn(self, at: Number, event: Number) -> None:
-        """Go on to the phase after an event, and to its row."""
-        bodies, before = Bodies(*self.bodies[:, at]), Motion(*self.motion[:, at])
-        after = _turned(bodies, before, event)
+    def turn(self, at: Number, slip: Number, after: Motion, event: Number) -> None:
+        """Go on from a slip, or stick, to the phase after an event, and to its row."""
         self.motion[:, at] = after
         line = event == LINE
         again = line & (after.loading > 0.0)
@@ -196,7 +198,7 @@ class _Contacts:
         if chosen.size:
             self.totals[:, 1, chosen] += self.totals[:, 2:, chosen].sum(axis=1)
             self.totals[:, 2:, chosen], self.slips[2:, chosen] = 0.0, 0.0
-        turned = after.slip != before.slip
+        turned = after.slip != slip
         row = self.row[at]
         self.row[at] = np.where(again, 1, np.where(line, 2, np.where(turned, row | 1, row)))
         stops = at[turned & (self.initial[at] != 0.0) & (self.slip_stop[at] == INFINITE)]

@@ -43,7 +43,10 @@ FEW = 8  # a fraction 1/8 of the contacts is worth the cost of gathering, or of 
 
 STEPS = 12  # steps after which those of the contacts that have no event yet wait for the next round
 
-REACH = 2.0
+REACH, TANGENT = 2.0, 1.2
+"""Longest step by the bound of f''', over the fast mode's time scale, and over the distance of the tangent's root."""
+
+CONVEX = 0.9  # part of the step for which a function that rises and bends upwards does so by the bound of f'''
 
 GRAZE = 1.0 - 1e-13  # a fast oscillation that reaches a zero by less than the rest of its amplitude does not reach it
 
@@ -108,8 +111,10 @@ class _Modes(NamedTuple):
     constant: Number
     line_noise: Number
     loading: Number
+    close: Number
     bend: Number
     jerk: Number
+    reach: Number
     swing: Number
     slow_bend: Number
     drifts: Number
@@ -200,22 +205,32 @@ def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, tuple[Number, Number
     bends = abs(parts) * np.where(squares > 0.0, swings * rates, 0.0)[:, np.newaxis]
     bends[:, 2] *= np.where(loading, rates, 1.0)
     peak = motion.peak / steep
+    terms, line_noise = up * sizes + aside * sizes[::-1], NOISE * np.where(loading, _both(sizes * swings), peak)
+    close = np.empty_like(bends[0])
+    close[:2], close[2] = WIDE * NOISE * _both(terms * (swings / rates)), WIDE * line_noise
     return _Modes(
         speeds,
         forces,
         squares,
         rates,
         parts,
-        terms=up * sizes + aside * sizes[::-1],
+        terms=terms,
         constant=np.where(loading, 0.0, peak),
-        line_noise=NOISE * np.where(loading, (sizes * swings).sum(axis=0), peak),
+        line_noise=line_noise,
         loading=loading,
-        bend=bends.sum(axis=0),
-        jerk=(bends * rates[:, np.newaxis]).sum(axis=0),
+        close=close,
+        bend=_both(bends),
+        jerk=_both(bends * rates[:, np.newaxis]) / 3.0,
+        reach=REACH / rates[0],
         swing=bends[0] / first,
         slow_bend=bends[1],
         drifts=drifts.astype(float),
     ), (cosine, sine)
+
+
+def _both(pair: Number) -> Number:
+    """Return the sum over the two modes; numpy's own is slow along so short an axis."""
+    return pair[0] + pair[1]
 
 
 def _state(modes: _Modes, time: Number, *, sums: bool = False) -> tuple[Number, ...]:
@@ -252,51 +267,51 @@ def _followed(modes: _Modes, settles: Number, patient: bool) -> tuple[Number, Nu
 
 def _chosen(modes: _Modes, at: Number) -> _Modes:
     """Return the modes of some of the contacts."""
-    return _Modes(*(each[..., at] for each in modes))
+    return _Modes(*(np.take(each, at, axis=-1) for each in modes))
 
 
 def _step(modes: _Modes, time: Number, patient: bool) -> tuple[Number, Number]:
     """Return a step that passes no event, and the event; a contact that is at one stays there."""
     speeds, forces = _state(modes, time)
-    loading, squares = modes.loading, modes.squares
+    loading, parts, squares = modes.loading, modes.parts, modes.squares
     gains = squares * forces
-    # Each function's parts of its value and of its slope: G and -w, at the end of loading w and lambda G.
-    values, slopes = np.empty_like(modes.parts), np.empty_like(modes.parts)
-    values[:, :2], slopes[:, :2] = forces[:, np.newaxis], -speeds[:, np.newaxis]
-    values[:, 2], slopes[:, 2] = np.where(loading, speeds, forces), np.where(loading, gains, -speeds)
-    values *= modes.parts
-    slopes *= modes.parts
-    value, slope = values[0] + values[1], slopes[0] + slopes[1]
-    value[2] += modes.constant
-    bend = -(squares[0] * values[0] + squares[1] * values[1])
-    noise = np.empty_like(value)
-    noise[:2], noise[2] = NOISE * (modes.terms * abs(forces)).sum(axis=0), modes.line_noise
+    value, slope, bend = np.empty_like(modes.bend), np.empty_like(modes.bend), np.empty_like(modes.bend)
+    value[:2] = parts[0, :2] * forces[0] + parts[1, :2] * forces[1]
+    slope[:2] = -(parts[0, :2] * speeds[0] + parts[1, :2] * speeds[1])
+    bend[:2] = -(parts[0, :2] * gains[0] + parts[1, :2] * gains[1])
+    # The line's function is one of G, or at the end of loading of w, whose slope is lambda G.
+    across, inclined, along = np.where(loading, speeds, forces), np.where(loading, gains, -speeds), parts[:, 2]
+    value[2] = modes.constant + along[0] * across[0] + along[1] * across[1]
+    slope[2] = along[0] * inclined[0] + along[1] * inclined[1]
+    bend[2] = -(along[0] * squares[0] * across[0] + along[1] * squares[1] * across[1])
 
     above = np.maximum(value, 0.0)
-    steps = _root(above, slope, modes.bend)
-    reach = np.maximum(REACH * steps, 1.5 * np.maximum(bend, 0.0) / (modes.jerk + TINY))
-    steps = np.fmax(steps, np.minimum(_root(above, slope, modes.jerk * reach / 3.0 - bend), reach))
+    reach = np.minimum(np.where(slope < 0.0, TANGENT * above / -slope, INFINITE), modes.reach)
+    steps = np.minimum(_root(above, slope, np.minimum(modes.jerk * reach - bend, modes.bend)), reach)
+    steps = np.fmax(steps, np.where(slope >= 0.0, CONVEX * bend / modes.jerk, 0.0))
     if patient:
-        slow = values[1]
-        slow[2] = np.where(loading, modes.drifts * slow[2], slow[2] + modes.constant)
+        slow, slow_slope = parts[1] * forces[1], -modes.drifts * parts[1] * speeds[1]
+        slow[2] = modes.constant + along[1] * np.where(loading, modes.drifts * speeds[1], forces[1])
+        slow_slope[2] = along[1] * np.where(loading, gains[1], -modes.drifts * speeds[1])
         clear = slow - GRAZE * modes.swing
-        longer = _root(np.maximum(clear, 0.0), modes.drifts * slopes[1], modes.slow_bend)
+        longer = _root(np.maximum(clear, 0.0), slow_slope, modes.slow_bend)
         steps = np.where(clear > 0.0, np.maximum(steps, longer), steps)
-    at = np.zeros(value.shape, dtype=bool)
-    low = np.nonzero(value <= WIDE * noise)
-    if low[0].size:
-        slope_noise = NOISE * (modes.terms[:, low[1]] * abs(speeds[:, low[1]])).sum(axis=0) * (low[0] < 2)
-        jerk = squares[0, low[1]] * slopes[0][low] + squares[1, low[1]] * slopes[1][low]
-        jerk = np.where(low[0] < 2, jerk, INFINITE)
-        near = [each[low] for each in (steps, value, slope, bend, noise, modes.bend)]
-        near += [slope_noise, modes.rates[0, low[1]], jerk]
-        steps[low], at[low] = _at_zero(*near)
-
-    step = steps.min(axis=0)
-    event = np.where(at[2], LINE, np.where(at[1], FORWARD, np.where(at[0], BACKWARD, NONE)))
+    event = np.zeros(time.size, dtype=int)
+    close = np.nonzero(value <= modes.close)
+    if close[0].size:
+        of, at = close
+        line, terms, rate = of == 2, modes.terms[:, at], modes.rates[0, at]
+        noise, slope_noise = (NOISE * _both(terms * abs(each[:, at])) for each in (forces, speeds))
+        noise, slope_noise = np.where(line, modes.line_noise[at], noise), np.where(line, 0.0, slope_noise)
+        jerk = np.where(line, INFINITE, _both(squares[:, at] * parts[:, of, at] * speeds[:, at]))
+        near = [*(each[close] for each in (steps, value, slope, bend, modes.bend)), noise, slope_noise, rate, jerk]
+        steps[close], falls = _at_zero(*near)
+        for function, name in ((0, BACKWARD), (1, FORWARD), (2, LINE)):
+            event[at[falls & (of == function)]] = name
+    step = np.minimum(np.minimum(steps[0], steps[1]), steps[2])
     event = np.where((step == INFINITE) & (event == NONE), NEVER, event)
-    parts = ~loading & (value[2] >= modes.constant * (1.0 - NOISE)) & (slope[2] > 0.0)
-    event = np.where(parts, APART, event)
+    parted = ~loading & (value[2] >= modes.constant * (1.0 - NOISE)) & (slope[2] > 0.0)
+    event = np.where(parted, APART, event)
     return np.where(event == NONE, step, 0.0), event
 
 
@@ -305,8 +320,8 @@ def _at_zero(
     value: Number,
     slope: Number,
     bend: Number,
-    noise: Number,
     most: Number,
+    noise: Number,
     slope_noise: Number,
     rate: Number,
     jerk: Number,
@@ -314,7 +329,7 @@ def _at_zero(
     """Return the step from a zero of a function that leaves it, and whether it falls instead, by more than rounding."""
     # On the border of stick, with modes of equal rates, the force keeps to the edge.
     flat = (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise)
-    flat &= abs(jerk) <= FLAT * rate * most
+    flat &= (abs(jerk) <= FLAT * rate * most) & (value <= WIDE * noise)
     zero, slope = value <= noise, np.where(abs(slope) <= slope_noise, 0.0, slope)
     square, dip = slope * slope, 2.0 * noise * bend
     lift = np.where(most > 0.0, bend / (rate * most), 0.0)
