@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.units import Declared, choice, count, quantity
+from bristle_sim.units import ANY, Declared, choice, count, quantity
 
 Vector = tuple[float, float]
 
@@ -258,9 +258,20 @@ class Contact(Declared):
         "short enough for the rigid-body limit",
         needs="contact = compliant",
     )
+    tangential_compliance: float = quantity(
+        0.0,
+        "0 <= tangential_compliance <= 1e4",
+        "stiffness of the contact along its normal over that along the surface, eta^2; 1.21: steel",
+        "chosen: rigid along the surface",
+        usual=ANY,
+    )
 
     def __post_init__(self) -> None:
         Declared.__post_init__(self)
+        if self.tangential_compliance and self.law == "engine":
+            raise ValueError(
+                f"tangential_compliance = {self.tangential_compliance:g}: must be 0 with contact = engine (dimensionless)"
+            )
         if self.duration is not None and self.law != "compliant":
             raise ValueError(
                 f"contact_duration = {self.duration:g}: must be left out with contact = {self.law}, whose impacts are not"

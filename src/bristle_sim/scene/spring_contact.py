@@ -40,7 +40,7 @@ def after_impact(motion: SmoothMotion) -> list[Sustained]:
 def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let a point slip as it moves, or stick, and record the phase that begins."""
     slip = motion.progress.gaps.closest(contact.obstacle, motion.progress.state).velocity[1]
-    if abs(slip) > motion.progress.slip_error:
+    if abs(slip) > motion.progress.slip_error and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
     else:
         _settle_slip(motion, contact, spring)
@@ -52,6 +52,10 @@ def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
     contact, spring = change.contact, change.contact.spring
     assert spring is not None
     before = spring.loading, spring.slip
+    if spring.elastic:
+        spring.stick_force = spring.forces(
+            spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
+        )[1]
     outcome = _change(motion, contact, spring, change.event)
     # Bodies that vibrate meanwhile may press the point on again.
     quiet = motion.progress.mechanism.lone or not spring.expected.moves
@@ -63,7 +67,7 @@ def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
         return outcome
     _note_phase(contact, spring)
     course = spring.course
-    if spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip:
+    if spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip and not spring.elastic:
         if not spring.expected.moves:
             return Outcome.JAM
         if course.stopped is None:
@@ -89,7 +93,7 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
             return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
         case SpringEvent.PRESSED_ON:
             spring.loading = True
-            if not spring.slip:
+            if spring.elastic or not spring.slip:
                 _settle_slip(motion, contact, spring)
         case SpringEvent.STICK_BREAKS:
             spring.slip = -1 if spring.stick_force > 0.0 else 1
@@ -98,7 +102,7 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
             stopped = not spring.slip and _ends_in_stiction(motion, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
             together = -progress.approach(contact.obstacle) <= STOPS_TOGETHER * course.approach
-            if spring.loading and (stopped or together):
+            if spring.loading and not spring.elastic and (stopped or together):
                 return _end_compression(motion, contact, spring)
     return None
 
@@ -110,7 +114,7 @@ def _end_compression(motion: SmoothMotion, contact: Sustained, spring: Spring) -
         return Outcome.NO_REBOUND
     if _ends_in_stiction(motion, spring):
         return Outcome.STICTION
-    if not spring.slip:
+    if spring.elastic or not spring.slip:
         _settle_slip(motion, contact, spring)
     return None
 
@@ -132,7 +136,12 @@ def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
 
 def _settle_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
-    progress, spring.slip = motion.progress, 0
+    progress = motion.progress
+    if spring.elastic:
+        touch, joint = progress.gaps.closest(contact.obstacle, progress.state), progress.gaps.poses(progress.state)
+        spring.settle(touch, joint[contact.obstacle.link].joint[0] + touch.arm[0], progress.slip_error)
+        return
+    spring.slip = 0
     follow_bodies(progress, contact.obstacle, spring)
     others = [each for each, _ in motion.springs if each is not contact]
     load = ContactLoad(progress.scene, motion.rigid, [contact, *others])

@@ -9,12 +9,12 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
+from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import Mechanism, State, cross
-from bristle_sim.theory.impact import Impact
+from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact
 from bristle_sim.trajectory import ContactRecord
 
 if TYPE_CHECKING:
@@ -60,19 +60,25 @@ class CompliantLaw(ContactLaw):
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
             one, the duration is only expected.
+        tangential_compliance: eta^2; the duration is that of a contact which is rigid along the surface.
     """
 
     name = "compliant"
     at_once: ClassVar[bool] = False
 
     def __init__(
-        self, duration: float | None, accuracy: float, plain_steps: int | None = None, stiffness: float | None = None
+        self,
+        duration: float | None,
+        accuracy: float,
+        plain_steps: int | None = None,
+        stiffness: float | None = None,
+        tangential_compliance: float = 0.0,
     ) -> None:
-        """Set the common properties of all contacts by this law."""
         self.duration = duration
         self.accuracy = accuracy
         self.plain_steps = plain_steps
         self.stiffness = stiffness
+        self.tangential_compliance = tangential_compliance
 
     def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
         """Return the spring of a contact that begins; None for a touch too slow to be resolved.
@@ -87,9 +93,11 @@ class CompliantLaw(ContactLaw):
         rigid = coefficients.energetic_impact(space)
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
         unloading = restitution or 1.0  # time over that of loading; 1 where the contact ends at the deepest
+        # The tangential spring multiplies rounding of places by its stiffness.
+        rounding = max(1.0, 1.0 / self.tangential_compliance) if self._elastic else 1.0
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        shortest = max(LEAST_DURATION / math.sqrt(unloading * damping), 0.1 * self.accuracy / max(fastest, damping))
-        duration = self.duration or shortest
+        least = LEAST_DURATION * math.sqrt(math.sqrt(rounding) / (unloading * damping))
+        duration = self.duration or max(least, 0.1 * self.accuracy / max(fastest, damping))
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
@@ -101,17 +109,39 @@ class CompliantLaw(ContactLaw):
             self.stiffness = None if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
+        if self._elastic and space.inverse_mass[1, 1] > 0.0:
+            rate = math.sqrt(stiffness / self.tangential_compliance * float(space.inverse_mass[1, 1]))
+            longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = max(1.0, math.sqrt(3.0 / float(space.inverse_mass[0, 0])))
-        stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
-        return Spring(stiffness, coefficients, expected, touch.gap, space.inverse_mass)
+        stepper = self._stepper(
+            duration, longest, fastest, rounding * turning * FORCE_ROUNDING / (duration * unloading)
+        )
+        outcome = (
+            coefficients.energetic_impact(space, self.tangential_compliance).outcome_name
+            if self._elastic
+            else rigid.outcome_name
+        )
+        expected = Expectation(duration, longest, outcome, self.duration is not None, stepper)
+        if not self._elastic:
+            return Spring(stiffness, coefficients, expected, touch.gap, space.inverse_mass)
+        from bristle_sim.scene.contact.elastic import ElasticSpring  # only where a contact has this effect
+
+        return ElasticSpring(
+            stiffness, coefficients, expected, touch.gap, space.inverse_mass, squared=self.tangential_compliance
+        )
+
+    @property
+    def _elastic(self) -> bool:
+        """Whether there is a tangential spring: one that is too stiff is rigid, as in the impact law."""
+        return self.tangential_compliance >= LEAST_COMPLIANCE
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
         """Carry the scene through a touch too slow to be resolved in time, by the rigid-body law."""
-        return ENERGETIC.resolve(scene, state, obstacle, coefficients)
+        law = EnergeticLaw(0.0, self.tangential_compliance)
+        return law.resolve(scene, state, obstacle, coefficients)
 
     def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
         """Return the integrator of a contact of a duration, no more accurate than rounding, ``least``, allows."""
@@ -188,6 +218,8 @@ def rigid_stiffness(
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
     """Return the contact law that the parameters name, in a scene with that unit of time, s."""
+    squared = contact.tangential_compliance
     if contact.law == "compliant":
-        return CompliantLaw(None if contact.duration is None else contact.duration / time_unit, accuracy)
-    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy)
+        duration = None if contact.duration is None else contact.duration / time_unit
+        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

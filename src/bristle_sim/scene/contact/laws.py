@@ -36,10 +36,11 @@ class Coefficients:
         """Return the coefficients of an obstacle."""
         return cls(obstacle.friction, obstacle.restitution_friction, obstacle.restitution)
 
-    def energetic_impact(self, space: ContactSpace) -> Impact:
-        """Return the impact of rigid bodies with energetic restitution."""
+    def energetic_impact(self, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
+        """Return the impact of rigid bodies with energetic restitution, and eta^2 of the contact."""
         coefficients = self.friction, self.restitution, self.restitution_friction
-        return energetic_impact(space.inverse_mass, space.velocity, *coefficients, space.stick_compliance)
+        further = space.stick_compliance, tangential_compliance
+        return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
 
 
 class ContactLaw:
@@ -118,9 +119,11 @@ class EnergeticLaw(ContactLaw):
 
     Attributes:
         accuracy: relative, of the velocities before the impact.
+        tangential_compliance: eta^2 of the contact.
     """
 
     accuracy: float = 0.0
+    tangential_compliance: float = 0.0
     name = "energetic"
 
     def resolve(
@@ -129,7 +132,7 @@ class EnergeticLaw(ContactLaw):
         """Change all bodies' velocities at once; positions stay."""
         _, space = contact_at(scene, state, obstacle)
         space = ending_together(space, self.accuracy)
-        impact = coefficients.energetic_impact(space)
+        impact = coefficients.energetic_impact(space, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         after = (impact.velocity_normal, impact.velocity_tangential)
         space.apply(impulse, after)

@@ -12,13 +12,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from operator import mul
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.laws import Coefficients
-from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle, WorkpartObstacle
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.trajectory import ContactHistory
@@ -138,6 +138,19 @@ class Spring:
     slip: int = 0
     stick_force: float = 0.0
     course: ContactCourse = field(default_factory=ContactCourse)
+    elastic: ClassVar[bool] = False
+
+    def force(self, scene: Scene, obstacle: Obstacle) -> SpringForce:
+        """Return the spring's force as a load."""
+        return SpringForce(scene, obstacle, self)
+
+    def foot_speed(self, velocity: Vector) -> float:
+        """Return the velocity of what slips on the surface: here of the point itself."""
+        return velocity[1]
+
+    def settle(self, touch: ClosestApproach, place: float, error: float) -> None:
+        """Stick or slip from here on, of a spring along the surface too."""
+        raise NotImplementedError
 
     @property
     def friction(self) -> float:
@@ -198,6 +211,7 @@ class SpringForce:
         body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
         x, y = (*link.knees, link.tip)[obstacle.corner]
         self.spring, self._push, self._level = spring, pusher(body), obstacle.depth + obstacle.dent
+        self._step, self._steps = 0.0, list[tuple[float, float, float, float]]()
         self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
 
     def begin(self, step: float) -> Callable[[], None]:
@@ -249,7 +263,7 @@ class ContactLoad:
     def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
         """Act by rigid contacts, if there are any, and by the springs of other contacts."""
         self._rigid = rigid
-        forces = [SpringForce(scene, each.obstacle, each.spring) for each in springs if each.spring is not None]
+        forces = [each.spring.force(scene, each.obstacle) for each in springs if each.spring is not None]
         self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
 
     def begin(self, step: float) -> Callable[[], None]:

@@ -227,7 +227,7 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
         return gaps.closest(obstacle, at.state).velocity[0]
 
     def slip(at: Advance) -> float:
-        return spring.slip * gaps.closest(obstacle, at.state).velocity[1]
+        return spring.slip * spring.foot_speed(gaps.closest(obstacle, at.state).velocity)
 
     def beyond(level: float, at: Advance) -> float:
         return (spring.surface - gaps.gap(obstacle, at.state) - level) / duration
