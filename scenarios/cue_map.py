@@ -42,7 +42,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     tool=tool,
-    without=(*SHAPE_KEYS, "contact", "contact_duration"),
+    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance"),
     defaults={
         "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),

@@ -41,7 +41,16 @@ SCENARIO = Scenario(
     film=film,
     without=(
         *SHAPE_KEYS,
-        *("friction", "restitution_friction", "restitution", "contact", "contact_duration", "gravity", "hub_turn"),
+        *(
+            "friction",
+            "restitution_friction",
+            "restitution",
+            "contact",
+            "contact_duration",
+            "tangential_compliance",
+            "gravity",
+            "hub_turn",
+        ),
     ),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),

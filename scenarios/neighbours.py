@@ -49,7 +49,7 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
-    without=(*SHAPE_KEYS, "contact", "contact_duration", "gravity"),
+    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance", "gravity"),
 )
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ SCENARIO = Scenario(
     question="Which tolerance matters, and how far does the strike spread?",
     run=run,
     plot=plot,
-    without=(*SHAPE_KEYS, "contact", "contact_duration"),
+    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance"),
 )
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
-    without=(*WIRE_KEYS, "contact", "contact_duration", "gravity", "hub_turn"),
+    without=(*WIRE_KEYS, "contact", "contact_duration", "tangential_compliance", "gravity", "hub_turn"),
     defaults={"accuracy": (1e-8, "chosen: forces and power are compared to 1e-6")},
 )
 

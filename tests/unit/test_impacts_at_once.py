@@ -259,3 +259,27 @@ def test_a_tangential_compliance_out_of_range_or_unknown_to_the_law_is_refused(v
     contact = EnergeticContact(pymunk.Space(), 1, 2, friction=0.0, restitution=0.0)
     with pytest.raises(ValueError, match=r"^tangential_compliance = .*: must be"):
         contact.add_pair(3, 4, friction=0.3, restitution=0.5, tangential_compliance=value, law=law)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_a_light_ball_between_two_heavy_ones_does_not_approach_any_longer(restitution: float) -> None:
+    """1000 times heavier, in the step in which both touch; 1e-12 of their speed is rounding times the ratio."""
+    space = pymunk.Space()
+    light, left, right = (ball(space, (0.2 - 1e-9) * at, 0.0, (-float(at), 0.0)) for at in (0, -1, 1))
+    left.mass = right.mass = 1e3
+    EnergeticContact(space, 2, 2, friction=0.3, restitution=restitution).step(1e-9)
+    assert left.velocity.x - light.velocity.x <= 1e-12
+    assert light.velocity.x - right.velocity.x <= 1e-12
+
+
+def test_many_impacts_that_have_nothing_to_do_with_each_other_act_at_their_instants() -> None:
+    """More than the limit of a group: each of them rises like a ball alone, exactly but for rounding."""
+    heights = []
+    for count in (1, 2 * MOST):
+        space = on_floor()
+        balls = [ball(space, 0.5 * at, 0.5) for at in range(count)]
+        contact = EnergeticContact(space, 1, 2, friction=0.3, restitution=1.0)
+        for _ in range(100):
+            contact.step(1.0 / 240.0)
+        heights.append([each.position.y for each in balls])
+    assert heights[1] == pytest.approx(heights[0] * 2 * MOST, rel=1e-12)

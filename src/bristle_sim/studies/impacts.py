@@ -32,7 +32,7 @@ class Impacts:
     """One impact of a chain on a surface, computed by every contact law.
 
     ``law`` is the requested one; ``refusals`` say why another one has no result. ``timing`` says for a film why the contact
-    resolved in time lasts so long.
+    resolved in time lasts so long. ``elastic``: whether the contact is elastic along the surface, as no closed form has it.
     """
 
     chain: Chain
@@ -42,6 +42,7 @@ class Impacts:
     refusals: dict[str, str]
     contact_duration: float | None = None
     timing: str = ""
+    elastic: bool = False
 
 
 AT_REST = 1e-13
@@ -178,7 +179,8 @@ def _tolerance(
     Near the jam, mu = tan gamma, results magnify the rounding of K by the inverse of the distance. ``rounding`` is
     its magnification by geometry: a bristle short compared with its hub or nearly upright, stick under a huge first mass.
     """
-    if contact.law == "engine" or (contact.law == "compliant" and contact.duration is not None):
+    timed = contact.law == "compliant" and contact.duration is not None
+    if contact.law == "engine" or timed or contact.tangential_compliance:
         return None
     if contact.law == "compliant":
         return max(COMPLIANT_TOLERANCE, settings.accuracy)
@@ -195,12 +197,15 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
     strikes, refusals = dict[str, ChainStrike](), dict[str, str]()
     for law in LAWS:
         try:
-            strikes[law] = strike(chain, surface, contact if law == contact.law else Contact(law), settings)
+            other = Contact(law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0)
+            strikes[law] = strike(chain, surface, contact if law == contact.law else other, settings)
         except ValueError as error:
             if law == contact.law:
                 raise
             refusals[law] = str(error)
-    return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration)
+    return Impacts(
+        chain, surface, contact.law, strikes, refusals, contact.duration, elastic=bool(contact.tangential_compliance)
+    )
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
@@ -225,7 +230,10 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         events=(("strike", one.time),),
         steps=requested.steps,
         wall_s=requested.wall_s,
-        remarks=tuple(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
+        remarks=(
+            *(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
+            *(("theory is that of a contact which is rigid along the surface",) if impacts.elastic else ()),
+        ),
         tables=(Table("the contact laws compared", head, tuple(cells)),),
         extra={"laws": laws},
         subject=impacts,

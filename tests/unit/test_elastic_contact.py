@@ -1,0 +1,80 @@
+"""A contact that is elastic along the surface: in time, against the impact law that it tends to, and against balances."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.contact.compliant import CompliantLaw
+from bristle_sim.scene.contact.spring import Spring
+from bristle_sim.scene.strike import Chain, build_strike, strike
+from bristle_sim.settings import Settings
+
+GAMMA = math.radians(23.4)
+BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,), 0.0275, 261.8, -GAMMA)
+PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+ACCURACY = 1e-7
+
+
+def struck(chain: Chain, surface: Surface, contact: Contact) -> np.ndarray:
+    """Rates after the strike, over the fastest before."""
+    rates = strike(chain, surface, contact, Settings(accuracy=ACCURACY)).contact.rates_after
+    return np.array(rates) / max(map(abs, chain.rates))
+
+
+@pytest.mark.parametrize("squared", [0.01, 1.21, 1e4])
+@pytest.mark.parametrize("restitution", [0.0, 0.42, 1.0])
+@pytest.mark.parametrize(("chain", "mu", "later"), [(BRISTLE, 0.31, None), (PAIR, 0.3, 0.6), (PAIR, 0.7, 0.2)])
+def test_a_shorter_contact_tends_to_the_law(
+    chain: Chain, mu: float, later: float | None, restitution: float, squared: float
+) -> None:
+    """A tenth of the duration leaves a tenth of the difference, but for its square; the shortest one the accuracy's size."""
+    surface, unit = Surface(mu, later, restitution), 1.0 / max(map(abs, chain.rates))
+    law = struck(chain, surface, Contact(tangential_compliance=squared))
+    first, second = (
+        np.abs(struck(chain, surface, Contact("compliant", duration * unit, squared)) - law).max()
+        for duration in (1e-3, 1e-4)
+    )
+    assert second < 1e-3
+    assert first / second == pytest.approx(10.0, rel=0.05)
+    assert np.abs(struck(chain, surface, Contact("compliant", None, squared)) - law).max() < 1e-5
+
+
+def test_the_oblique_strike_is_as_it_was_predicted() -> None:
+    """By hand for one degree of freedom, eta^2 = 1.21: 1.750 mN s and a rebound ratio of -0.858 instead of -0.540."""
+    for contact in (Contact(tangential_compliance=1.21), Contact("compliant", None, 1.21)):
+        found = strike(BRISTLE, Surface(0.31, None, 0.42), contact, Settings()).contact
+        assert found.impulse[0] == pytest.approx(1.750e-3, abs=5e-7)
+        assert found.rates_after[0] / 845.6 == pytest.approx(-0.858, abs=5e-4)
+
+
+@pytest.mark.parametrize("squared", [1e-3, 0.3, 5.0])
+def test_force_stays_in_the_cone_and_energy_does_not_grow(squared: float) -> None:
+    """The force in stick is linear in the place along the surface, T = -(k/eta^2)(x - x_foot)."""
+    surface = Surface(0.5, None, 0.8)
+    found = strike(PAIR, surface, Contact("compliant", 1e-3, squared), Settings())
+    history = found.contact.history
+    assert history is not None
+    bound = 0.5 * history.normal_force
+    assert (np.abs(history.tangential_force) <= bound + 1e-9 * bound.max()).all()
+    assert found.kinetic_energy_ratio is not None
+    assert found.kinetic_energy_ratio < 1.0
+
+
+@pytest.mark.parametrize("squared", [0.0, 0.5e-4])
+def test_no_compliance_no_spring_along_the_surface(squared: float) -> None:
+    """Below 1e-4 the law is that of a rigid surface, and so is the contact in time, bit for bit."""
+    scene, state, obstacle, _ = build_strike(PAIR, Surface(0.3, None, 0.5))
+    law = CompliantLaw(1e-3, ACCURACY, tangential_compliance=squared)
+    assert type(law.spring(scene, state, dataclasses.replace(obstacle, law=law))) is Spring
+    rigid = struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2))
+    assert (struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2, squared)) == rigid).all()
+
+
+def test_the_engine_knows_no_such_contact() -> None:
+    with pytest.raises(ValueError, match=r"^tangential_compliance = 1: must be 0 with contact = engine"):
+        Contact("engine", tangential_compliance=1.0)
