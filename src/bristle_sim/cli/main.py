@@ -45,15 +45,14 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
-            sweeping = any(each.startswith("--sweep") for each in arguments)
-            options = parser_of(scenario, program, sweeping=sweeping).parse_args(arguments)
+            options = parser_of(scenario, program, sweeping="--sweep" in command).parse_args(arguments)
             if options.list_keys:
                 say(scenario.key_list())
                 return 0
             if options.parameters is not None:
                 from_file, remarks = scenario.assignments_from(options.parameters)
                 options.set = [*from_file, *options.set]
-            for key in () if sweeping else {"workers", "store"} & scenario.keys().keys():
+            for key in () if options.sweep else {"workers", "store"} & scenario.keys().keys():
                 if (given := getattr(options, key)) is not None:
                     options.set.append(f"{key}={given}")
                     setattr(options, key, None)
@@ -91,8 +90,8 @@ def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, com
         texts["json"] = document(scenario.name, values, report, finished=not status)
     if scenario.series is not None and options.csv is not None and not status:
         texts["csv"] = csv_text(scenario.series(report)).removesuffix("\n")
-    for option in [*(each for each in targets if each not in texts), *texts]:
-        if (target := targets.get(option)) is not None:
+    for option in sorted(targets, key=texts.__contains__):
+        if (target := targets[option]) is not None:
             try:
                 if option in texts:
                     write_text(target, texts[option])

@@ -26,7 +26,6 @@ from scipy.optimize import brentq
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
-from bristle_sim.parameters import Surface
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impulse_course import tip_response, tip_velocity
@@ -123,11 +122,10 @@ class ContactPhase:
 
 
 class TipContact:
-    """A chain's scaled contact; ``follow`` carries (delta, p_n, p_t) from the start to the end of each of its phases."""
+    """A chain's scaled contact, whose state is (delta, p_n, p_t)."""
 
-    def __init__(self, chain: Chain, surface: Surface) -> None:
+    def __init__(self, chain: Chain) -> None:
         """Scale the contact by its inverse mass along the normal and its speed of approach."""
-        self.chain, self.surface = chain, surface
         jacobian, response = tip_response(chain)
         inverse_mass, speeds = jacobian @ response, tip_velocity(chain)
         unit_impulse = -speeds[0] / float(inverse_mass[0, 0])
@@ -135,29 +133,10 @@ class TipContact:
         (_, self.k_nt), (_, self.k_tt) = (inverse_mass / inverse_mass[0, 0]).tolist()
         self.v_t = -speeds[1] / speeds[0]
 
-    def solve(self, follow: Callable[[TipContact, ContactPhase, list[float]], list[float]]) -> tuple[float, ...]:
-        """Return rates of the rods after the contact, rad/s."""
-        state, e = [0.0, 0.0, 0.0], self.surface.restitution
-        phase = ContactPhase(self.surface.friction, math.copysign(1.0, self.v_t), 1.0, 0.0, loading=True)
-        while True:
-            state = follow(self, phase, state)
-            if phase.slip and phase.slip * self.tangential(state) <= SETTLED:
-                # After slip has stopped: stick where friction suffices, else slip as the normal force drives it.
-                sticks = phase.friction * self.k_tt >= abs(self.k_nt)
-                phase = replace(phase, slip=0.0 if sticks else math.copysign(1.0, self.k_nt))
-            if phase.loading and self.normal(state) >= -SETTLED:
-                later = self.surface.friction_in_restitution
-                phase = ContactPhase(later, phase.slip, 1.0 / e**2, state[0] * (1.0 - e**2), loading=False)
-            elif not phase.loading and state[0] - phase.residual <= SETTLED:
-                return tuple((np.asarray(self.chain.rates) + self.rates_per_impulse @ state[1:]).tolist())
-
-    def normal(self, state: Sequence[float]) -> float:
-        """Return v_n."""
-        return float(-1.0 + state[1] + self.k_nt * state[2])
-
-    def tangential(self, state: Sequence[float]) -> float:
-        """Return v_t."""
-        return float(self.v_t + self.k_nt * state[1] + self.k_tt * state[2])
+    def velocity(self, state: Sequence[float]) -> tuple[float, float]:
+        """Return v_n and v_t."""
+        _, p_n, p_t = state
+        return float(-1.0 + p_n + self.k_nt * p_t), float(self.v_t + self.k_nt * p_n + self.k_tt * p_t)
 
     def derivative(self, phase: ContactPhase) -> Slope:
         """Return the right-hand side within a phase, in plain floats: the fastest that Python offers a solver."""
@@ -171,49 +150,54 @@ class TipContact:
 
         return slope
 
-    def over(self, phase: ContactPhase, state: Sequence[float]) -> float:
-        """Return a function of the state that is below 0 within a phase and rises through it at the phase's end."""
-        own = self.normal(state) if phase.loading else phase.residual - float(state[0])
-        return max(own, -phase.slip * self.tangential(state)) if phase.slip else own
+    def over(self, phase: ContactPhase, _: float, state: Sequence[float]) -> float:
+        """Return a function of time and state that is below 0 within a phase and rises through it at the phase's end."""
+        normal, tangential = self.velocity(state)
+        own = normal if phase.loading else phase.residual - float(state[0])
+        return max(own, -phase.slip * tangential) if phase.slip else own
 
 
 def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
-    calls, evaluations = itertools.count(), 0
-
-    def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
-        nonlocal evaluations
-        if method.islower():
-            solver = functools.partial(_compiled, contact.derivative(phase), calls, method, tolerance)
-            return _followed(solver, functools.partial(contact.over, phase), state)
-        end, number = phase_end(contact, phase, state, method, tolerance)
+    """Go through the contact's phases; after slip has stopped, stick where friction suffices, else slip as the force drives."""
+    contact, surface, evaluations = TipContact(case.chain), case.surface, 0
+    state, released = [0.0, 0.0, 0.0], surface.restitution**2
+    phase = ContactPhase(surface.friction, math.copysign(1.0, contact.v_t), 1.0, 0.0, loading=True)
+    while True:
+        state, number = _phase_end(contact, phase, state, method, tolerance)
         evaluations += number
-        return end
+        normal, tangential = contact.velocity(state)
+        if phase.slip and phase.slip * tangential <= SETTLED:
+            sticks = phase.friction * contact.k_tt >= abs(contact.k_nt)
+            phase = replace(phase, slip=0.0 if sticks else math.copysign(1.0, contact.k_nt))
+        if phase.loading and normal >= -SETTLED:
+            later, residual = surface.friction_in_restitution, state[0] * (1.0 - released)
+            phase = ContactPhase(later, phase.slip, 1.0 / released, residual, loading=False)
+        elif not phase.loading and state[0] - phase.residual <= SETTLED:
+            rates = np.asarray(case.chain.rates) + contact.rates_per_impulse @ state[1:]
+            return Run(tuple(rates.tolist()), evaluations)
 
-    rates = TipContact(case.chain, case.surface).solve(follow)
-    return Run(rates, evaluations + next(calls))
 
-
-def phase_end(
+def _phase_end(
     contact: TipContact, phase: ContactPhase, state: list[float], method: str, tolerance: float
 ) -> tuple[list[float], int]:
-    """Return the state at which ``solve_ivp`` ends a phase, and the evaluations that it took."""
-
-    def over(_: float, state: Any) -> float:
-        return contact.over(phase, state)
-
+    """Return the state at which a phase ends, and the evaluations that it took to get there."""
+    slope, over = contact.derivative(phase), functools.partial(contact.over, phase)
+    if method.islower():
+        calls = itertools.count()
+        return _followed(lambda: _compiled(slope, calls, method, tolerance), over, state), next(calls)
     over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined]
     given = {"method": method, "rtol": tolerance, "atol": tolerance}
-    found = solve_ivp(contact.derivative(phase), (0.0, LONGEST_PHASE), state, events=over, **given)
+    found = solve_ivp(slope, (0.0, LONGEST_PHASE), state, events=over, **given)
     return found.y[:, -1].tolist(), found.nfev
 
 
-def _followed(build: Callable[[], ode], over: Callable[[Any], float], state: list[float]) -> list[float]:
+def _followed(build: Callable[[], ode], over: Callable[[float, Any], float], state: list[float]) -> list[float]:
     """Follow a phase with a compiled loop over steps, and within the step in which it ends with Brent's method."""
     steps: list[tuple[float, list[float]]] = []
 
     def look(time: float, y: Any) -> int:
         steps.append((time, y.tolist()))
-        return -1 if len(steps) > 1 and over(y) > 0.0 else 0
+        return -1 if len(steps) > 1 and over(time, y) > 0.0 else 0
 
     solver = build()
     solver.set_solout(look)
@@ -225,4 +209,4 @@ def _followed(build: Callable[[], ode], over: Callable[[Any], float], state: lis
         solver.set_initial_value(begin)
         return solver.integrate(span) if span else np.array(begin)
 
-    return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())
+    return list(after(brentq(lambda span: over(span, after(span)), 0.0, end - start)).tolist())
