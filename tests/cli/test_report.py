@@ -60,7 +60,7 @@ def test_the_page_says_question_result_parameters_and_command_and_refers_to_noth
     assert re.search(r'class="changed"><td>friction</td><td>0.3</td>.*?set for this run', text, re.DOTALL)
     assert "Zhang 2020, eq. 2.2: root circle" in text
     assert "bristle-sim cue_and_impact --set friction=0.3 --report &#39;" in text
-    assert re.search(r"bristle_sim [\d.]+, Python 3", text)
+    assert re.search(r"bristle_sim [\d.]+(, commit [\w-]+)?, Python 3", text)
     assert text.count('<svg role="img" aria-label=') == 1
     elements.feed(text)
     assert elements.open == []
@@ -146,6 +146,19 @@ def test_a_browser_shows_it_at_any_width_and_prints_it_on_white(browser: Any, pa
     assert not tab.locator("button:visible, input:visible").count()
     assert tab.locator("canvas:visible").count() == 1
     assert said == []
+
+
+def test_no_printed_page_ends_with_a_heading_or_cuts_the_table_of_results(browser: Any, page: Path, tmp_path: Path):
+    pymupdf = pytest.importorskip("pymupdf")
+    tab, *_ = opened(browser, page)
+    tab.pdf(path=tmp_path / "page.pdf", format="A4")
+    headings = tab.locator("h2").all_inner_texts()
+    results = [row.split("\t")[0] for row in tab.locator(".numbers tbody tr").all_inner_texts()]
+    pages = [sheet.get_text().strip() for sheet in pymupdf.open(tmp_path / "page.pdf")]
+    assert len(pages) > 3
+    for sheet in pages:
+        assert sheet.splitlines()[-1] not in headings
+    assert [sum(name in sheet for name in results) for sheet in pages if results[0] in sheet] == [len(results)]
 
 
 TOOLS = {

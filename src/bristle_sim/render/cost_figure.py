@@ -19,7 +19,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE,
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0  # printed width of the page's text, cm
-PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 10.7, 2.45
+PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 11.0, 2.75
 """Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
