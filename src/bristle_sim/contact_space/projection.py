@@ -19,11 +19,9 @@ from bristle_sim.contact_space.jacobian import MassCentres, joint_rows, scaled_j
 
 Flags = NDArray[np.bool_]
 
-CLOSED = 1e-14
-"""A rate below this fraction of the terms that it is the sum of is rounding."""
+CLOSED = 1e-14  # a rate below this fraction of the terms that it is the sum of is rounding
 
-DEPENDENT = 1e-12
-"""Singular values below this fraction of the largest belong to joints that repeat what others say."""
+DEPENDENT = 1e-12  # singular values below this fraction of the largest belong to joints that repeat what others say
 
 
 def span(columns: Array) -> Array:

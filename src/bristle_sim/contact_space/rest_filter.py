@@ -13,14 +13,13 @@ from pymunk._chipmunk_cffi import ffi, lib
 from bristle_sim.contact_space.contact_pair import ContactPair
 from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.step_motion import StepMotion
-from bristle_sim.contact_space.touching import ROUNDING, Met, Shapes, overlaps, shapes_of
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, overlaps, shapes_of
 
 STEPS_OF_GRAVITY = 2.0
 """An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that
 forms, and a bounce that is over in less than two cannot be resolved."""
 
-OUT_OF_REACH = 1e100
-"""A surface velocity apart, at which the engine's contact has no impulse to give."""
+OUT_OF_REACH = 1e100  # a surface velocity apart, at which the engine's contact has no impulse to give
 
 
 class RestFilter:
@@ -36,7 +35,6 @@ class RestFilter:
     """
 
     def __init__(self, space: pymunk.Space) -> None:
-        """Nothing has touched yet."""
         self.space, self.motion = space, StepMotion()
         self.resting_speed = 0.0
         self.met: list[Met] = []
@@ -76,7 +74,7 @@ class RestFilter:
         found = lib.cpArbiterGetContactPointSet(raw)
         approach, speeds = self._approach(raw, found)
         lib.cpArbiterSetRestitution(raw, 0.0)
-        rests = approach <= self._resting or approach <= ROUNDING * speeds
+        rests = approach <= self._resting or approach <= APPROACH_ROUNDING * speeds
         # Contacts at rest are many; their shapes are not even looked up.
         if not rests or self.jammed:
             shapes = shapes_of(raw)

@@ -18,11 +18,10 @@ from bristle_sim.contact_space.jacobian import Connected, JointRow, joined
 from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
-from bristle_sim.contact_space.touching import ROUNDING, Met, Shapes, TouchingPoint
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, TouchingPoint
 from bristle_sim.theory.impact_result import JAM, Impact
 
-COLLAPSE = 12
-"""Impacts at one point after which its group is resolved at once: it would bounce without end."""
+COLLAPSE = 12  # impacts at one point after which its group is resolved at once: it would bounce without end
 
 TRIALS = 255
 """Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are rigid."""
@@ -46,7 +45,6 @@ class ImpactSequence:
     """
 
     def __init__(self, found: RestFilter, record: Callable[[TouchingPoint, Impact], None]) -> None:
-        """See the class."""
         self._found, self._motion, self._record = found, found.motion, record
         self._resting = found.resting_approach()
         self._met: dict[pymunk.Body, list[Met]] = {}
@@ -115,7 +113,7 @@ class ImpactSequence:
             point.measure(self._motion, since, self._latest(point))
             shapes = frozenset(point.shapes)
             least = 0.0 if shapes in self._found.skipped else self._resting
-            if point.approach > max(least, ROUNDING * point.speed) and shapes not in self.jammed:
+            if point.approach > max(least, APPROACH_ROUNDING * point.speed) and shapes not in self.jammed:
                 self._approaching[point] = None
             else:
                 self._approaching.pop(point, None)
@@ -127,7 +125,7 @@ class ImpactSequence:
         return min(self.struck.get(first, step), self.struck.get(second, step))
 
     def _rests(self, approach: float, point: TouchingPoint) -> bool:
-        return approach <= max(self._resting, ROUNDING * point.speed)
+        return approach <= max(self._resting, APPROACH_ROUNDING * point.speed)
 
     def _strike(self, point: TouchingPoint) -> None:
         """Resolve one point at the instant of its touch."""

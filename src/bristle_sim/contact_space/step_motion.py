@@ -42,7 +42,6 @@ class StepMotion:
     """
 
     def __init__(self) -> None:
-        """No step has been taken."""
         self.duration = 0.0
         self.gains: dict[pymunk.Body, Motion] = {}
         self._groups: list[Connected] = []

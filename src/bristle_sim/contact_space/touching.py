@@ -16,17 +16,14 @@ from bristle_sim.contact_space.jacobian import Vector
 from bristle_sim.contact_space.step_motion import StepMotion
 from bristle_sim.theory.impact import Impact
 
-ROUNDING = 1e-9
-"""Fraction of the bodies' speed at a point below which its approach is rounding."""
+APPROACH_ROUNDING = 1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
 
 HALVINGS = 4
 """A touch is looked for at most this many times, each time half as long ago, until the shapes overlap half of that time later."""
 
-FARTHER = 1.5
-"""A touch is at most this many times as long ago as it seems at the end of the step."""
+FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at the end of the step
 
-ENTRIES = attrgetter(*(each.name for each in fields(Impact)))
-"""All entries of an impact's record."""
+ENTRIES = attrgetter(*(each.name for each in fields(Impact)))  # all entries of an impact's record
 
 Shapes = frozenset[pymunk.Shape]
 

@@ -6,6 +6,7 @@ As the contact gets shorter its outcome tends to that of the rigid-body law with
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.parameters import Contact
@@ -26,59 +27,43 @@ LEAST_DURATION = 3e-7
 limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of
 a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contact is then shorter by sqrt(r)."""
 
-FORCE_ROUNDING = 1e-15
-"""Rounding of the contact's force in an interval, as a velocity, times duration and e*; no interval is more accurate."""
+FORCE_ROUNDING = 1e-15  # of the force in an interval, as a velocity, times duration and e*; none is more accurate
 
 CLEAR_OF_ROUNDING = 1e4
 """Tolerance over rounding from which closely spaced repetitions, with weights a hundred times as large, reach it in fewer
 steps. Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
 
-LEAST_DEPTH = 1e-13
-"""Penetration times e* below which rounding decides when a contact ends; the rigid-body limit is then closer."""
+LEAST_DEPTH = 1e-13  # penetration times e* below which rounding decides when a contact ends: the rigid limit is closer
 
-LEAST_RESTITUTION = 1e-3
-"""Except 0. The spring unloads 1/e* times as fast as it loads."""
+LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as it loads
 
-PLAIN_ACCURACY = 1e-4
-"""Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
-short that the rounding of positions shows in a penetration."""
+PLAIN_ACCURACY = 1e-4  # of plain steps in the rigid limit: below their errors, above the rounding of a penetration
 
-SAMPLES_OF_A_COURSE = 24
-"""Least number of intervals that a contact of a given duration is cut into, for its course in time."""
-
-SAMPLES_OF_AN_OUTCOME = 5
-"""Least number of intervals of a contact whose outcome is of interest: less than a phase in each."""
+SAMPLES_OF_A_COURSE, SAMPLES_OF_AN_OUTCOME = 24, 5
+"""Least number of intervals of a contact of a given duration, for its course, and of one whose outcome is of interest."""
 
 
+@dataclass(eq=False)
 class CompliantLaw(ContactLaw):
     """Contact resolved in time by the engine.
 
     Args:
-        duration: time in touch of the first touch, engine units; of a wire that bends were it rigid and without friction. None
-            is short enough for the rigid-body limit to ``accuracy``, at every touch.
+        duration: time in touch of the first touch, engine units, were it rigid along the surface; of a wire that bends, were
+            it rigid and without friction. None is short enough for the rigid-body limit to ``accuracy``, at every touch.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
-        stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
-            one, the duration is only expected.
-        tangential_compliance: eta^2; the duration is that of a contact which is rigid along the surface.
+        stiffness: of the spring in compression, engine units; None is that of a contact of the duration, which else is only
+            expected.
+        tangential_compliance: eta^2.
     """
 
+    duration: float | None
+    accuracy: float
+    plain_steps: int | None = None
+    stiffness: float | None = None
+    tangential_compliance: float = 0.0
     name = "compliant"
     at_once: ClassVar[bool] = False
-
-    def __init__(
-        self,
-        duration: float | None,
-        accuracy: float,
-        plain_steps: int | None = None,
-        stiffness: float | None = None,
-        tangential_compliance: float = 0.0,
-    ) -> None:
-        self.duration = duration
-        self.accuracy = accuracy
-        self.plain_steps = plain_steps
-        self.stiffness = stiffness
-        self.tangential_compliance = tangential_compliance
 
     def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
         """Return the spring of a contact that begins; None for a touch too slow to be resolved.
@@ -87,61 +72,52 @@ class CompliantLaw(ContactLaw):
             ValueError: if the contact cannot be resolved in double precision.
         """
         coefficients = Coefficients.of(obstacle)
-        restitution = coefficients.restitution
-        self._check(scene, restitution)
+        self._check(scene, coefficients.restitution)
         touch, space = contact_at(scene, state, obstacle)
         rigid = coefficients.energetic_impact(space)
-        fastest = max(1.0, *(abs(rate) for rate in state.rates))
-        unloading = restitution or 1.0  # time over that of loading; 1 where the contact ends at the deepest
-        # The tangential spring multiplies rounding of places by its stiffness.
-        rounding = max(1.0, 1.0 / self.tangential_compliance) if self._elastic else 1.0
-        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        least = LEAST_DURATION * math.sqrt(math.sqrt(rounding) / (unloading * damping))
-        duration = self.duration or max(least, 0.1 * self.accuracy / max(fastest, damping))
+        unloading = coefficients.restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
+        fastest = max(1.0, *map(abs, state.rates))
+        elastic = self.tangential_compliance >= LEAST_COMPLIANCE  # a stiffer one is rigid, as in the impact law
+        # A tangential spring multiplies rounding of places by its stiffness.
+        rounding = max(1.0, 1.0 / self.tangential_compliance) if elastic else 1.0
+        duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle.link, duration, restitution)
-        stiffness = self.stiffness
-        if stiffness is None:
-            stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
-            # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
-            self.stiffness = None if self.duration is None else stiffness
+            wire = scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
+            self.stiffness = rigid_stiffness(*wire)
+        # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
+        time = 0.0 if self.stiffness else time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution)
+        stiffness = self.stiffness or (time / duration) ** 2
+        self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
-        if self._elastic and space.inverse_mass[1, 1] > 0.0:
-            rate = math.sqrt(stiffness / self.tangential_compliance * float(space.inverse_mass[1, 1]))
+        (normal, _), (_, tangential) = space.inverse_mass.tolist()
+        if elastic and tangential:
+            rigid = coefficients.energetic_impact(space, self.tangential_compliance)
+            rate = math.sqrt(stiffness / self.tangential_compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
-        turning = max(1.0, math.sqrt(3.0 / float(space.inverse_mass[0, 0])))
-        stepper = self._stepper(
-            duration, longest, fastest, rounding * turning * FORCE_ROUNDING / (duration * unloading)
-        )
-        outcome = (
-            coefficients.energetic_impact(space, self.tangential_compliance).outcome_name
-            if self._elastic
-            else rigid.outcome_name
-        )
-        expected = Expectation(duration, longest, outcome, self.duration is not None, stepper)
-        if not self._elastic:
-            return Spring(stiffness, coefficients, expected, touch.gap, space.inverse_mass)
+        turning = rounding * max(1.0, math.sqrt(3.0 / normal))
+        stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
+        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
+        of_contact = stiffness, coefficients, expected, touch.gap, space.inverse_mass
+        if not elastic:
+            return Spring(*of_contact)
         from bristle_sim.scene.contact.elastic import ElasticSpring  # only where a contact has this effect
 
-        return ElasticSpring(
-            stiffness, coefficients, expected, touch.gap, space.inverse_mass, squared=self.tangential_compliance
-        )
-
-    @property
-    def _elastic(self) -> bool:
-        """Whether there is a tangential spring: one that is too stiff is rigid, as in the impact law."""
-        return self.tangential_compliance >= LEAST_COMPLIANCE
+        return ElasticSpring(*of_contact, squared=self.tangential_compliance)
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
         """Carry the scene through a touch too slow to be resolved in time, by the rigid-body law."""
-        law = EnergeticLaw(0.0, self.tangential_compliance)
-        return law.resolve(scene, state, obstacle, coefficients)
+        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle, coefficients)
+
+    def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
+        """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
+        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
+        return max(LEAST_DURATION / math.sqrt(unloading * damping), 0.1 * self.accuracy / max(fastest, damping))
 
     def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
         """Return the integrator of a contact of a duration, no more accurate than rounding, ``least``, allows."""

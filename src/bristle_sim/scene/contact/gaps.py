@@ -15,18 +15,15 @@ from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross, i
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
-AT_JOINT = 1e-9
-"""Fraction of a link within which a foot on it is at its end."""
+AT_JOINT = 1e-9  # fraction of a link within which a foot on it is at its end
 
-GAP_ROUNDING = 1e-11
-"""A gap of the scene's unit below this is closed."""
+GAP_ROUNDING = 1e-11  # a gap of the scene's unit below this is closed
 
 
 class Gaps:
     """Gaps, touches and poses of a mechanism's links at any state."""
 
     def __init__(self, mechanism: Mechanism) -> None:
-        """Look at a mechanism."""
         self.mechanism = mechanism
 
     def closest(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
@@ -58,8 +55,7 @@ LEAST_LEVER = 1e-6
 CLOSED_GAP = 1e-10
 """Closing a gap below this fraction of the link changes the rate by as little, less than any accuracy leaves it."""
 
-NEWTON_ROUNDS = 3
-"""Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
+NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding
 
 
 def contact_row(

@@ -155,11 +155,9 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     return dataclasses.replace(space, velocity=(approach, exact)) if near else space
 
 
-ENERGETIC = EnergeticLaw()
-"""The law of obstacles for which no other one is named."""
+ENERGETIC = EnergeticLaw()  # the law of obstacles for which no other one is named
 
-ENGINE_STEP = 1e-12
-"""Step of an engine impact in scene time units: forces and motion within it are below rounding."""
+ENGINE_STEP = 1e-12  # step of an engine impact in scene time units: forces and motion within it are below rounding
 
 
 @dataclass(frozen=True)

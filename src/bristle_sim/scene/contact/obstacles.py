@@ -19,18 +19,15 @@ import pymunk
 from bristle_sim.scene.contact.laws import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
-SHAPE_MARGIN = 0.02
-"""Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
+SHAPE_MARGIN = 0.02  # fraction of the link's length by which obstacle shapes are enlarged in the engine
 
-SAME_GAP = 1e-9
-"""Two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch."""
+SAME_GAP = 1e-9  # two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch
 
 LEAST_REACH = 1e-9
 """Least distance of the wire's centre line from the bar's centre, as a fraction of the link's length: a hundred times the
 gap that counts as closed. Rounding of 1e-16 then turns the normal by 1e-7."""
 
-HALF_PLANE = 1e3
-"""Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
+HALF_PLANE = 1e3  # half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach
 
 Line = tuple[Vector, ...]
 """A straight piece of a wire's centre line: its two ends."""

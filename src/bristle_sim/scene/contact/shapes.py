@@ -34,7 +34,6 @@ class ContactShapes:
         links: Sequence[pymunk.Body],
         set_iterations: Callable[[int], None],
     ) -> None:
-        """Add nothing: a pair's shapes come when it is engaged first."""
         self.space, self.mechanism, self.links = space, mechanism, links
         self.in_flight, self._set_iterations = space.iterations, set_iterations
         self._shapes: dict[tuple[str, int, int | None], list[pymunk.Shape]] = {}
@@ -114,7 +113,6 @@ class ImpulseRecord:
     """Has the engine write down the impulses of all its contacts, one step after the other, to be read at once."""
 
     def __init__(self, space: pymunk.Space) -> None:
-        """Record nothing yet."""
         self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, lib.TOTAL_IMPULSE | lib.NORMAL))
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")

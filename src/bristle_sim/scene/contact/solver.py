@@ -36,8 +36,7 @@ from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
-LINKS_OF_A_STEP = 32
-"""Links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links."""
+LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 
 DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""
@@ -92,7 +91,6 @@ class _Chains:
     """
 
     def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
-        """Look at x, y, angle, u, v and rate of each link in ``numbers``, and of the hub."""
         from scipy.linalg.lapack import dposv  # imported where it is needed only
 
         self.solve = dposv
@@ -169,7 +167,6 @@ class WireVelocities:
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
     ) -> None:
-        """Set the velocities of links on a hub, if there is one, with the damping of a wire's joints, the root first."""
         self.symmetric = self.correct = False
         self.contacts: Sequence[Held] = ()
         self.impulses: list[tuple[float, float, float]] = []
@@ -260,7 +257,6 @@ class WireSteps(EngineSteps):
         *,
         bending: bool,
     ) -> None:
-        """Leave the joints, of these damping coefficients, to the engine until the iterations are set."""
         super().__init__(space, hub, links, joints)
         springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
         self._make, self._bending = partial(WireVelocities, mechanism, damping, springs, hub, links), bending

@@ -206,7 +206,6 @@ class SpringForce:
     """
 
     def __init__(self, scene: Scene, obstacle: Obstacle, spring: Spring) -> None:
-        """Act between a link's corner and the workpart by a spring."""
         assert isinstance(obstacle, WorkpartObstacle), "only a corner on a plane has a spring"
         body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
         x, y = (*link.knees, link.tip)[obstacle.corner]
@@ -261,7 +260,6 @@ class ContactLoad:
     symmetric = False  # springs do not act alike forwards and backwards in time
 
     def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
-        """Act by rigid contacts, if there are any, and by the springs of other contacts."""
         self._rigid = rigid
         forces = [each.spring.force(scene, each.obstacle) for each in springs if each.spring is not None]
         self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
