@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
@@ -97,8 +96,6 @@ class ElasticForce(SpringForce):
 
     def totals(self) -> list[float]:
         """Return the six numbers; the force in stick is that at the end."""
-        normal, along, opening, slip = zip(*self._steps, strict=True)
-        sums = [sum(normal), sum(along), sum(map(mul, normal, opening)), sum(map(mul, along, slip))]
         spring = self.spring
         last = 0.0 if spring.slip else -spring.along_surface * (self._place().x - spring.foot)
-        return [*(self._step * each for each in sums), 0.0, last]
+        return [*self._sums(), 0.0, last]

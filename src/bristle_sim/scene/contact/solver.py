@@ -43,15 +43,11 @@ DEPENDENT = 1e-12
 
 
 class _Wires(NamedTuple):
-    """What does not change of wires that are all alike: complex numbers stand for points of the plane.
+    """Constants of wires that are all alike; complex numbers stand for points of the plane.
 
-    Attributes:
-        size: links of a wire.
-        tips, centres, inertias: of every link, from its joint and about its centre of gravity.
-        arms, moments: g_kj of one wire, transposed, and their conjugates times the masses.
-        products: mass matrix of all links at the angles 0, before its turning.
-        damping, belt: C, None without damping, and what the hub's turning adds to it.
-        roots: of each link's wire, at the hub's angle 0.
+    ``size`` counts the links of a wire. Tips, centres and inertias are those of every link, from its joint and about its centre.
+    ``arms`` and ``moments`` are g_kj of one wire, transposed, and their conjugates times the masses; ``products`` is the mass
+    matrix at the angles 0; ``damping`` is C, and ``belt`` the part of it that turns with the hub. Roots are at the hub's angle 0.
     """
 
     size: int
@@ -85,9 +81,7 @@ def _wires(mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
 class _Chains:
     """The links of all wires, one wire after the other: their bodies' numbers, and the velocities that obey the joints.
 
-    Attributes:
-        rates, velocities: of the bodies; they may be written.
-        matrix, turn: mass matrix with damping, and e^{i angle} of each link, of the last solution.
+    ``matrix``, with damping, and ``turn``, e^{i angle} of each link, are those of the last solution.
     """
 
     def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
@@ -153,10 +147,10 @@ class WireVelocities:
     """The velocities of all links of a mechanism after an engine step.
 
     Attributes:
-        correct: whether a step closes what is open of the joints by its end, as the engine's own correction does.
+        correct: whether a step closes open joints by its end, as the engine's own correction does.
         symmetric: whether steps are symmetric in time.
         contacts: sustained contacts that act.
-        impulses: of each of them in the last step: normal and tangential impulse, and its slip.
+        impulses: normal and tangential impulse of each of them in the last step, and its slip.
     """
 
     def __init__(

@@ -8,6 +8,7 @@ do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops t
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -50,7 +51,6 @@ class ContactCourse:
     """The record of one contact while it lasts.
 
     Attributes:
-        phases: in order.
         rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
             time are the ends of two phases.
         compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
@@ -82,26 +82,17 @@ class ContactCourse:
         names: list[str] = []
         first = 0
         for phase, end in zip(self.phases, ends, strict=True):
-            if end - phase.impulse < LEAST_PHASE * impulse and not (jams and phase is self.phases[-1]):
-                continue
-            first = first or phase.slip
-            motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
-            name = f"{'compression' if phase.loading else 'restitution'} {motion}"
-            if not names or names[-1] != name:
-                names.append(name)
-        return tuple(names)
+            if end - phase.impulse >= LEAST_PHASE * impulse or (jams and phase is self.phases[-1]):
+                first = first or phase.slip
+                motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+                names.append(f"{'compression' if phase.loading else 'restitution'} {motion}")
+        return tuple(name for name, _ in itertools.groupby(names))
 
 
 class Expectation(NamedTuple):
-    """What is known of a contact before it is integrated.
+    """A contact before it is integrated: its duration and outcome by the impact law, the longest interval, the integrator.
 
-    Attributes:
-        duration: of the contact, were the bodies rigid and free meanwhile.
-        longest: longest interval.
-        outcome: of the rigid-body law.
-        moves: whether the bodies move noticeably meanwhile, as in a contact of a given duration; else the contact is the
-            rigid-body limit, and its K is constant.
-        stepper: integrator of the intervals in which the spring acts.
+    The bodies move noticeably meanwhile in a contact of a given duration; else it is the rigid-body limit, with a constant K.
     """
 
     duration: float
@@ -117,15 +108,12 @@ class Spring:
 
     Attributes:
         stiffness: in compression, engine units.
-        coefficients: of friction and restitution.
-        expected: what is known of the contact beforehand.
         surface: gap at the first touch, from which the penetration is measured.
-        inverse_mass: K in the order normal, tangential, at the first touch or of the interval.
+        inverse_mass: K at the first touch or of the interval.
         loading: whether the penetration is the largest so far; else the spring unloads, more steeply.
         deepest: penetration at which unloading began.
         slip: sense of slip, or 0 in stick.
-        stick_force: tangential force that stick takes at the last state.
-        course: what is recorded of the contact.
+        stick_force: tangential force in stick at the last state.
     """
 
     stiffness: float
@@ -241,14 +229,16 @@ class SpringForce:
         spring and of inertia alike. So the second step applies the force of stick at the beginning, and one more step would
         apply that at the end, both up to powers of the step. In slip these two are 0.
         """
-        normal, along, opening, slip = zip(*self._steps, strict=True)
-        sums = [sum(normal), sum(along), sum(map(mul, normal, opening)), sum(map(mul, along, slip))]
-        found = [self._step * each for each in sums]
         stiffness, height, ratio, stop = self._law
         if not stop:
-            return [*found, 0.0, 0.0]
+            return [*self._sums(), 0.0, 0.0]
         last = ratio * stiffness * (height - self._place().y) - stop * self._velocity().x
-        return [*found, along[1] if len(along) > 1 else last, last]
+        return [*self._sums(), self._steps[1][1] if len(self._steps) > 1 else last, last]
+
+    def _sums(self) -> list[float]:
+        normal, along, opening, slip = zip(*self._steps, strict=True)
+        sums = [sum(normal), sum(along), sum(map(mul, normal, opening)), sum(map(mul, along, slip))]
+        return [self._step * each for each in sums]
 
 
 class ContactLoad:
