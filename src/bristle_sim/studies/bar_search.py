@@ -130,8 +130,7 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
     """Return the direction of the bar for which the tip strikes fastest, by Brent's method about a start, rad.
 
-    Raises:
-        NotCuedError: if the bar cues no strike at the start.
+    Raises NotCuedError if the bar cues no strike at the start.
     """
 
     def slowness(direction: float) -> float:

@@ -78,8 +78,7 @@ def slide_path(history: ContactHistory) -> Array:
 def slide_of(contact: ContactRecord) -> Slide:
     """The slide of a tip in a strike that was resolved in time.
 
-    Raises:
-        ValueError: for a contact without a history.
+    Raises ValueError for a contact without a history.
     """
     history = contact.history
     if history is None:
@@ -103,8 +102,7 @@ def slide_of(contact: ContactRecord) -> Slide:
 def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
 
-    Raises:
-        ValueError: if the tool's contact is not resolved in time, or a pass ends before its strike for want of steps.
+    Raises ValueError if the tool's contact is not resolved in time, or a pass ends before its strike for want of steps.
     """
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")

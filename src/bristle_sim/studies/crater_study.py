@@ -88,8 +88,7 @@ class CraterStudy:
 def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
     """Compute the crater's depth in every way there is.
 
-    Raises:
-        ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
+    Raises ValueError if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
     """
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
     study, printed = _study(hub, bristle, crater, settings, speed), dict[str, float]()

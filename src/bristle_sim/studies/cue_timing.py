@@ -107,9 +107,8 @@ def cue_timing(
 
     ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
-    Raises:
-        ValueError: if nothing drives the bristle, the wire bends, the tip cannot reach the workpart radially, or the release
-            is not computed within the settings' steps.
+    Raises ValueError if nothing drives the bristle, the wire bends, the tip cannot reach the workpart radially, or the
+    release is not computed within the settings' steps.
     """
     require_rigid(tool)
 

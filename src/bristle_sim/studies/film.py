@@ -75,8 +75,7 @@ class FilmMap:
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     """Map touches, compression time and crater over contact duration and wire damping, and look closer at the nearest case.
 
-    Raises:
-        ValueError: if no pass of the map strikes, or the extra ``sweep`` is not installed.
+    Raises ValueError if no pass of the map strikes, or the extra ``sweep`` is not installed.
     """
     started, found = clock.perf_counter(), _mapped(tool, grid, settings)
     variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings, grid.workers)

@@ -136,8 +136,7 @@ def flexible_wire(
 ) -> Report:
     """Strike with a wire of links and with the rigid bristle, and compare.
 
-    Raises:
-        ValueError: for values that do not fit together, or a contact that comes to no end.
+    Raises ValueError for values that do not fit together, or a contact that comes to no end.
     """
     for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
         if not value:
@@ -209,8 +208,7 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
     """Return impulse, peak force, time in touch and crater depth of a contact, in the units of MEASURES.
 
-    Raises:
-        ValueError: for a contact that was not resolved in time.
+    Raises ValueError for a contact that was not resolved in time.
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError("speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches")

@@ -88,8 +88,7 @@ def force_comparison(
 ) -> Report:
     """Compare the simulated contact with the curve of chapter 3, or with one fitted to measured points.
 
-    Raises:
-        ValueError: for points that are no force history.
+    Raises ValueError for points that are no force history.
     """
     measured, contact, no_contact = _measured_force(measurement), None, ""
     curve = BRISTLE if measured is None else measured.fit.curve
@@ -165,8 +164,7 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
 def _measured_force(measurement: Measurement) -> MeasuredForce | None:
     """Read and fit the file; None where there is none.
 
-    Raises:
-        ValueError: for a file that is no force history, in one line with the key.
+    Raises ValueError for a file that is no force history, in one line with the key.
     """
     if measurement.force_csv is None:
         return None

@@ -82,8 +82,7 @@ class InertiaDriven:
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
     """Simulate the bristle that its inertia throws, and find the pulley speed at which its tip is as fast as the bar-cued tool's.
 
-    Raises:
-        ValueError: if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
+    Raises ValueError if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
     """
     require_rigid(tool)
     if not tool.hub.speed:

@@ -116,8 +116,7 @@ def least_pitch(
     Touches count until an instant of the pass of the bristle in front, s, by default the end of the run, or of the follower's
     own pass, a pitch later. The search goes down from the largest pitch, rad.
 
-    Raises:
-        ValueError: if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
+    Raises ValueError if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
     """
     if not trajectory.hub_speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")

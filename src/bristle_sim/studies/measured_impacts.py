@@ -134,8 +134,7 @@ def read_ellipse(path: str) -> Ellipse:
     The angle runs clockwise: a body turned by it has its point of contact at x = (a^2 - b^2) sin cos/h from the centre, a height
     h = sqrt(a^2 sin^2 + b^2 cos^2) below it, and there v_n = v_y - x w and v_t = v_x - h w.
 
-    Raises:
-        ValueError: if there is no such file, or it holds no such impacts.
+    Raises ValueError if there is no such file, or it holds no such impacts.
     """
     from scipy.io import loadmat
 

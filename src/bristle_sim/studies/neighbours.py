@@ -82,8 +82,7 @@ class NeighbourRow:
 def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False) -> Report:
     """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
 
-    Raises:
-        ValueError: if the hub stands still, the wires bend or touch at the start, or a run is given up.
+    Raises ValueError if the hub stands still, the wires bend or touch at the start, or a run is given up.
     """
     require_rigid(tool)
     if not tool.hub.speed:

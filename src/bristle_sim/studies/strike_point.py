@@ -144,8 +144,7 @@ def strike_of_keys(
 def cued_strike(tool: Tool, settings: Settings) -> dict[str, float | None]:
     """Return the measures of the strike of a pass from 90 degrees before the workpart, or earlier if the bar stands there.
 
-    Raises:
-        ValueError: if the run is given up, or has no cued strike.
+    Raises ValueError if the run is given up, or has no cued strike.
     """
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
@@ -179,8 +178,7 @@ def start_angle(tool: Tool) -> float:
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return lag, speeds, impulse, work and crater depth of the strike of a bristle that the bar has cued; None if unknown.
 
-    Raises:
-        NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or while it does.
+    Raises NotCuedError if the bristle does not strike, or strikes before it has touched the bar or while it does.
     """
     strike = run.first_contact("workpart")
     if strike is None:

@@ -49,8 +49,7 @@ def name_of(function: Any) -> str:
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
     """Return a digest of a function, of all that it refers to, of this package and of a given version.
 
-    Raises:
-        ValueError: if the function refers to an object whose changes cannot be seen, such as a lock or an open file.
+    Raises ValueError if the function refers to an object whose changes cannot be seen, such as a lock or an open file.
     """
     package, files = Path(bristle_sim.__file__).parent, hashlib.sha256()
     for path in sorted(package.rglob("*.py")):

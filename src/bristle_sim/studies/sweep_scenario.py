@@ -44,8 +44,7 @@ def sweep_scenario(
         The simulated values of the report's quantities by their names, or those by formula of a quantity that is nowhere
         simulated, NaN where there are none, with ``units`` and ``long_name``; and ``failure``, which says why a point lacks some: the error, or the report's answer.
 
-    Raises:
-        ValueError: for no keys or more than two, and as :func:`bristle_sim.sweep` does.
+    Raises ValueError for no keys or more than two, and as :func:`bristle_sim.sweep` does.
     """
     if not 1 <= len(axes) <= MOST_KEYS:
         raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")

@@ -128,8 +128,7 @@ class SweepStore:
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
         """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
 
-        Raises:
-            ValueError: for the name of a result that means something else.
+        Raises ValueError for the name of a result that means something else.
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         for name, value in (item for _, (values, _) in outcomes for item in values.items()):

@@ -65,8 +65,7 @@ def timed_contact(
     The impact angle is in rad. Either the rate of the bristle, rad/s, or the compressive impulse, N s, must be given; for an
     impulse the rate is found.
 
-    Raises:
-        ValueError: if there is no such contact.
+    Raises ValueError if there is no such contact.
     """
     if (rate is None) == (impulse is None):
         raise ValueError("rate, impulse: must be exactly one of the two")

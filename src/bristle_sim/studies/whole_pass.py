@@ -68,8 +68,7 @@ class WholePass:
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
     """Simulate a pass and compare it with the formulas.
 
-    Raises:
-        ValueError: if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
+    Raises ValueError if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
     run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
     contact, cost, reached = run.first_contact("workpart"), run.cost, f"{1e3 * run.time[-1]:.4f} ms"

@@ -64,9 +64,8 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     Forces are on the workpart: normal into it, tangential in the direction in which the tips travel. The drive's torque
     carries the bar's forces too; the hand that holds hub and bar together bears the workpart's moment alone.
 
-    Raises:
-        ValueError: if the hub stands still, there is no workpart, the wire bends, or a run is not computed within the
-            settings' steps.
+    Raises ValueError if the hub stands still, there is no workpart, the wire bends, or a run is not computed within the
+    settings' steps.
     """
     if tool.workpart is None:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
@@ -109,8 +108,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
 def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     """Return the normal force that the load cell under the workpart shows, from one bristle to the next.
 
-    Raises:
-        ValueError: for a tool whose bristle completes no turn.
+    Raises ValueError for a tool whose bristle completes no turn.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
