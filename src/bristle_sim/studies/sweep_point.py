@@ -96,9 +96,8 @@ def evaluated(
     while True:
         scheduler, call = _scheduler(workers)  # anew, as one that has lost a worker returns results of its old tasks
         others = batches()
-        if not (first := next(others, None)):
-            first, known = (suspects.popleft() if suspects else None), False
-        if not first:
+        first = next(others, None) or (suspects.popleft() if suspects else None)
+        if first is None:
             return
         try:
             with closing(scheduler(map(task, itertools.chain([first], others if known else [])))) as results:
@@ -110,10 +109,11 @@ def evaluated(
                     yield from found
         except (Exception, CancelledError) as error:
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            # loky reports tasks that it cannot receive by another class of error than lost workers.
-            loky = isinstance(error, BrokenProcessPool) and not isinstance(error, TerminatedWorkerError)
-            lost_worker = isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
-            if loky or not lost_worker:
+            unsent = isinstance(error, BrokenProcessPool) and not isinstance(
+                error, TerminatedWorkerError
+            )  # loky's class
+            gone = isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
+            if unsent or not gone:
                 words = f"function = {name_of(function)}: must be picklable, to be sent to the workers ({reason})"
                 raise ValueError(words) from error
             lost += 1

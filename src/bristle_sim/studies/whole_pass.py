@@ -55,6 +55,13 @@ QUANTITIES = {
     **IMPACT,
 }
 
+PRINTED = {
+    "release_retraction_deg": "eq. 2.2: retraction angle at release",
+    "relative_speed_at_contact": "fig. 4.2: rate before the impact",
+    "tip_speed_at_contact": "eq. 4.3: speed of the tip",
+}
+"""Places of printed values."""
+
 
 @dataclass(frozen=True, slots=True)
 class WholePass:
@@ -89,12 +96,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
 
-    places = {
-        "release_retraction_deg": "eq. 2.2: retraction angle at release",
-        "relative_speed_at_contact": "fig. 4.2: rate before the impact",
-        "tip_speed_at_contact": "eq. 4.3: speed of the tip",
-    }
-    printed = {name: printed_number(place) for name, place in places.items()} if tool == Tool() else {}
+    printed = {name: printed_number(place) for name, place in PRINTED.items()} if tool == Tool() else {}
     found = rows(QUANTITIES, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
