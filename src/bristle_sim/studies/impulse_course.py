@@ -15,7 +15,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.contact_course import cubics
-from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactHistory
 
 
@@ -44,17 +44,12 @@ def contact_inverse_mass(chain: Chain) -> Array:
 def tip_response(chain: Chain) -> tuple[Array, Array]:
     """Return J of shape (2, rods) and M^-1 J^T of shape (rods, 2), what an impulse at the tip does to the rods, 1/kg.
 
-    In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of u_i cos theta_i) = J u,
-    and the kinetic energy is u^T M u/2 with
-
-        M_ii = m_i/3 + sum of the masses beyond i,
-        M_ij = (m_j/2 + sum of the masses beyond j) cos(theta_i - theta_j)    for i < j,
-
-    whatever the lengths. A hub that keeps its speed takes no part.
+    In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of u_i cos theta_i) = J u, and
+    the kinetic energy is u^T M u/2 with M_ii = m_i/3 + the masses beyond i and, for i < j, M_ij = (m_j/2 + the masses beyond j)
+    cos(theta_i - theta_j), whatever the lengths. A hub that keeps its speed takes no part.
     """
     masses, angles = np.array(chain.masses), np.array(chain.angles)
-    carried = masses.sum() - np.cumsum(masses)
-    order = np.arange(masses.size)
+    carried, order = masses.sum() - np.cumsum(masses), np.arange(masses.size)
     inertia = (masses / 2.0 + carried)[np.maximum.outer(order, order)] * np.cos(np.subtract.outer(angles, angles))
     inertia[order, order] = masses / 3.0 + carried
     jacobian = np.stack([np.sin(angles), np.cos(angles)])
@@ -70,30 +65,21 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
     """Return the energetic law's straight pieces from touch to separation; a single point where the tip does not approach."""
-    inverse_mass, before = contact_inverse_mass(chain), tip_velocity(chain)
-    later = surface.friction_in_restitution
+    inverse_mass, before, later = contact_inverse_mass(chain), tip_velocity(chain), surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
-    impulses = _tangential_steps(impact, inverse_mass, (surface.friction, later))
-    happened = impact.phase_impulse > 0.0
-    steps = np.stack([impact.phase_impulse, impulses])[:, happened]
-    sums = np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
-    normal, tangential = np.array(before)[:, None] + inverse_mass @ sums
-    ends = float(impact.compressive_impulse_normal), float(impact.slip_stop_impulse)
-    return ImpulseCourse(sums[0], normal, tangential, impact.phases, *ends)
-
-
-def _tangential_steps(impact: Impact, inverse_mass: Array, frictions: tuple[float, float]) -> Array:
-    """Tangential impulse of each of the four phases, N s."""
     (normal, coupling), (_, tangential) = inverse_mass.tolist()
-    ratios = []
+    ratios = []  # tangential over normal impulse of each of the four phases
     for number, slip in enumerate(impact.phase_slip.tolist()):
-        friction = frictions[number // 2]
-        if number >= 2 and slip * coupling > 0.0:
-            # Slip at rest: no more friction than keeps the tip on the surface.
+        friction = later if number >= 2 else surface.friction
+        if number >= 2 and slip * coupling > 0.0:  # slip at rest: no more friction than keeps the tip on the surface
             friction = min(friction, normal / (slip * coupling))
         stick = -coupling / tangential if tangential > 0.0 else 0.0
         ratios.append(-friction * slip if slip else stick)
-    return np.asarray(ratios * impact.phase_impulse)
+    steps = np.stack([impact.phase_impulse, ratios * impact.phase_impulse])[:, impact.phase_impulse > 0.0]
+    sums = np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
+    normal_speed, slip_speed = np.array(before)[:, None] + inverse_mass @ sums
+    ends = float(impact.compressive_impulse_normal), float(impact.slip_stop_impulse)
+    return ImpulseCourse(sums[0], normal_speed, slip_speed, impact.phases, *ends)
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
