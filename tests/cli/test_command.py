@@ -18,7 +18,7 @@ from bristle_sim import commit as commits
 from bristle_sim.cli import command
 from bristle_sim.commit import commit
 from bristle_sim.parameters import Bar, Hub, Tool
-from bristle_sim.tool_file import write_tool
+from bristle_sim.tool_file import read_tool, write_tool
 
 ROOT = Path(__file__).parents[2]
 
@@ -174,3 +174,20 @@ def test_a_faulty_tool_file_is_refused_in_one_line(
     err = capsys.readouterr().err
     assert f"{tmp_path / 'tool.toml'}: {advice}" in err
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "bar"),
+    [
+        ("cue_and_impact --set hub_speed=280", Bar().centre),
+        # By two independent computations the bar's place for a radial strike, to 5 um.
+        ("cue_map --set reference=no --set map_points=3", (-0.05120, -0.02054)),
+    ],
+)
+def test_the_tool_that_was_run_or_found_is_written(line: str, bar: tuple[float, float], tmp_path: Path):
+    path = tmp_path / "tool.toml"
+    assert command.main([*line.split(), "--write-tool", str(path)]) == 0
+    found = read_tool(path)
+    assert found.bar is not None
+    assert found.bar.centre == pytest.approx(bar, abs=5e-6)
+    assert found.hub.speed == (280.0 if "280" in line else Hub().speed)

@@ -228,7 +228,10 @@ def test_the_view_says_phase_and_force_and_plays(browser: Any, page: Path):
 
 
 def test_a_filter_shows_the_rows_of_one_status(browser: Any, tmp_path: Path):
-    rows = [{"where": str(number), "status": "differs" if number % 3 else "reproduced"} for number in range(9)]
+    rows = [
+        {"where": str(number), "status": "differs" if number % 3 else "reproduced", "value": number, "ok": True}
+        for number in range(9)
+    ]
     write_report(tmp_path / "a.html", Report(None, (), extra={"rows": rows}), **STATED)
     tab, _ = opened(browser, tmp_path / "a.html")
     for name, count in (("reproduced 3", 3), ("all 9", 9)):

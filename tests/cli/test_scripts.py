@@ -71,7 +71,7 @@ PROMISES = {
     "cue_and_impact": Promise(
         "release_time release_retraction_deg largest_retraction_deg contact_time lag_deg_at_contact"
         f" relative_speed_at_contact tip_speed_at_contact {IMPACT}",
-        f"{PASS} bar_friction bar_restitution {RUBBING} {LAW} {WIRE} gravity",
+        f"{PASS} bar_friction bar_restitution {RUBBING} {LAW} {WIRE} gravity tangential_compliance",
         film="bristle_sim.render.tool_films.pass_film",
     ),
     "cue_timing": Promise(
@@ -80,7 +80,9 @@ PROMISES = {
         strikes=False,
         integrates=True,
     ),
-    "oblique_impact": Promise(IMPACT, f"{RIGID_TOOL} speed_ratio impact_angle_deg {RUBBING} {LAW}", film=IMPACT_FILM),
+    "oblique_impact": Promise(
+        IMPACT, f"{RIGID_TOOL} speed_ratio impact_angle_deg {RUBBING} {LAW} tangential_compliance", film=IMPACT_FILM
+    ),
     "single_pendulum": Promise(
         "rebound_ratio normal_compressive_impulse normal_final_impulse",
         f"rod_mass rod_length impact_angle_deg rate {RUBBING} {LAW}",

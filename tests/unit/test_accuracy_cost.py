@@ -4,10 +4,12 @@ import json
 import math
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
@@ -159,6 +161,14 @@ class TestPeers:
 
         with pytest.raises(ImportError, match="pymunk"):
             study._offered("bristle_sim", fail, FLIGHT, {})
+
+
+def test_a_machine_that_says_nothing_of_itself(monkeypatch):
+    monkeypatch.setattr(machine, "Path", lambda _: Path("nowhere"))
+    monkeypatch.setattr(machine, "PACKAGES", ("json", "numpy"))
+    found = machine.surroundings()
+    assert found["processor"]
+    assert found["versions"]["json"] == "unknown"
 
 
 def test_absent_effects_cost_nothing_in_the_engine():

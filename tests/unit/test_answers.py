@@ -57,6 +57,8 @@ def test_hard_cases_that_break_their_promise_are_named() -> None:
     case = HardCase("chatter", "a ball", "rests", lambda: Finding("rests", True))
     assert hard_cases_answer([(case, Finding("rests", True))]) == "Yes: all 1 hard cases keep their promise."
     broken = hard_cases_answer([(case, Finding("rests", True)), (case, Finding("sinks", False))])
+    failing = HardCase("chatter", "a ball", "rests", lambda: Finding(str(1 / 0), True))
+    assert failing.run() == Finding("ZeroDivisionError: division by zero", False)
     assert broken == "No: 1 of 2 hard cases break their promise: chatter: a ball (sinks)."
 
 

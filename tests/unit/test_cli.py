@@ -129,7 +129,7 @@ def test_keys_come_from_the_run_and_a_default_of_the_script_has_its_own_source()
     assert keys["mass"][0].allowed == "0 < mass <= 9"
 
 
-def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str]):
+def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
     assert main(SCENARIO, []) == 0
     out, err = capsys.readouterr()
     assert err == ""
@@ -140,6 +140,10 @@ def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str]):
     assert lines[-3:] == ["", "outcome: rebound (compression slip, restitution stick)", "a remark"]
     assert main(SCENARIO, ["--set", "speed=0.6"]) == 1
     assert "NO" in capsys.readouterr().out
+    monkeypatch.setattr(sys, "stderr", None)
+    assert main(SCENARIO, []) == 0
+    monkeypatch.setattr(sys, "stdout", None)
+    assert main(SCENARIO, []) == 2
 
 
 def test_remarks_alone(capsys: pytest.CaptureFixture[str]):

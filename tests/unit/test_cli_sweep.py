@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,7 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(capsys: pyt
         (("--sweep", "friction=0:1:3", "--video", "a.mp4"), "--video: must be left out with --sweep"),
         (("--sweep", "friction=0:1:3", "--workers", "0"), "workers = 0: must be"),
         (("--workers", "2"), "must be given with --sweep"),
+        (("--sweep", "penetration=0.03:0.04:2", "--plot", "none.png"), "--plot: must have results to draw"),
         (
             tuple(f"--sweep={key}=0.1:0.2:2" for key in ("friction", "restitution", "penetration")),
             "must be one key or two",
@@ -82,3 +84,11 @@ def test_bad_input_is_one_line(words: tuple[str, ...], told: str, capsys: pytest
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
+
+
+def test_without_the_extra_the_command_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setitem(sys.modules, "bristle_sim.cli.sweep", None)
+    assert called("--sweep", "friction=0.1:0.2:2") == 2
+    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep]" in capsys.readouterr().err

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import re
 import threading
+import urllib.parse
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +20,7 @@ from bristle_sim.cli import command
 
 pytest.importorskip("flask")
 
-from bristle_sim.cli.explore import bench
+from bristle_sim.cli.explore import bench, explore
 from bristle_sim.cli.explore.server import application, server
 
 
@@ -70,6 +75,8 @@ def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) 
     assert bs.read_tool(path) == bs.Tool(bristle=bs.Bristle(length=0.028), workpart=bs.Workpart(friction=0.4))
     assert client.get("/download/csv").text.startswith("time (s),")
     assert client.get("/download/json").json["answer"]
+    assert "<h1>From bar to rebound" in client.get("/download/html").text
+    assert "must" in client.get("/radial?bar_radius=0.05").json["error"]
 
 
 def test_a_wire_that_bends_runs_beside_the_server(client: Any) -> None:
@@ -95,6 +102,8 @@ def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "hub_speed   250   270" in said
     assert "slow: The bristle strikes at " in said
     assert page.read_text(encoding="utf-8").count("<svg") == 2
+    assert command.main(["compare", *paths]) == 0
+    assert said.startswith(capsys.readouterr().out)
     assert command.main(["compare", paths[0], str(tmp_path / "none.toml")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
@@ -133,3 +142,34 @@ def test_the_page_in_a_browser(address: str, browser: Any) -> None:
     assert "pin=friction%3D0.5" in pages[1].url
     assert "hub_speed=2600rpm" in pages[1].url
     assert not errors
+
+
+def test_a_notebook_shows_the_page() -> None:
+    page = explore(bs.Tool(hub=bs.Hub(speed=280.0)))._repr_html_()
+    address = re.search(r'<iframe src="(http://127[^"]*)"', page)
+    assert address is not None
+    with urllib.request.urlopen(f"{address[1]}run") as answer:
+        assert json.load(answer)["changed"] == []  # of the tool that it began with
+    assert command.main(["explore", "--port", str(urllib.parse.urlparse(address[1]).port)]) == 2  # it is taken
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["none.toml"], 2, "none.toml"),
+        (["--port", "99999"], 2, "must be a whole number from 0 to"),
+        ([], 130, "http://127.0.0.1:8000/ shows the bench; Ctrl-C ends it"),
+    ],
+)
+def test_the_command_serves_until_it_is_ended(
+    words: list[str], status: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    serving = SimpleNamespace(server_port=8000, serve_forever=interrupted)
+    monkeypatch.setattr("bristle_sim.cli.explore.server.server", lambda *_, **__: serving)
+    assert command.main(["explore", *words]) == status
+    out, err = capsys.readouterr()
+    assert said in out + err
+    assert err.count("\n") == 1

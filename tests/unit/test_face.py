@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import bristle_sim
 
 
@@ -64,3 +66,14 @@ def test_help_and_star_imports_work_without_the_extras():
     run = subprocess.run([sys.executable, "-c", WITHOUT_EXTRAS], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert run.stdout.endswith("pip install 'bristle_sim[sweep]'\n")
+
+
+def test_an_unknown_name_is_refused_and_a_sweep_names_its_extra(monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(AttributeError, match="no attribute 'Tol'"):
+        bristle_sim.Tol  # noqa: B018
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    monkeypatch.delitem(sys.modules, "bristle_sim.studies.sweep", raising=False)
+    monkeypatch.delitem(sys.modules, "bristle_sim.studies.sweep_store", raising=False)
+    monkeypatch.delitem(vars(bristle_sim), "sweep", raising=False)
+    with pytest.raises(ImportError, match=r"pip install 'bristle_sim\[sweep\]'"):
+        bristle_sim.sweep(None, {})

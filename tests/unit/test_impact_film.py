@@ -50,6 +50,12 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     assert "compression 50 µs (as printed, for the film)" in written
 
 
+def test_films_show_a_requested_duration() -> None:
+    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
+    assert ImpactFilm(shown, width=320, height=180).motion.touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
+    assert shown.timing == "contact_duration as requested"
+
+
 def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
     tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
     slow = rods(rate_1=-1e-5, rate_2=-2e-5)

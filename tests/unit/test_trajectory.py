@@ -51,7 +51,7 @@ def test_a_run_is_summarized_in_five_lines(run: Trajectory):
     assert "strike: none" in repr(simulate(Tool(workpart=None)))
 
 
-def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajectory):
+def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajectory, tmp_path: Path):
     page = ET.fromstring(run._repr_html_())
     circles = [float(each.attrib["r"]) for each in page.iter(f"{SVG}circle")]
     assert circles == pytest.approx([Tool().hub.radius, Bar().radius], rel=1e-5)  # six digits
@@ -62,6 +62,8 @@ def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajec
     bare = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
     assert (bare.count("<circle"), "<line" in bare) == (1, False)
     assert run.plot()._repr_png_().startswith(b"\x89PNG")  # matplotlib's own way needs pyplot
+    film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, size=(160, 120))
+    assert film.read_bytes().startswith(b"GIF8")
 
 
 def test_the_tool_is_known_to_its_run(run: Trajectory, trajectory: Trajectory):

@@ -54,6 +54,8 @@ class TestTurn:
         assert 0.5 * left < ratio < 2.0 * left
         monkeypatch.setattr("bristle_sim.studies.periodic_turn.MOST_TURNS", 4)
         unsettled = periodic_turn(thrown, Settings(accuracy=1e-6))
+        remarks = whole_tool(thrown, Assembly(), Settings(accuracy=1e-6)).remarks
+        assert any("no turn of 4 repeats the one before" in each for each in remarks)
         assert not unsettled.repeats
         first, second = unsettled.runs
         assert second.time[-1] == pytest.approx(2.0 * math.pi / SPEED, rel=1e-12)
