@@ -41,6 +41,7 @@ OTHERS = {
     "crater_depth": ("", "friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
     "force_history": ("", "restitution=0.6"),
     "whole_tool": ("", "hub_speed=500 friction=0.6"),
+    "film": ("wire_links=2 map_durations=3 map_dampings=2 workers=1",),
     "measured_impacts": ("",),
     "tolerances": ("samples=8",),
     "flexible_wire": ("wire_links=4 friction=0.6 contact_duration=0.2ms",),

@@ -21,19 +21,15 @@ PANELS = {
 }
 """Title, note and factor of each map."""
 
-JUMP = 3.0
-"""Values above this multiple of the measured one take no part in its line, which would else follow a jump."""
-
+JUMP = 3.0  # values above this multiple of the measured one take no part in its line, which would else follow a jump
 NEAREST: dict[str, Any] = {
     "color": BLACK,
     "marker": "o",
     "markerfacecolor": "white",
     "markersize": 5.0,
-    "linestyle": "none",
+    "linestyle": "",
 }
-
-SMEAR = 9
-"""Places of the wire in an exposure."""
+SMEAR = 9  # places of the wire in an exposure
 
 
 @styled()
@@ -44,18 +40,17 @@ def film_map_figure(film: FilmMap) -> Figure:
         _draw_map(figure, film, name, 1.6 + 4.9 * number)
     rate, exposure = f"{film.grid.frame_rate:g} frames a second", f"{MICROSECONDS * film.grid.exposure:g} µs"
     frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", f"{rate}, exposure {exposure}")
-    height = add_panel(
-        figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", "continuous, and in the camera's frames"
-    )
+    words = "continuous, and in the camera's frames"
+    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words)
     _draw_frames(frames, height, film)
-    looks: tuple[dict[str, Any], ...] = (
-        {"color": VERMILION},
-        NEAREST,
-        {"color": BLUE},
-        {"color": BLACK, "linewidth": 3.0},
-    )
-    names = ["as measured (none: not reached)", "nearest pair", "continuous motion", "in the camera's exposures"]
-    figure.legend([Line2D([], [], **look) for look in looks], names, loc="lower center", ncols=4, columnspacing=1.2)
+    named: dict[str, dict[str, Any]] = {
+        "as measured (none: not reached)": {"color": VERMILION},
+        "nearest pair": NEAREST,
+        "continuous motion": {"color": BLUE},
+        "in the camera's exposures": {"color": BLACK, "linewidth": 3.0},
+    }
+    handles = [Line2D([], [], label=name, **look) for name, look in named.items()]
+    figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.2)
     return figure
 
 
@@ -73,7 +68,7 @@ def _draw_map(figure: Figure, film: FilmMap, name: str, left: float) -> None:
     level = 1.5 if name == "touches" else measured
     if line.count() and line.min() < level < line.max():
         axes.contour(x, y, line, levels=[level], colors=[VERMILION], linewidths=1.4)
-    axes.plot(x[column], y[row], gid=f"nearest {name}", **NEAREST)
+    axes.plot(x[column], y[row], **NEAREST)
     shown = np.unique(np.linspace(0, x.size - 1, 3).round().astype(int))
     axes.set_xticks(x[shown], [f"{MICROSECONDS * film.durations[at]:.0f}" for at in shown])
     at = np.unique(np.linspace(0, y.size - 1, 6).round().astype(int))

@@ -35,7 +35,8 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
             axes.plot(x, y, color=color, label=name)
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
             axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-        note(phase, words, (retraction[-1], speed[-1]), (6.0, 5.0), ha="left", color=color)
+        ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+        note(phase, words, (retraction[-1], speed[-1]), (6.0, 5.0), ha="left", color=color, bbox=ground)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)
     turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2, columnspacing=1.2)
