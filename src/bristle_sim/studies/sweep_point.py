@@ -84,23 +84,21 @@ def evaluated(
     left_over, suspects, under_way = deque[list[Point]](), deque[list[Point]](), dict[int, list[Point]]()
     size, lost, known = 1, 0, False
 
-    def batches() -> Iterator[list[Point]]:
-        """Points that are left over of a turn, then new ones."""
+    def tasks() -> Iterator[Any]:
+        """Points that are left over of a turn, then new ones, at last those of lost workers, each alone."""
         while batch := left_over.popleft() if left_over else list(itertools.islice(points, size)):
-            yield batch
-
-    def task(batch: list[Point]) -> Any:
-        under_way[batch[0][0]] = batch
-        return joblib.delayed(call)(function, batch)
+            under_way[batch[0][0]] = batch
+            yield joblib.delayed(call)(function, batch)
+        if suspects and not under_way:
+            under_way[suspects[0][0][0]] = suspects[0]
+            yield joblib.delayed(call)(function, suspects.popleft())
 
     while True:
         scheduler, call = _scheduler(workers)  # anew, as one that has lost a worker returns results of its old tasks
-        others = batches()
-        first = next(others, None) or (suspects.popleft() if suspects else None)
-        if first is None:
+        if not (first := next(others := tasks(), None)):
             return
         try:
-            with closing(scheduler(map(task, itertools.chain([first], others if known else [])))) as results:
+            with closing(scheduler(itertools.chain([first], others if known else []))) as results:
                 for found in results:
                     batch = under_way.pop(found[0][0][0])
                     left_over.extend([batch[len(found) :]] if len(found) < len(batch) else [])
