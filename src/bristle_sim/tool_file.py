@@ -85,8 +85,12 @@ def read_tool(path: str | Path) -> Tool:
 def write_tool(tool: Tool, path: str | Path) -> None:
     """Write a tool to a TOML file that ``read_tool`` reads back, every digit of it, with a comment to each key.
 
-    Raises OSError naming the file, if it cannot be written.
+    Raises:
+        ValueError: if ``tool`` is not a tool.
+        OSError: naming the file, if it cannot be written.
     """
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool

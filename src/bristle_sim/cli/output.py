@@ -65,9 +65,11 @@ class _Progress(logging.Handler):
             print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the last report, and the time that has passed, at intervals until the work has ended."""
+        """Print the last report, and the time that has passed, at intervals until the work has ended; a bar counts by itself."""
         before, end = ("\r\x1b[K", "") if self.terminal else ("", "\n")
         while not ended.wait(SILENCE):
+            if getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
+                continue
             passed = f"{time.monotonic() - self.started:.0f} s"
             print(f"{before}{self.program}: {passed}: {self.last}", end=end, file=sys.stderr, flush=True)
 

@@ -21,6 +21,7 @@ from decimal import Decimal
 
 from bristle_sim.comparison import WIDTH, Quantity, Report, side_by_side
 from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
+from bristle_sim.studies.answers import amount
 from bristle_sim.units import Declared, choice
 
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
@@ -126,14 +127,20 @@ def audit_report(view: AuditView) -> Report:
 
 def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
     """Return how many rows are reproduced, and the printed number whose figure is relatively farthest off."""
-    off = {
-        row: abs(row.computed / row.printed - 1.0) for row in rows if isinstance(row.printed, float) and row.computed
-    }
-    farthest = max((row for row in off if row.status == DIFFERS), key=off.__getitem__)
+    _, where, printed, computed = max(
+        (
+            abs(row.computed / row.printed - 1.0),
+            row.where,
+            amount(row.printed, row.unit),
+            amount(row.computed, row.unit),
+        )
+        for row in rows
+        if row.status == DIFFERS and isinstance(row.printed, float) and row.computed
+    )
     return (
         f"{counts[REPRODUCED]} of {len(rows)} printed numbers and statements are reproduced, {counts[DIFFERS]} differ and"
-        f" {counts[NOT_COMPUTABLE]} cannot be computed; farthest off is {farthest.where}, printed"
-        f" {farthest.printed:.4g} {farthest.unit}, computed {shown_number(farthest.computed)}."
+        f" {counts[NOT_COMPUTABLE]} cannot be computed; farthest off is {where}, printed {printed},"
+        f" computed {computed}."
     )
 
 

@@ -92,9 +92,11 @@ def _answer(measured: AccuracyCost) -> str:
     costs = []
     for case, each in finest.items():
         if each.ours is not None:
-            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's', 2)})"
-            costs.append(f"{case.replace('_', ' ')} to {each.target:.0e} {amount(each.ours.cpu_s, 's', 2)}{peer}")
-    return f"In CPU time: {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
+            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's')})"
+            costs.append(
+                f"{case.replace('_', ' ')} to an error of {each.target:.0e} takes {amount(each.ours.cpu_s, 's')}{peer}"
+            )
+    return f"In CPU time, {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
 
 
 def _measure(measured: AccuracyCost, effort: Effort) -> None:
