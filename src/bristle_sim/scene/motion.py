@@ -88,6 +88,9 @@ class SmoothMotion:
             obstacles, slips = [each.obstacle for each in self.ordered], [each.slip for each in self.ordered]
             self.rigid = rigid_contacts(progress.scene, obstacles, slips, paired=not self.springs)
             progress.state = self.rigid.set_back(gaps, progress.state)
+            if progress.mechanism.lone and not self.springs:
+                # From here on the geometry gives angle and rate, whatever they were off before.
+                progress.recording.error = progress.recording.summed
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
@@ -185,6 +188,7 @@ class SmoothMotion:
         length = result.state.time - start.time
         progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
         progress.recording.error += result.error
+        progress.recording.summed += result.error
         if self.sustained:
             self._add(result, start, length)
         else:

@@ -19,6 +19,7 @@ from bristle_sim.trajectory import ContactRecord, Event
 
 MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial through the samples of both is accurate
 
+MOST_CHANGED_APPROACH = 0.5  # by the error, as a fraction; the impact is beyond linear error propagation then
 SLOW_FRACTION = 1e-8
 """Fraction of the fastest point's speed below which an impact gets no restitution: ever smaller bounces would otherwise
 follow each other without end within a finite time."""
@@ -67,7 +68,8 @@ class Recording:
 
     ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that
     a sustained contact's geometry gives. Two of ``states`` at one time are the ends of two smooth motions. ``events`` come
-    with the numbers of their wires, ``contacts`` with those of their links.
+    with the numbers of their wires, ``contacts`` with those of their links. ``summed`` are the intervals'
+    estimates of their errors, ``error`` is that of the last state, unless an impact whose approach is as small has lost it.
     """
 
     states: list[State] = field(default_factory=list)
@@ -75,7 +77,9 @@ class Recording:
     inner: list[State] = field(default_factory=list)
     events: list[tuple[Event, tuple[int, ...]]] = field(default_factory=list)
     contacts: list[tuple[ContactRecord, tuple[int, ...]]] = field(default_factory=list)
+    summed: float = 0.0
     error: float = 0.0
+    lost: float | None = None
     stop_reason: StopReason | None = None
     stop_detail: str = ""
 
@@ -156,6 +160,33 @@ class Progress:
         last = self.plan.stop_after
         happened = {wire for each, wires in self.recording.events if each.name == last for wire in wires}
         return len(happened) == self.mechanism.wires
+
+    def propagate(self, obstacle: Obstacle, before: State, record: ContactRecord) -> None:
+        """Carry the error over an impact: that of the two motions which are off by it in angle, and in rate either way.
+
+        They touch at another instant, where they have their jump of the rates, in proportion to their approach there. A law
+        that has changed the slip, to one that ends with the approach, leaves open what sticks or jams.
+        """
+        recording, error = self.recording, self.recording.error
+        earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
+        since, (approach, slip) = before.time - earlier.time or math.inf, self.gaps.closest(obstacle, before).velocity
+        changes = [(b - a) / since for a, b in zip(earlier.rates, before.rates, strict=True)]
+        jumps = [b - a for a, b in zip(before.rates, record.rates_after, strict=True)]
+        snap, jams = abs(slip - record.velocity_before[1]), obstacle.friction * abs(slip) >= abs(approach)
+        undecided = snap > (0.0 if jams else error)
+        for off in (error, -error):
+            angles, rates = [each + error for each in before.angles], [each + off for each in before.rates]
+            gap, opening = self.gaps.gap_and_rate(obstacle, State(before.time, tuple(angles), tuple(rates)))
+            late = -gap / opening if opening else math.inf
+            angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
+            rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
+            there = self.gaps.closest(obstacle, State(before.time + late, tuple(angles), tuple(rates))).velocity[0]
+            part = there / approach - 1.0 if approach else math.inf
+            if undecided or not abs(part) < MOST_CHANGED_APPROACH:
+                recording.lost = before.time if recording.lost is None else recording.lost
+                return
+            for each in jumps:
+                recording.error = max(recording.error, abs(error - each * late), abs(off + each * part))
 
     def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
         """Record a contact."""

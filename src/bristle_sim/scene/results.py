@@ -30,7 +30,8 @@ def trajectories_in_si(
     with_estimate: bool,
 ) -> tuple[Trajectory, ...]:
     """Return a trajectory of each wire in SI units, from the recording of a run."""
-    estimate = recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None
+    estimate, lost = recording.error / motion_scale(scene, recording.states[0]), recording.lost
+    errors = (estimate, None if lost is None else lost * units.time) if with_estimate else (None, None)
     found, size, forces = [], scene.mechanism.wire_links, np.array(recording.forces) * units.force
     for number in range(scene.mechanism.wires):
         mechanism, own = scene.mechanism.wire(number), slice(number * size, (number + 1) * size)
@@ -50,7 +51,7 @@ def trajectories_in_si(
                 events=_events(recording, scene, number, (motion[0], hub - motion[1][:, 0]), units),
                 contacts=_contacts(recording, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
-                cost=Cost(*cost, estimate),
+                cost=Cost(*cost, *errors),
                 parameters=parameters,
                 stop_detail=recording.stop_detail,
                 inner_samples=inner,

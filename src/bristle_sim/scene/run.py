@@ -257,7 +257,9 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
     law, coefficients = obstacle.law, Coefficients.of(obstacle)
     if rests or -progress.approach(obstacle) <= progress.slow:
         law, coefficients = ENERGETIC, Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
-    progress.state, record = law.resolve(progress.scene, progress.state, obstacle, coefficients)
+    before = progress.state
+    progress.state, record = law.resolve(progress.scene, before, obstacle, coefficients)
+    progress.propagate(obstacle, before, record)
     progress.contact(record, obstacle)
     progress.sample()
     return record

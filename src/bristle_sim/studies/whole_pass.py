@@ -101,6 +101,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
+    estimate += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
     return Report(
         outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.

@@ -23,14 +23,15 @@ class Event:
 class Cost:
     """The cost of a run: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
 
-    ``error_estimate`` is the method's own estimate of the accumulated error relative to the motion's size, or None where
-    the method has none.
+    ``error_estimate`` is the method's own estimate of the last state's error relative to the motion's size, or None where
+    the method has none. It does not hold after ``holds_until``, s: an impact there is decided within the error, as in a chatter.
     """
 
     wall_s: float
     cpu_s: float
     steps: int
     error_estimate: float | None = None
+    holds_until: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -44,6 +44,7 @@ def summary(run: Trajectory) -> str:
         speeds = f"tip speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
     error = "" if estimate is None else f", error estimate {estimate:.1e}"
+    error += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
     return (
         f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
         f"strike: {strike}\n"

@@ -109,7 +109,10 @@ def first_change(
         part = _to_the_extreme(function, interval) if function.turns else interval
         ends = _change(function, part, before) if part.length > instant else None
         if ends is not None:
-            span = max(_zero(progress, function, part, *ends), instant)
+            span, back = max(_zero(progress, function, part, *ends), instant), SHORTEST_BRACKET_FRACTION
+            while interval.again(span).failed and back < 1.0:
+                # A step beyond the release would pull: the last one before it is accurate.
+                span, back = span * (1.0 - back), 10.0 * back
             interval, first = interval._replace(end=interval.again(span)), function
     return interval.end, first
 
