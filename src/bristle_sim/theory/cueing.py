@@ -25,7 +25,6 @@ import numpy as np
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.theory.checks import require
-from bristle_sim.units import shown
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 
@@ -180,7 +179,6 @@ class Cue:
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad."""
-    _check_tool(tool)
     rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
     return placed_cue(tool, retraction, damped_cue_time(rate, damping), speed)
@@ -188,7 +186,6 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad."""
-    _check_tool(tool)
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), tool.bristle.inertia_about_root)
     return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
 
@@ -197,11 +194,6 @@ def field_stiffness(tool: Tool) -> float:
     """Return g of a tool, N m/rad."""
     bristle, hub = tool.bristle, tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
-
-
-def _check_tool(tool: Tool) -> None:
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
 
 
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
