@@ -115,7 +115,7 @@ class Progress:
     @property
     def slip_error(self) -> float:
         """Error that a slip velocity may have by now: of a sense that is no more than this nothing is known."""
-        return max(self.plan.accuracy, self.recording.error) * self.mechanism.speed_bound(self.state)
+        return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(self.state)
 
     def approach(self, obstacle: Obstacle) -> float:
         """Return the normal velocity of a pair's contact point, negative where it approaches."""
