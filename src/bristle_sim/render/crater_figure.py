@@ -23,7 +23,11 @@ LEAN = math.radians(11.5)  # lean of the rake face back from the workpart's norm
 def crater_figure(study: CraterStudy) -> Figure:
     """Draw every estimate of the depth (um) beside the measured one, and below the chip to scale."""
     figure, rows = blank_figure(16.0, 14.1), _estimates(study)
-    figure.text(1.5 / 16.0, 1.0 - 0.75 / 14.1, _finding(rows), fontsize=9.0)
+    name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
+    off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
+    words = "as measured" if abs(off) < 0.5 else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
+    finding = f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
+    figure.text(1.5 / 16.0, 1.0 - 0.75 / 14.1, finding, fontsize=9.0)
     words = "shaded: within 10 % of the measured depth"
     _draw_estimates(add_panel(figure, (4.6, 7.7, 10.6, 4.6), "crater depth by every estimate", words), rows)
     _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), "chip and shear plane, to scale"), study)
@@ -49,14 +53,6 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     if inclined:
         rows.append(("simulated energy,\nshear to the surface", inclined.depth_from_energy, VERMILION))
     return [(name, MICRO * depth, color) for name, depth, color in rows]
-
-
-def _finding(rows: list[tuple[str, float, str]]) -> str:
-    """Return which estimate is nearest to the measured depth, and by how much it misses it."""
-    name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
-    off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
-    words = "as measured" if abs(off) < 0.5 else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
-    return f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
 
 
 def _draw_estimates(axes: Axes, rows: list[tuple[str, float, str]]) -> None:

@@ -188,7 +188,7 @@ def _limit(axes: Axes, panel: Panel) -> None:
 
 
 def _point_entries(panel: Panel) -> list[Line2D]:
-    """Return entries of a legend that say what the points of each source, and the mark without a label, are."""
+    """Return entries of a legend for the points of each source and for the mark without a label."""
     entries = []
     for source in dict.fromkeys(source for curve in panel.curves for source in curve.points):
         look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[source]}

@@ -25,7 +25,7 @@ BAR_SHOWN = 2.0  # a bar farther from the hub's centre than the wires ever are, 
 HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
-"""Look of what does not move: a workpart, the bracket of a hinge."""
+"""Look of parts at rest: a workpart, the bracket of a hinge."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def point_arrow(arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[f
 
 
 def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
-    """Draw what does not move in a film: the tool with the names of its parts, and a scale bar instead of scales."""
+    """Draw the still part of a film: the tool with the names of its parts, and a scale bar instead of scales."""
     view.apply(axes)
     axes.set_axis_off()
     draw_tool(axes, tool, view)

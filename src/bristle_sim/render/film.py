@@ -1,4 +1,4 @@
-"""Films without a display: slow motion, a picture of which only what moves is drawn anew, its header, and mp4 and gif files."""
+"""Films without a display: slow motion, frames of which only the moving parts are drawn anew, and mp4 and gif files."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -85,7 +86,7 @@ def slow_motion(
 
 
 class Film(ABC):
-    """The picture that a film shows, at any film time; a subclass draws what is below the header and moves it.
+    """The picture that a film shows, at any film time; a subclass draws the part below the header and moves it.
 
     Attributes:
         size, letter_size: width and height of the picture by default, px, and height of its letters, px.
@@ -158,7 +159,12 @@ class Film(ABC):
         target, end = checked_target(path, tuple(HIGHEST_RATE)), float(self.warp.film[-1])
         kind = target.suffix.lower()
         if kind == ".mp4":
-            _require_encoder(target)
+            try:
+                import_module("imageio_ffmpeg").get_ffmpeg_exe()
+            except (ImportError, RuntimeError):
+                advice = "pip install bristle-sim[video], or a .gif"
+                reason = f"mp4 needs imageio-ffmpeg with an ffmpeg for this machine: {advice}"
+                raise ValueError(f"{target}: {reason}") from None
         if not 0.0 < fps <= HIGHEST_RATE[kind]:
             raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST_RATE[kind]:g} for {kind} (in 1/s)")
         if kind == ".mp4" and any(edge % 2 for edge in self.pixels):
@@ -187,16 +193,6 @@ def _counted(times: Sequence[float]) -> Iterable[float]:
     return times
 
 
-def _require_encoder(target: Path) -> None:
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-
-        get_ffmpeg_exe()
-    except (ImportError, RuntimeError):
-        advice = "pip install bristle-sim[video], or a .gif"
-        raise ValueError(f"{target}: mp4 needs imageio-ffmpeg with an ffmpeg for this machine: {advice}") from None
-
-
 def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
     from imageio_ffmpeg import count_frames_and_secs, write_frames
 
@@ -205,7 +201,7 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
     codec = {"codec": "libx264", "quality": None, "output_params": ["-preset", "veryfast", "-crf", "18", *container]}
     encoder = write_frames(str(partial), film.pixels, fps=fps, macro_block_size=1, ffmpeg_log_level="quiet", **codec)
     encoder.send(None)
-    # A frame that the encoder refuses ends the film; what has been written is counted below.
+    # A frame that the encoder refuses ends the film; the frames written are counted below.
     with contextlib.closing(encoder), contextlib.suppress(OSError):
         for time in _counted(times):
             encoder.send(film.frame(time).tobytes())

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, add_panel, axes_at, blank_figure, styled
@@ -39,7 +40,11 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
         values = factor * maps[name].values if name in maps else None
         _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")
-        _mark_places(axes, found, places)
+        axes.autoscale_view()  # matplotlib puts it off until something asks for the limits
+        axes.autoscale(enable=False)
+        axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
+        for direction, look in places.values():
+            axes.plot(*_places_at(found, np.array([direction])), zorder=5, **look)
         axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
         axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
     words = "Arrows on the scales: cells beside a jam, where the work has no bound, lie beyond the colours."
@@ -90,16 +95,10 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
     return places
 
 
-def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[str, Any]]]) -> None:
-    """Mark the places on the circle of the bar's distance; the map's limits stay."""
+def _places_at(found: CueMap, directions: Array) -> Array:
+    """Return the bar's places at its distance from the hub's centre in some directions, shape (2, n), mm."""
     assert found.tool.bar is not None
-    axes.autoscale_view()  # matplotlib puts it off until something asks for the limits
-    axes.autoscale(enable=False)
-    distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
-    turn = np.linspace(0.0, np.pi, 721)
-    axes.plot(distance * np.sin(turn), distance * np.cos(turn), **ARC)
-    for direction, look in places.values():
-        axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], zorder=5, **look)
+    return math.hypot(*found.tool.bar.centre) * MILLIMETRES * np.stack([np.sin(directions), np.cos(directions)])
 
 
 def _draw_moves(figure: Figure, found: CueMap) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
@@ -41,7 +40,15 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
     figure, last = blank_figure(16.0, 13.4), f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
         words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
-        _draw_row(add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
+        axes = add_panel(figure, (left, 6.4, 7.6, 5.8), title, words)
+        lines = [run.at(time).centre_line for run in row.bristles]
+        draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
+        for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
+            WireDrawing(axes, row.tool, color=color).place(line)
+            look = {"ha": "center", "va": "center", "color": color}
+            note(axes, str(number), tuple(0.9 * MILLIMETRES * line[0]), (0.0, 0.0), **look)
+        places = touch_places(lines, row.tool.bristle.wire_diameter)
+        axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
     alone = strike_values(row.tool, row.lone)
     for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
         title, unit, factor = QUANTITIES[name]
@@ -72,13 +79,3 @@ def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     first = ("bristle 1 strikes" if front is not None else "start", front or 0.0)
     last = f"last touch before {name} strikes" if strike else "last touch"
     return [("first touch", touches[0]) if touches else first, (last, touches[-1]) if len(touches) > 1 else own]
-
-
-def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
-    lines = [run.at(time).centre_line for run in row.bristles]
-    draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
-    for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
-        WireDrawing(axes, row.tool, color=color).place(line)
-        note(axes, str(number), tuple(0.9 * MILLIMETRES * line[0]), (0.0, 0.0), ha="center", va="center", color=color)
-    places = touch_places(lines, row.tool.bristle.wire_diameter)
-    axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)

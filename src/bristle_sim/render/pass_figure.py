@@ -196,7 +196,7 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     for row, mark in enumerate(marks, start=1):
         retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
         _badge(axes, (0.03, 0.12 - row), mark)
-        name = mark.event.name  # of the motion up to the strike; what is shown may swing farther after it
+        name = mark.event.name  # of the motion up to the strike; the picture may swing farther after it
         if name == "largest retraction" and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01:
             name = "largest retraction so far"
         axes.text(0.08, -row, name, fontsize=7.0)

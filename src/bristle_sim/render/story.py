@@ -1,4 +1,4 @@
-"""Choose the events that a picture labels, and say in words what happens between them."""
+"""Choose the events that a picture labels, and describe the phases between them in words."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
-    for event in (each for each in _told(trajectory) if each.time <= until):
+    for event in (each for each in _notable(trajectory) if each.time <= until):
         rank = (event.name, strike is not None and event.time > strike)
         if rank not in chosen or event.name.endswith(" release"):
             chosen[rank] = event
@@ -64,7 +64,7 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
     """
     thrown = abs(trajectory.relative_angle[0]) > CARRIED
     found = [Phase(float(trajectory.time[0]), THROWN if thrown else "turns with the hub")]
-    events, contact = _told(trajectory), trajectory.first_contact("workpart")
+    events, contact = _notable(trajectory), trajectory.first_contact("workpart")
     outcome = "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
     for number, event in enumerate(events):
         if event.name == "strike":
@@ -86,16 +86,16 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
-def _told(trajectory: Trajectory) -> tuple[Event, ...]:
+def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
     """Return the notable events but for releases in the instant of a touch, which belong to a bounce."""
-    touches, told = {"bar": -math.inf, "workpart": -math.inf}, []
+    touches, found = {"bar": -math.inf, "workpart": -math.inf}, []
     for event in trajectory.notable_events:
         obstacle = "workpart" if event.name == "strike" else event.name.split()[0]
         if event.name in ("strike", f"{obstacle} touch"):
             touches[obstacle] = event.time
         if not event.name.endswith(" release") or event.time - touches.get(obstacle, -math.inf) > SAME_INSTANT:
-            told.append(event)
-    return tuple(told)
+            found.append(event)
+    return tuple(found)
 
 
 def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> str | None:

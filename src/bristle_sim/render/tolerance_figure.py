@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -24,7 +23,7 @@ def tolerance_figure(study: Study) -> Figure:
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
         title, unit, factor = QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
-        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title, yticks=[]), factor * study.values[number]
+        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
         axes.hist(values, bins="auto", color=SKY)
         axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
@@ -32,7 +31,17 @@ def tolerance_figure(study: Study) -> Figure:
         axes.set_xlabel(unit, labelpad=1.0)
         words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
         note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
-        _draw_indices(axes_at(figure, 10.3, bottom, 5.3, 2.4), study, number)
+        axes, chosen = axes_at(figure, 10.3, bottom, 5.3, 2.4), np.argsort(-study.total[number])[:MOST]
+        places = np.arange(chosen.size)
+        axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7)
+        axes.plot(study.first_order[number, chosen], places - 0.17, "o", color=BLUE, markersize=3.2)
+        sides = ((study.total_interval, VERMILION, 0.17), (study.first_order_interval, BLUE, -0.17))
+        for intervals, color, shift in sides:
+            axes.hlines(places + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)
+        axes.set_yticks(places, [study.inputs[each].replace("_", " ") for each in chosen])
+        axes.invert_yaxis()
+        axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
+        axes.tick_params(axis="y", length=0.0)
     words = "first-order index, 95 % intervals as lines"
     handles = [
         Patch(facecolor=SKY, label="passes"),
@@ -42,17 +51,3 @@ def tolerance_figure(study: Study) -> Figure:
     ]
     figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.4)
     return figure
-
-
-def _draw_indices(axes: Axes, study: Study, number: int) -> None:
-    chosen = np.argsort(-study.total[number])[:MOST]
-    places = np.arange(chosen.size)
-    axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7)
-    axes.plot(study.first_order[number, chosen], places - 0.17, "o", color=BLUE, markersize=3.2)
-    sides = ((study.total_interval, VERMILION, 0.17), (study.first_order_interval, BLUE, -0.17))
-    for intervals, color, shift in sides:
-        axes.hlines(places + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)
-    axes.set_yticks(places, [study.inputs[each].replace("_", " ") for each in chosen])
-    axes.invert_yaxis()
-    axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
-    axes.tick_params(axis="y", length=0.0)

@@ -1,4 +1,4 @@
-"""Draw what bending does to a strike: force over time, and ratios to the rigid bristle over contact stiffness and links."""
+"""Draw the effect of bending on a strike: force over time, and ratios to the rigid bristle over contact stiffness and links."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
 @styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the strike at hand, and what contact stiffness and number of links change."""
+    """Draw the strike at hand, and the effects of contact stiffness and number of links."""
     figure, size = blank_figure(16.0, 13.6), (6.3, 4.6)
     _draw_force(figure, struck)
     by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")

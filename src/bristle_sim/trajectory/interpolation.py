@@ -77,7 +77,10 @@ class Interpolation:
             raise ValueError(f"time = {instants[outside].flat[0]:g}: {limits}")
         links, corners = run.angles.shape[1], run.centre_line.shape[1]
         places, slopes = self._motion(instants.ravel(), side)
-        force, kinetic, potential = self._scalars(instants.ravel(), side).T
+        chosen, scalars = _chosen(run.time, self._smooth, instants.ravel(), side), np.empty((instants.size, 3))
+        for number in np.unique(chosen):
+            scalars[chosen == number] = self._splines[number](instants.ravel()[chosen == number])
+        force, kinetic, potential = (each.reshape(instants.shape) for each in scalars.T)
         angles, lines = (*instants.shape, links), (*instants.shape, corners, 2)
         return Motion(
             time=instants,
@@ -86,9 +89,9 @@ class Interpolation:
             centre_line=places[:, links:].reshape(lines),
             centre_line_velocity=slopes[:, links:].reshape(lines),
             hub_angle=np.asarray(run.hub_angle[0] + run.hub_speed * (instants - run.time[0])),
-            kinetic_energy=kinetic.reshape(instants.shape),
-            potential_energy=potential.reshape(instants.shape),
-            normal_force=force.reshape(instants.shape),
+            kinetic_energy=kinetic,
+            potential_energy=potential,
+            normal_force=force,
             hub_speed=run.hub_speed,
         )
 
@@ -103,13 +106,6 @@ class Interpolation:
         before = self(time[first], "before")
         for name in Motion.SAMPLED:
             getattr(found, name)[first] = getattr(before, name)
-        return found
-
-    def _scalars(self, instants: Array, side: str) -> Array:
-        """Return normal force, kinetic and potential energy at instants, shape (instants, 3)."""
-        chosen, found = _chosen(self.run.time, self._smooth, instants, side), np.empty((instants.size, 3))
-        for number in np.unique(chosen):
-            found[chosen == number] = self._splines[number](instants[chosen == number])
         return found
 
     def _motion(self, instants: Array, side: str) -> Array:

@@ -1,4 +1,4 @@
-"""The trajectory that a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
+"""The trajectory that a simulation returns: samples in time, events, contacts, the reason to stop and the cost."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Trajectory(Motion):
         events, contacts: in order of time.
         stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.
-        parameters: what was simulated, as plain numbers and words.
-        stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
+        parameters: of the simulation, as plain numbers and words.
+        stop_detail: the reason and remedy of a contact law that gave up; empty for any other stop.
         inner_samples: motion between the samples of sustained contacts, for ``at``; None where there is none.
     """
 
@@ -75,7 +75,7 @@ class Trajectory(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """Say what would let the run go further, in terms of the obstacle touched last."""
+        """The remedy that lets the run go further, in terms of the obstacle touched last."""
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
