@@ -49,9 +49,9 @@ SINGULAR = 64.0 * sys.float_info.epsilon  # motion in stick over the normal colu
 
 WEAK = 1e-2  # the same below which it has lost digits worth getting back
 
-WELL_CONDITIONED, SOFT = 10.0, 0.1
-"""Largest entry of (A^T A)^-1, columns of length 1, and least motion in stick over the normal column, with which the joints'
-products serve: they leave an error of some roundings."""
+WELL_CONDITIONED, SOFT = 30.0, 0.1
+"""Largest product of entries of A^T A and its inverse, and least motion in stick over the normal column, with which the
+joints' products serve: they leave an error of some roundings."""
 
 OPENS = 1e-9  # rate of a joint at its limit over the bodies' own speeds above which it opens; the rest is rounding
 
@@ -228,19 +228,17 @@ def _dot(first: Column, second: Column) -> float:
 
 def _by_products(columns: Array, joints: int) -> list[Column] | None:
     """Return the free part by the joints' products; None where they are ill-conditioned."""
-    products = columns.T @ columns
-    lengths = np.sqrt(products.diagonal()[:joints])
-    if not lengths.all():
-        return None
-    span_, contact = columns[:, :joints] / lengths, columns[:, joints:]
+    rigid, contact = columns[:, :joints], columns[:, joints:]
+    products = rigid.T @ rigid
     try:
-        inverse = np.linalg.inv(products[:joints, :joints] / (lengths[:, None] * lengths))
+        inverse = np.linalg.inv(products)
     except np.linalg.LinAlgError:
         return None
-    if not np.abs(inverse).max() < WELL_CONDITIONED:
+    if not np.abs(inverse).max() * products.max() < WELL_CONDITIONED:
         return None
+    solved = rigid @ inverse
     for _ in range(2):
-        contact = contact - span_ @ (inverse @ (span_.T @ contact))
+        contact = contact - solved @ (rigid.T @ contact)
     free: list[Column] = contact.T.tolist()
     return free
 

@@ -89,20 +89,20 @@ def passes_impulse(joint: pymunk.Constraint) -> bool:
 
 def joined(ends: Sequence[pymunk.Body]) -> Connected:
     """Return the dynamic bodies reached over joints that pass impulses, the lightest first, and those joints."""
+    waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
     bodies: dict[pymunk.Body, None] = {}
     joints: list[pymunk.Constraint] = []
-    dynamic = pymunk.Body.DYNAMIC
-    waiting = [each for each in ends if each.body_type == dynamic]
     while waiting:
         body = waiting.pop()
         if body in bodies:
             continue
         bodies[body] = None
-        for joint in body._constraints and body.constraints:
-            if joint not in joints and passes_impulse(joint):
-                joints.append(joint)
-                waiting += [each for each in (joint.a, joint.b) if each.body_type == dynamic]
-    return sorted(bodies, key=attrgetter("mass")), joints
+        if body._constraints:
+            for joint in body.constraints:
+                if joint not in joints and passes_impulse(joint):
+                    joints.append(joint)
+                    waiting += [each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC]
+    return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
 
 
 def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:

@@ -47,11 +47,11 @@ class ImpactSequence:
     def __init__(self, found: RestFilter, record: Callable[[TouchingPoint, Impact], None]) -> None:
         self._found, self._motion, self._record = found, found.motion, record
         self._resting = found.resting_approach()
-        self._met: dict[pymunk.Body, list[Met]] = {}
+        self._met: dict[pymunk.Body, list[tuple[Met, list[pymunk.Body]]]] = {}
         for met in found.met:
-            for body in met.bodies():
-                if body.body_type == pymunk.Body.DYNAMIC:
-                    self._met.setdefault(body, []).append(met)
+            ends = [each for each in met.bodies() if each.body_type == pymunk.Body.DYNAMIC]
+            for body in ends:
+                self._met.setdefault(body, []).append((met, ends))
         self._contacts: dict[Any, list[TouchingPoint]] = {}
         self._points: dict[pymunk.Body, list[TouchingPoint]] = {}
         self._approaching: dict[TouchingPoint, None] = {}
@@ -75,9 +75,9 @@ class ImpactSequence:
                 self._strike(point)
 
     def _too_many(self, head: pymunk.Body, impacts: int) -> bool:
-        """Whether a group has had ``MOST`` impacts, or will have with one at each point that approaches."""
+        """Whether a group has had ``MOST`` impacts, or will have: by one at each point that approaches, or as their number grows."""
         waiting = sum(1 for each in self._approaching if self._head(each.bodies[0]) is head)
-        return impacts + waiting > MOST or impacts == MOST
+        return impacts + waiting > MOST or impacts * waiting > 2 * MOST or impacts == MOST
 
     def _read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
         """Read the points of bodies, before they are set in motion anew, and return those that were not known."""
@@ -85,12 +85,13 @@ class ImpactSequence:
         for body in bodies:
             if body not in self._points:
                 self._points[body] = []
-                for met in self._met.get(body, ()):
+                for met, ends in self._met.get(body, ()):
                     points = self._contacts.get(met.arbiter)
                     if points is None:
                         points = self._contacts[met.arbiter] = met.points()
                         new += points
-                        self._unite(each for each in met.bodies() if each in self._met)
+                        if len(ends) > 1:
+                            self._unite(ends)
                     self._points[body] += points
         return new
 
@@ -111,9 +112,8 @@ class ImpactSequence:
         """Find out which points approach."""
         for point in points:
             point.measure(self._motion, since, self._latest(point))
-            shapes = frozenset(point.shapes)
-            least = 0.0 if shapes in self._found.skipped else self._resting
-            if point.approach > max(least, APPROACH_ROUNDING * point.speed) and shapes not in self.jammed:
+            least = 0.0 if point.key in self._found.skipped else self._resting
+            if point.approach > max(least, APPROACH_ROUNDING * point.speed) and point.key not in self.jammed:
                 self._approaching[point] = None
             else:
                 self._approaching.pop(point, None)
@@ -132,10 +132,11 @@ class ImpactSequence:
         point.impacts += 1
         motion, connected = self._motion, joined(point.bodies)
         bodies, joints = connected
-        self._unite(bodies)
+        if len(bodies) > 1:
+            self._unite(bodies)
         self._measure(self._read(bodies))
-        ends = dict.fromkeys([*point.bodies, *[end for joint in joints for end in (joint.a, joint.b)]])
-        moved = [each for each in ends if each in bodies or each.body_type == pymunk.Body.KINEMATIC]
+        others = dict.fromkeys([*point.bodies, *[end for joint in joints for end in (joint.a, joint.b)]])
+        moved = [*bodies, *[each for each in others if each.body_type == pymunk.Body.KINEMATIC]]
         point.go_back(motion, moved, self._latest(point))
         steps = motion.steps(point.time)
         motion.kick(bodies, -steps)
@@ -150,7 +151,7 @@ class ImpactSequence:
         if joints and point.time:
             close_joints(bodies, joints, with_limits=False)
         if impact.outcome == JAM:
-            self.jammed.add(frozenset(point.shapes))
+            self.jammed.add(point.key)
         if not self._rests(-space.velocity[0], point):
             self._record(point, impact)
         motion.forget(bodies)
@@ -168,7 +169,7 @@ class ImpactSequence:
             touched = dict.fromkeys(end for body in found for each in self._points[body] for end in each.bodies)
             waiting = [each for each in touched if each not in reached and each.body_type == pymunk.Body.DYNAMIC]
         every = dict.fromkeys(each for body in reached for each in self._points[body])
-        points = [each for each in every if frozenset(each.shapes) not in self.jammed]
+        points = [each for each in every if each.key not in self.jammed]
         impacts = resolve_at_once(points, self._rests, self._motion)
         self.struck.update(dict.fromkeys(reached, 0.0))
         for each, impact in zip(points, impacts, strict=True):

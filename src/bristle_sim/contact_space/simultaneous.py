@@ -17,6 +17,7 @@ energy is gained however far the iteration has come.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -26,9 +27,9 @@ from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian, world
+from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian
 from bristle_sim.contact_space.projection import close_joints, span
-from bristle_sim.contact_space.step_motion import StepMotion, velocity_of
+from bristle_sim.contact_space.step_motion import StepMotion
 from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.impact_result import NO_REBOUND, REBOUND, Impact
 
@@ -50,7 +51,7 @@ class Contacts:
     """Contacts of bodies, order of rows (normal, tangential), in coordinates scaled by the square root of the mass.
 
     Attributes:
-        rows: factors of the scaled velocities of the first and second body, shape (m, 2 rows, 6).
+        rows: factors of the scaled velocities of the first and second body, shape (2 rows, m, 6).
         places: of these bodies' velocities, shape (m, 6).
         velocity: v, shape (m, 2).
         friction: mu, shape (m,).
@@ -65,20 +66,21 @@ class Contacts:
 
     def change(self, impulse: Array) -> Array:
         """Return the change of the scaled velocities by impulses of shape (m, 2), shape (3 bodies,)."""
-        parts = impulse[:, :1] * self.rows[:, 0] + impulse[:, 1:] * self.rows[:, 1]
+        parts = impulse[:, :1] * self.rows[0]
+        parts += impulse[:, 1:] * self.rows[1]
         change = np.bincount(self.places.ravel(), parts.ravel(), len(self.joints))
         return np.asarray(change - self.joints @ (self.joints.T @ change) if self.joints.size else change)
 
     def gain(self, change: Array) -> Array:
         """Return the change of the contact velocities by that of the scaled velocities, shape (m, 2)."""
-        return np.asarray(np.einsum("mrx,mx->mr", self.rows, change.take(self.places)))
+        return np.asarray(np.einsum("rmx,mx->mr", self.rows, change.take(self.places)))
 
     def plastic(self, velocity: Array) -> Array:
         """Return the impulses, shape (m, 2), of a plastic impact from these contact velocities."""
-        sizes = (self.rows**2).reshape(len(velocity), 2, 2, 3).sum(axis=-1)
+        sizes = (self.rows**2).reshape(2, len(velocity), 2, 3).sum(axis=-1)
         ends = self.places[:, ::3]
         count = np.bincount(ends.ravel(), np.full(ends.size, 2.0))
-        step = (sizes * count[ends][:, None]).sum(axis=-1)
+        step = (sizes * count[ends]).sum(axis=-1).T
         step = np.divide(1.0, step, out=np.zeros_like(step), where=step > 0.0)
         impulse = ahead = np.zeros_like(velocity)
         momentum = 1.0
@@ -100,7 +102,7 @@ class Contacts:
         """Return the impulses of a plastic impact by Newton's method from an estimate; the estimate where that fails."""
         count, speeds = len(velocity), velocity.ravel()
         scaled = np.zeros((len(self.joints), count, 2))
-        scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(0, 2, 1)
+        scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(1, 2, 0)
         rows = scaled.reshape(len(self.joints), -1)
         rows -= self.joints @ (self.joints.T @ rows)
         matrix, unit = rows.T @ rows, np.eye(2 * count)
@@ -174,12 +176,12 @@ def resolve_at_once(
     """
     ends = list(dict.fromkeys(body for point in points for body in point.bodies))
     index = {body: at for at, body in enumerate(dict.fromkeys([*joined(ends)[0], *ends]))}
-    motion.kick(index, -0.5)
-    joints = _close_joints(index)
+    joints = _close_joints(index, motion)
     scale = np.array([_roots(body) for body in index])
-    velocities = np.array([velocity_of(body) for body in index])
-    centres = np.array([world(body, body.center_of_gravity) for body in index])
-    pairs = np.array([[index[body] for body in point.bodies] for point in points])
+    moving, gains, places = zip(*map(motion.state, index), strict=True)
+    half, centres = 0.5 * np.array(gains), np.array(places)
+    velocities = np.array(moving) - half
+    pairs = np.array([[index[point.bodies[0]], index[point.bodies[1]]] for point in points])
     normal = np.array([point.overlap.normal for point in points])
     axes = np.stack([normal, np.stack([normal[:, 1], -normal[:, 0]], axis=1)], axis=1)[:, :, None, :]
     arms = (np.array([point.overlap.point for point in points])[:, None] - centres[pairs])[:, None]
@@ -188,8 +190,8 @@ def resolve_at_once(
     factors *= np.array([1.0, -1.0])[:, None]
     slide = np.einsum("mrx,mx->mr", axes[:, :, 0], np.array([point.surface_velocity for point in points]))
     contacts = Contacts(
-        rows=(factors * scale[pairs][:, None]).reshape(len(points), 2, 6),
-        places=(3 * pairs[..., None] + np.arange(3)).reshape(len(points), 6),
+        rows=np.ascontiguousarray((factors * scale[pairs][:, None]).reshape(-1, 2, 6).transpose(1, 0, 2)),
+        places=(3 * pairs[..., None] + np.arange(3)).reshape(-1, 6),
         velocity=np.einsum("mrbx,mbx->mr", factors, velocities[pairs]) - slide,
         friction=np.array([point.pair.friction for point in points]),
         joints=joints,
@@ -198,28 +200,29 @@ def resolve_at_once(
     restitution = [0.0 if rests(speed, each) else each.pair.restitution for speed, each in speeds]
     first, second = contacts.resolve(np.array(restitution))
     after = velocities + scale * contacts.change(first + second).reshape(-1, 3)
-    for body, (x, y, turn), changed in zip(
-        index, after.tolist(), (after != velocities).any(axis=1).tolist(), strict=True
-    ):
-        if changed:
-            lib.cpBodySetVelocity(body._body, (x, y))
-            lib.cpBodySetAngularVelocity(body._body, turn)
-    motion.kick(index, 0.5)
+    changed = (after != velocities).any(axis=1).tolist()
+    for body, (x, y, turn) in itertools.compress(zip(index, (after + half).tolist(), strict=True), changed):
+        lib.cpBodySetVelocity(body._body, (x, y))
+        lib.cpBodySetAngularVelocity(body._body, turn)
     return contacts.records(first, second)
 
 
 def _roots(body: pymunk.Body) -> tuple[float, float, float]:
     if body.body_type != pymunk.Body.DYNAMIC:
         return 0.0, 0.0, 0.0
-    return body.mass**-0.5, body.mass**-0.5, body.moment**-0.5
+    linear = lib.cpBodyGetMass(body._body) ** -0.5
+    return linear, linear, lib.cpBodyGetMoment(body._body) ** -0.5
 
 
-def _close_joints(index: dict[pymunk.Body, int]) -> Array:
+def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
     """Close the joints of bodies; return a basis of their scaled rows, shape (3 bodies, rank). Limits reached count as rigid."""
     found, left = [np.zeros((3 * len(index), 0))], [each for each in index if each._constraints]
     while left:
         bodies, joints = joined(left[:1])
+        motion.kick(bodies, -0.5)
         close_joints(bodies, joints)
+        motion.kick(bodies, 0.5)
+        motion.forget(bodies)
         centres = MassCentres()
         rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
         if bodies and rows:

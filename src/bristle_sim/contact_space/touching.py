@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -41,9 +41,10 @@ class Overlap(NamedTuple):
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
         """Extrapolate from this overlap over a later one."""
-        (x, y), (u, v) = self.point, later.point
-        normal = pymunk.Vec2d(*self.normal).interpolate_to(later.normal, factor).normalized()
-        return Overlap((x + factor * (u - x), y + factor * (v - y)), (normal.x, normal.y), 0.0)
+        (x, y), (u, v), (n_x, n_y), (m_x, m_y) = self.point, later.point, self.normal, later.normal
+        n_x, n_y = n_x + factor * (m_x - n_x), n_y + factor * (m_y - n_y)
+        length = math.hypot(n_x, n_y)
+        return Overlap((x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), 0.0)
 
 
 def overlaps(found: Any, towards: float = -1.0) -> list[Overlap]:
@@ -89,7 +90,7 @@ class Met(NamedTuple):
             x, y = slide.x, slide.y
         else:
             shapes, found, (x, y) = self.shapes, self.overlaps, self.slide
-        if shapes[0].sensor or shapes[1].sensor:
+        if lib.cpShapeGetSensor(shapes[0]._shape) or lib.cpShapeGetSensor(shapes[1]._shape):
             return []
         bodies: Any = [each.body for each in shapes]
         if bodies[0].body_type != pymunk.Body.DYNAMIC:
@@ -112,6 +113,7 @@ class TouchingPoint:
         approach: speed at which the bodies approach at that instant.
         speed: largest speed of the two bodies here so far, to which ``approach`` is rounded.
         impacts: how many there were.
+        key: the two shapes in any order.
     """
 
     pair: ContactPair
@@ -124,6 +126,10 @@ class TouchingPoint:
     approach: float = 0.0
     speed: float = 0.0
     impacts: int = 0
+    key: Shapes = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.key = frozenset(self.shapes)
 
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
         """Take approach and time of the touch from the velocities as they are.
