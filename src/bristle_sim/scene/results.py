@@ -88,11 +88,12 @@ def _events(
             names.add(event.name)
             turns += [event.time] if event.name == LARGEST_RETRACTION else []
             strike = min(strike, event.time) if event.name == "strike" else strike
-    times, lag = (each[lags[0] <= strike] for each in lags)
-    candidates = np.where(np.isin(times, turns), lag, 0.0)
-    largest, end = int(np.argmax(candidates)), float(lags[0][-1])
-    stays = candidates[largest] > 0.0 and candidates[largest] >= max(lag[0], lag[-1])
-    time = float(times[largest]) if stays else math.nan
+    (times, lag), end = lags, float(lags[0][-1])
+    last = int(np.searchsorted(times, strike, side="right")) - 1
+    at_turns = [(float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike]
+    largest, time = max(at_turns, default=(0.0, math.nan))
+    if largest <= 0.0 or largest < max(lag[0], lag[last]):
+        time = math.nan
     if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end:
         time = end
     parts = {each.name for each in scene.effects.obstacles}

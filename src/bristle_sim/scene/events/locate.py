@@ -164,8 +164,14 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
     Its least value is that of the parabola through the least of five values and the two beside it.
     """
     sense, start, end = 1.0 if function.falling else -1.0, interval.start, interval.end
-    inner = [at_state(interpolate(start, end.state, part)) for part in (0.25, 0.5, 0.75)]
-    margins = [sense * function.value(each) for each in (at_state(start), *inner, end)]
+    states = [start, *(interpolate(start, end.state, part) for part in (0.25, 0.5, 0.75)), end.state]
+    ends = at_state(start), at_state(states[2]), end
+    first, middle, last = (sense * function.value(each) for each in ends)
+    bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
+    if not (bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)):
+        # Without an extreme within, or far above zero there, nothing is missed.
+        return interval
+    margins = [sense * function.value(at_state(each)) for each in states[:4]] + [sense * function.value(end)]
     if math.isnan(sum(margins)) or margins[-1] < 0.0:
         return interval
     least = min(max(margins.index(min(margins)), 1), 3)

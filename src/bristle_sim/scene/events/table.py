@@ -8,18 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from enum import Enum, auto
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.contact.gaps import neighbour
-from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, dented
+from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import EventFunction
 from bristle_sim.scene.integrate.extrapolation import Advance
 from bristle_sim.scene.integrate.time_scales import acceleration
-from bristle_sim.scene.mechanism import turns
+from bristle_sim.scene.mechanism import State, turns
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
@@ -223,19 +223,23 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     obstacle, gaps, duration = contact.obstacle, progress.gaps, spring.expected.duration
     tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
 
+    @lru_cache(maxsize=1)
+    def touch(state: State) -> ClosestApproach:
+        return gaps.closest(obstacle, state)
+
     def opening(at: Advance) -> float:
-        return gaps.closest(obstacle, at.state).velocity[0]
+        return touch(at.state).velocity[0]
 
     def slip(at: Advance) -> float:
-        return spring.slip * spring.foot_speed(gaps.closest(obstacle, at.state).velocity)
+        return spring.slip * spring.foot_speed(touch(at.state).velocity)
 
     def beyond(level: float, at: Advance) -> float:
-        return (spring.surface - gaps.gap(obstacle, at.state) - level) / duration
+        return (spring.surface - touch(at.state).gap - level) / duration
 
     def spare(at: Advance) -> float:
         if not at.totals:
             return math.nan
-        penetration = spring.surface - gaps.gap(obstacle, at.state)
+        penetration = spring.surface - touch(at.state).gap
         return spring.spare_friction(penetration, at.totals[first + 5]) / (spring.stiffness * duration)
 
     def event(what: SpringEvent, value: Callable[[Advance], float], falling: bool) -> EventFunction:

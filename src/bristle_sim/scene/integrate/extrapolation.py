@@ -167,9 +167,11 @@ class Extrapolation:
         costs, limit = self.repetitions.costs, self.noise
         lengths, prices = {}, {}
         for row, error in result.errors.items():
-            change = 0.9 * (0.5 * limit / max(error, 1e-3 * limit)) ** (1.0 / (self.repetitions.power * row + 1))
-            lengths[row] = min(duration * min(max(change, 0.1), 4.0), self.longest)
-            prices[row] = costs[row] / lengths[row]
+            least = error if error > 1e-3 * limit else 1e-3 * limit
+            change = 0.9 * (0.5 * limit / least) ** (1.0 / (self.repetitions.power * row + 1))
+            length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
+            lengths[row] = length = length if length < self.longest else self.longest
+            prices[row] = costs[row] / length
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         length, rows = lengths[best], best + 1
