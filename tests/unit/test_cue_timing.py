@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Tool
@@ -13,6 +15,24 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.strike_point import full_pass
+from bristle_sim.theory.cueing import released_motion
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3, 1.0, 4.0])
+def test_formula_of_the_released_bristle_solves_its_equation(damping: float) -> None:
+    """I alpha'' + c alpha' + k alpha = 0 from rest, by a library's integrator at a relative tolerance of 1e-11."""
+    tool = Tool(belt=Belt(damping_ratio=damping))
+    rate = math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
+    time = np.linspace(0.0, 2.0 / rate, 21)
+    solution = solve_ivp(
+        lambda _, state: (state[1], -(rate**2) * state[0] - 2.0 * damping * rate * state[1]),
+        *((0.0, time[-1]), (-0.7, 0.0), "DOP853", time),
+        rtol=1e-11,
+        atol=1e-13,
+    )
+    lag, speed = released_motion(tool, 0.7, time)
+    np.testing.assert_allclose(-lag, solution.y[0], atol=1e-9)
+    np.testing.assert_allclose(speed, solution.y[1], atol=1e-9 * rate)
 
 
 @pytest.fixture(scope="module")
