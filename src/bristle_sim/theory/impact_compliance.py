@@ -53,6 +53,10 @@ SETTLING = 120
 """Phases of stick in a row after which each further one begins without the fast oscillation that is left: it counts as lost.
 One contact in a thousand of random K has more: those of modes whose rates differ a thousandfold, which bounce from line to line."""
 
+CHATTER = 500
+"""Times that a point is pressed on again before its slip loses a half at rest. With mu_2 > mu_1 slip can press the point on as soon as
+it begins to part, a million times in one of some thousand impacts: each time changes the slip by less than a part in this many."""
+
 LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
 
 
@@ -148,6 +152,7 @@ class _Contacts:
         self.totals, self.slips, self.row = np.zeros((4, 4, size)), np.zeros((4, size)), np.zeros(size, dtype=int)
         self.phases, self.settled = np.zeros(size, dtype=int), np.zeros(size, dtype=bool)
         self.slip_stop, self.outcome = np.full(size, INFINITE), np.zeros(size, dtype=int)
+        self.again = np.zeros(size, dtype=int)
 
     def advance(self, active: Number, patient: bool) -> Number:
         """Take a phase of the active contacts; return those that go on."""
@@ -198,11 +203,25 @@ class _Contacts:
         if chosen.size:
             self.totals[:, 1, chosen] += self.totals[:, 2:, chosen].sum(axis=1)
             self.totals[:, 2:, chosen], self.slips[2:, chosen] = 0.0, 0.0
+            self.again[chosen] += 1
+            self.rest(chosen[self.again[chosen] >= CHATTER])
         turned = after.slip != slip
         row = self.row[at]
         self.row[at] = np.where(again, 1, np.where(line, 2, np.where(turned, row | 1, row)))
         stops = at[turned & (self.initial[at] != 0.0) & (self.slip_stop[at] == INFINITE)]
         self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
+
+    def rest(self, at: Number) -> None:
+        """Halve the slip under the mean friction of points that chatter, which keeps v_n as it is."""
+        bodies, speed = Bodies(*self.bodies[:, at]), self.motion[1, at]
+        ratio, impulse = (
+            -bodies.normal / bodies.coupling,
+            0.5 * speed * bodies.coupling / (bodies.stick * bodies.tangential),
+        )
+        impulse = np.where(np.isfinite(impulse), np.maximum(impulse, 0.0), 0.0)
+        self.totals[:, 1, at] += (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
+        self.motion[1, at] = np.where(impulse > 0.0, 0.5 * speed, speed)
+        self.again[at] = 0
 
 
 def compliant_impact(values: list[Number], squared: Number) -> Impact:
