@@ -72,7 +72,7 @@ def energetic_impact(
         tangential_compliance: eta^2, the stiffness of the contact along its normal over that along the surface, from 0 (rigid
             along the surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
             (``impact_compliance``). Below 1e-4 the rigid law serves as the limit, from which the impulse differs by some
-            2 eta^2; by 1.3 eta where slip and approach end together, as in a radial strike.
+            2 eta^2; by as much as 1.3 eta where slip reverses, or ends with the approach as in a radial strike.
 
     Returns:
         The impact; floats for a single one, arrays of the broadcast shape otherwise.

@@ -12,8 +12,9 @@ Loading ends where v_n = 0, and the contact with it if e* = 0: what both springs
 its cone jumps onto it. A point that is pressed on beyond its deepest point loads further, with mu_1. The works are those on the
 bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick; as springs begin and end without force, or lose it, energy never grows.
 
-As eta^2 falls the result tends to that of the rigid point. Impulse and velocity differ from it by terms of order eta^2. Of order
-eta are the impulse where slip and approach stop together, as a radial bristle's do, and the slip that is left where e* = 0.
+As eta^2 falls the result tends to that of the rigid point. Where that sticks, the impulse differs by terms of order eta^2. Of order
+eta are the impulse where slip reverses, as T takes such a time from one edge of the cone to the other, or where slip and approach
+stop together, as a radial bristle's do, and the slip that is left where e* = 0.
 
 Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N. Fawcett, Wear 38 (1976) 101-114.
 """
