@@ -143,7 +143,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     x, y = panel.x.factor, panel.y.factor
     names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
     for curve, color in zip(panel.curves, SERIES, strict=False):
-        (line,) = axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name, gid=f"curve {curve.name}")
+        (line,) = axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name)
         names.append(line)
         for source, (at, values) in curve.points.items():
             look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[source]}

@@ -72,7 +72,7 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
     ends = (course.impulse * factor).tolist()
     halves: dict[str, tuple[float, float]] = {}
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
-        axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0, gid=name)
+        axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0)
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
         narrow = end - start < 0.25 * ends[-1]
@@ -101,5 +101,5 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
             0.8 if names == ["p_s"] else 1.0
         )  # slip may stop within compression or restitution, whose names stand above
         look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "ymax": top}
-        axes.axvline(place * factor, gid=" ".join(names), **look)
+        axes.axvline(place * factor, **look)
         note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)

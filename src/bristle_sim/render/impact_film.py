@@ -277,7 +277,7 @@ def draw_chain(axes: Axes, centre_line: Array, hub_radius: float) -> FancyArrowP
     else:
         axes.add_patch(Rectangle((x - 0.04 * size, y), 0.08 * size, 0.04 * size, **GROUND))
     axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)
-    axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3, gid="rods")
+    axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
     axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
     return moving_arrow(axes, PURPLE, 2.0, 13.0)
 
