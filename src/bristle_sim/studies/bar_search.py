@@ -96,9 +96,8 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
     low, high = _enclosed(lag, stiffened_direction(tool) if guess is None else guess)
     direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
     if abs(lag(direction)) > LAG_JUMP:
-        raise NotCuedError(
-            f"{NOT_RADIAL}; at {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
-        )
+        where = f"at {math.degrees(direction):.6g} deg"
+        raise NotCuedError(f"{NOT_RADIAL}; {where} the lag jumps from one sign to the other")
     return Place(direction, at(direction))
 
 

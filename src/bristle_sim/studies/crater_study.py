@@ -139,9 +139,8 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
     own = [value for value in simulated.values() if value is not None]
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:
-        contact = (
-            f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
-        )
+        depths_of_contact = dict.fromkeys(amount(each, "m") for each in (min(own), max(own)))
+        contact = f"the simulated contact {' to '.join(depths_of_contact)}"
     return f"{found}, work and energy {shown('energy_crater_depth')}, {contact}; measured {amount(MEASURED, 'm')}."
 
 

@@ -44,11 +44,6 @@ FULL_TURNS = 1e3
 MOST_DAMPED = 10.0
 """Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
 
-LEFT_OUT = (
-    "left out by the formulas: centrifugal stiffening of the rotating root, which the release includes, and the bar's dynamics"
-    " (first tap, swing beyond the last touch), which a full pass simulates"
-)
-
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
@@ -131,7 +126,10 @@ def cue_timing(
         quantities=tuple(found),
         **ran(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
-        remarks=(LEFT_OUT,),
+        remarks=(
+            "left out by the formulas: centrifugal stiffening of the rotating root, which the release includes, and the bar's"
+            " dynamics (first tap, swing beyond the last touch), which a full pass simulates",
+        ),
         tables=(_readings_table(timings),),
         subject=dataclasses.replace(own, readings=timings),
         answer=_answer(own, found[3]),
@@ -143,10 +141,8 @@ def _answer(own: CueTiming, direction: Quantity) -> str:
         return "No bar cues this bristle: its relative speed has no maximum."
     formula = ""
     if direction.theory is not None:
-        missed, word = (
-            direction.theory - direction.simulated,
-            "less" if direction.simulated < direction.theory else "more",
-        )
+        missed = direction.simulated - direction.theory
+        word = "less" if missed < 0.0 else "more"
         formula = f", {amount(abs(missed), 'deg')} {word} than the formula's {direction.theory:.2f}°"
     printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
     there = own.passes[0]["lag_deg_at_contact"]
