@@ -56,7 +56,7 @@ def time_scale(scene: Scene) -> float:
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
     mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
-    return min(1.0, 1.0 / math.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+    return 1.0 / math.sqrt(max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
 
 
 def motion_scale(scene: Scene, start: State) -> float:
