@@ -168,6 +168,8 @@ class Progress:
         that has changed the slip, to one that ends with the approach, leaves open what sticks or jams.
         """
         recording, error = self.recording, self.recording.error
+        if recording.lost is not None:
+            return
         earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
         since, (approach, slip) = before.time - earlier.time or math.inf, self.gaps.closest(obstacle, before).velocity
         changes = [(b - a) / since for a, b in zip(earlier.rates, before.rates, strict=True)]
@@ -183,7 +185,7 @@ class Progress:
             there = self.gaps.closest(obstacle, State(before.time + late, tuple(angles), tuple(rates))).velocity[0]
             part = there / approach - 1.0 if approach else math.inf
             if undecided or not abs(part) < MOST_CHANGED_APPROACH:
-                recording.lost = before.time if recording.lost is None else recording.lost
+                recording.lost = before.time
                 return
             for each in jumps:
                 recording.error = max(recording.error, abs(error - each * late), abs(off + each * part))
