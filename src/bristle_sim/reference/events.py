@@ -29,6 +29,7 @@ Follow = Callable[[State], State]  # what follows an event: the state before it 
 INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
 PAST = 1e-13  # a contact has passed a corner by this fraction of the length: rounding does not bring it back
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
+GAP_ROUNDING = 1e-15  # rounding of a gap, as a fraction of hub radius and length
 IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 LOCKED = 1e-6
@@ -162,7 +163,7 @@ def _lock(system: System, log: Log, number: int, state: State) -> State:
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
     """Compression ends; on the way out the force falls to zero, or the penetration is as deep as before."""
-    speed, depth = ROUNDING * system.size * system.fastest, ROUNDING * spring.deepest
+    speed, depth = ROUNDING * system.size * system.fastest, max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
 
     def opening(instant: Instant) -> float:
         return instant.touch(each.point).velocity[0]
