@@ -20,9 +20,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
-from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import Finished, Log
-from bristle_sim.reference.system import State, Sustained, System
+from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import StopReason
 
 
@@ -116,26 +115,16 @@ class Run:
         force = chain.masses.sum() * size * rate
         work = force * size * rate
         sustained = self.system.sustained
-        quickest = max([fastest, *(self._contact_rate(each) for each in sustained)])
         scale = [np.ones(chain.links), np.full(chain.links, rate), np.tile([force, force, work, work], len(sustained))]
         return DOP853(
             self._derivative,
             self.state.time,
             np.concatenate([self.state.angles, self.state.rates, *(each.sums for each in sustained)]),
             self.end,
-            max_step=1.0 / quickest if quickest else np.inf,
+            max_step=1.0 / fastest if fastest else np.inf,
             rtol=self.tolerance,
             atol=self.tolerance * np.concatenate(scale),
         )
-
-    def _contact_rate(self, each: Sustained) -> float:
-        """Return the rate at which a compliant contact's force changes, sqrt(k/e*^2 J M^-1 (J_n + f J_t)^T), rad/s; else 0."""
-        if each.spring is None:
-            return 0.0
-        instant = self.system.at(self.state)
-        friction = -self.system.friction(each.point, each.spring) * each.slip
-        response = abs(normal_response(instant.mass, instant.touch(each.point), friction))
-        return math.sqrt(each.spring.stiffness * response) / (each.spring.restitution or 1.0)
 
     def _derivative(self, time: float, values: Array) -> Array:
         """Return the derivatives of angles and rates, and the forces and powers of the sustained contacts."""

@@ -117,7 +117,7 @@ def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[Ev
         if obstacle.dent:
             # The tip comes out of the dent that a contact resolved in time has left it in.
             outside = partial(_gap, progress, dented(obstacle, 0.0))
-            found.append(EventFunction(outside, False, act=partial(Kink, number)))
+            found.append(EventFunction(outside, False, act=partial(Kink, number), turns=True))
     return found
 
 
