@@ -6,6 +6,7 @@ end are compared to ten times the requested accuracy, of the time scale of the b
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -17,7 +18,6 @@ from against_reference.test_tools import wire
 from bristle_sim.reference import simulate_reference, simulate_row_reference
 
 ACCURACY = 1e-6
-TIMES = (2e-3, 5e-4, 1e-4)
 
 
 def timed(duration: float, friction: float = 0.31, restitution: float = 0.42) -> bs.Tool:
@@ -36,17 +36,29 @@ def touches(run: bs.Trajectory) -> list[float]:
     return [each.time for each in run.contacts if each.obstacle == "workpart"]
 
 
-@pytest.mark.parametrize("duration", TIMES)
-@pytest.mark.parametrize(("friction", "restitution"), [(0.31, 0.42), (0.6, 0.42), (0.31, 0.0)])
+@pytest.mark.parametrize(
+    ("duration", "friction", "restitution"),
+    [*itertools.product((2e-3, 5e-4), (0.31, 0.6), (0.42, 0.0)), (1e-4, 0.31, 0.42), (3e-5, 0.31, 0.42)],
+)
 def test_a_whole_pass(duration: float, friction: float, restitution: float) -> None:
-    if duration == 1e-4 and (friction, restitution) != (0.31, 0.42):
-        pytest.skip("some hundred touches: a minute of the reference")
     tool = timed(duration, friction, restitution)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY))
     exact = simulate_reference(tool, contact_stiffness=stiffness(run), accuracy=1e-9)
     assert run.stop_reason == exact.stop_reason
     assert touches(run) == pytest.approx(touches(exact), abs=10.0 * ACCURACY * 1e-3)
     assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
+
+
+@pytest.mark.parametrize(
+    ("duration", "friction", "followed", "hub_turn"), [(1e-4, 0.6, 7, 1.575), (1e-5, 0.31, 9, 1.878)]
+)
+def test_the_hops_of_a_pass(duration: float, friction: float, followed: int, hub_turn: float) -> None:
+    """Up to those that stay below the accuracy of a place, which count as rest."""
+    tool = timed(duration, friction)
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=hub_turn))
+    exact = simulate_reference(tool, hub_turn=hub_turn, contact_stiffness=stiffness(run), accuracy=1e-9)
+    assert len(touches(exact)) == followed
+    assert touches(run) == pytest.approx(touches(exact), abs=10.0 * ACCURACY * 1e-3)
 
 
 def test_of_a_wire() -> None:
