@@ -120,15 +120,6 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scen
     return found
 
 
-def test_keys_come_from_the_run_and_a_default_of_the_script_has_its_own_source():
-    faster = dataclasses.replace(SCENARIO, defaults={"speed": (4.0, "chosen")}, highest={"mass": (9.0, "at most 9")})
-    keys = faster.keys()
-    defaults = {key: default for key, (_, default) in keys.items()}
-    assert defaults == {"mass": 2.0, "speed": 4.0, "drag": None, "law": "elastic"}
-    assert keys["speed"][0].source == "chosen"
-    assert keys["mass"][0].allowed == "0 < mass <= 9"
-
-
 def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
     assert main(SCENARIO, []) == 0
     out, err = capsys.readouterr()
@@ -236,13 +227,6 @@ MASS = "must be a finite number with 0 < mass <= 1000 (in kg)"
 )
 def test_bad_settings_are_refused_in_one_line(setting: str, line: str, capsys: pytest.CaptureFixture[str]):
     assert refusal(capsys, "--set", "speed=1", "--set", setting) == line
-
-
-def test_a_default_without_effect_is_left_out(capsys: pytest.CaptureFixture[str]):
-    """The script's default for one law does not stand in the way of another."""
-    plastic = dataclasses.replace(SCENARIO, defaults={"law": ("plastic", "x"), "drag": (0.5, "x")})
-    for law, drag in (("elastic", None), ("plastic", 0.5)):
-        assert document(capsys, "--set", f"law={law}", scenario=plastic)["parameters"]["drag"] == drag
 
 
 def test_a_value_far_from_the_default_is_run_with_a_warning(capsys: pytest.CaptureFixture[str]):

@@ -104,18 +104,6 @@ def test_a_contact_that_cannot_be_simulated_is_missing_or_refused():
         crater_study(Hub(speed=1e6), Bristle(), Crater(), Settings())
 
 
-@pytest.mark.parametrize("friction", [0.5, 1.0, 4.0])
-@pytest.mark.parametrize("part", [0.1, 0.6, 1.0])
-def test_the_circle_with_that_constant_cuts_that_depth(friction, part):
-    """Merchant's circle is built with C, by its angles, and its depth gives C back."""
-    x = math.atan(1.0 / friction) - 0.2
-    constant = x + part * (0.5 * math.pi - x)
-    angles = dataclasses.replace(oblique_angles(friction, 0.2, check=False), shear=0.5 * (constant - x))
-    depth = merchant_crater_depth(friction, 0.2, angles=angles)
-    # arcsin near 1 takes the root of rounding.
-    assert constant_for_crater_depth(depth, friction, 0.2) == pytest.approx(constant, rel=3e-8)
-
-
 def test_no_constant_makes_a_crater_deeper_than_least_work():
     deepest = float(merchant_crater_depth())
     assert constant_for_crater_depth(deepest) == pytest.approx(math.pi / 2, abs=1e-7)

@@ -165,15 +165,6 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
     assert sorted(set(calls(tmp_path))) == space["x"].tolist()
 
 
-def test_a_killed_worker_process_changes_nothing(tmp_path: Path):
-    space = {"x": np.arange(40.0)}
-    function = functools.partial(counted, folder=str(tmp_path), pause=0.005, killed_at=23.0)
-    found = sweep(function, space, workers=2, store=tmp_path / "store")
-    assert np.array_equal(found["result"], space["x"] ** 2)
-    assert (tmp_path / "death0").exists()
-    assert sorted(set(calls(tmp_path))) == space["x"].tolist()
-
-
 def test_a_point_that_always_kills_its_process_is_named_and_the_others_are_kept(tmp_path: Path):
     function = functools.partial(counted, folder=str(tmp_path), killed_at=3.0, times=99)
     with pytest.raises(RuntimeError, match=r"workers were lost 3 times near the point \{'x': 3\.0\}"):
