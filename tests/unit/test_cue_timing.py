@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 
 import numpy as np
 import pytest
+from matplotlib.patches import Circle
 from scipy.integrate import solve_ivp
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Tool
 from bristle_sim.reference import simulate_reference
+from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.strike_point import full_pass
 from bristle_sim.theory.cueing import released_motion
+from impact_cases import data, panel
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.3, 1.0, 4.0])
@@ -101,3 +105,18 @@ def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
     assert all(row.reference is not None and row.ok for row in cued.quantities)
     bare = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False)
     assert all(row.reference is None and row.ok is None for row in bare.quantities)
+
+
+def test_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(cued: Report) -> None:
+    moved = Bar(horizontal=0.052, vertical=0.018)
+    plan = panel(cue_figure(dataclasses.replace(cued.subject, bar=moved)), "c")
+    bars = [each for each in plan.patches if isinstance(each, Circle) and each.get_gid()]
+    drawn = {each.get_gid(): -1e-3 * np.array(each.get_center()) for each in bars}  # m
+    assert drawn["bar as given"] == pytest.approx([0.052, 0.018])
+    tip = 1e-3 * np.transpose(data(plan, "wire released"))[-1]
+    # 1e-6 of the turn.
+    assert np.hypot(*(tip + drawn["bar, simulated"])) == pytest.approx(Tool().bar_reach, abs=1e-9)
+    (left, right), (bottom, top) = plan.get_xlim(), plan.get_ylim()
+    for horizontal, vertical in drawn.values():
+        assert left < -1e3 * horizontal < right
+        assert bottom < -1e3 * vertical < top
