@@ -165,7 +165,7 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
         "reverse bent": {"knee_angle_deg": -knee},
         "forward bent": {"knee_angle_deg": knee},
         "rigid": {"wire_links": 1},
-        **{f"{number} links": {"wire_links": number} for number in {links // 2, 5 * links // 4} - {1, links}},
+        **{f"{number} links": {"wire_links": number} for number in sorted({links // 2, 5 * links // 4} - {1, links})},
         **{f"friction {value:g}": {"friction": value} for value in (0.2, 0.5)},
     }
 
