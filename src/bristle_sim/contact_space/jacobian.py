@@ -21,11 +21,8 @@ from collections.abc import Iterator, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import lib
-
-from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
@@ -105,19 +102,13 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
     return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
 
 
-def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
-    """Return the columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
-
-    Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
-    """
-    columns, scale = scaled_columns(rows, bodies)
-    return np.array(columns).T, np.array(scale)
-
-
 def scaled_columns(
     rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
 ) -> tuple[list[list[float]], list[float]]:
-    """Return the same as lists, one column after the other."""
+    """Return the columns of M^-1/2 J^T, one list of 3 bodies' numbers a row of J, and the diagonal of M^-1/2.
+
+    Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
+    """
     places, scale = {}, []
     for at, each in enumerate(bodies):
         linear, angular = 1.0 / math.sqrt(each.mass), 1.0 / math.sqrt(each.moment)

@@ -15,7 +15,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import MassCentres, joint_rows, scaled_jacobian
+from bristle_sim.contact_space.jacobian import MassCentres, joint_rows, scaled_columns
 
 Flags = NDArray[np.bool_]
 
@@ -36,6 +36,14 @@ def of_length_one(columns: Array) -> Array:
     return np.asarray(columns / np.where(lengths > 0.0, lengths, 1.0))
 
 
+def joint_basis(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> tuple[Array, Array]:
+    """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of M^-1/2; limits are rigid."""
+    centres = MassCentres()
+    rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
+    columns, scale = scaled_columns(rows, bodies)
+    return span(np.array(columns).T) if rows else np.zeros((len(scale), 0)), np.array(scale)
+
+
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
     """Change the velocities of jointed bodies so that no joint opens, as little as possible.
 
@@ -52,10 +60,11 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     limits: Flags = np.array([row.limit for row in rows])
     if not (np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes).any():
         return
-    columns, scale = scaled_jacobian([row.entries for row in rows], bodies)
+    listed, scale = scaled_columns([row.entries for row in rows], bodies)
+    columns = np.array(listed).T
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
-    change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
+    change = np.array(scale) * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)
         body.angular_velocity += turn
@@ -63,12 +72,7 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
 
 def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array) -> Array:
     """Return the part of changes of velocity, shape (3 bodies), that the joints let pass: the rest is orthogonal to it."""
-    centres = MassCentres()
-    rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
-    if not rows:
-        return changes
-    columns, scale = scaled_jacobian(rows, bodies)
-    rigid = span(columns)
+    rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
     return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
 

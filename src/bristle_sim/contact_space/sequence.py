@@ -23,8 +23,7 @@ from bristle_sim.theory.impact_result import JAM, Impact
 
 COLLAPSE = 12  # impacts at one point after which its group is resolved at once: it would bounce without end
 
-TRIALS = 255
-"""Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are rigid."""
+TRIALS = 256  # sets of limits that are tried: all of them for up to eight limits reached at once
 
 MOST = 40
 """Impacts in a group, one after the other, after which it is resolved at once, which bounds the cost of a step."""
@@ -179,34 +178,24 @@ class ImpactSequence:
                 self._record(each, impact)
 
     def _law(self, point: TouchingPoint, connected: Connected) -> tuple[ContactSpace, Impact]:
-        """Return the impact in which limits of joints push only and are not passed."""
-        rigid = self._with_limits(point, connected, ())
-        if not rigid[0].limits or _agrees(*rigid, ()):
-            return rigid
+        """Return the impact in which limits of joints push only and are not passed; if there is none, all are rigid."""
+        rigid = self._impact(point, connected, ())
         limits = rigid[0].limits
-        choices = itertools.chain.from_iterable(
-            itertools.combinations(limits, count + 1) for count in range(len(limits))
-        )
-        for released in itertools.islice(choices, TRIALS):
-            found = self._with_limits(point, connected, released)
-            if _agrees(*found, released):
-                return found
+        subsets = (itertools.combinations(limits, count) for count in range(len(limits) + 1))
+        for released in itertools.islice(itertools.chain.from_iterable(subsets), TRIALS):
+            space, impact = self._impact(point, connected, released) if released else rigid
+            impulse = (impact.impulse_normal, impact.impulse_tangential)
+            if space.limits_push(impulse) and not any(space.passes(each, impulse) for each in released):
+                return space, impact
         return rigid
 
-    def _with_limits(
+    def _impact(
         self, point: TouchingPoint, connected: Connected, released: Sequence[JointRow]
     ) -> tuple[ContactSpace, Impact]:
         """Return the impact in which the limits of these joints take no part."""
-        first, second = point.bodies
-        place, normal, _ = point.overlap
+        (first, second), (place, normal, _) = point.bodies, point.overlap
         slide, joints = point.surface_velocity, [each.joint for each in released]
         space = contact_space(
             first, place, normal, second, surface_velocity=slide, released=joints, connected=connected
         )
         return space, point.pair.impact(space, rests=self._rests(-space.velocity[0], point))
-
-
-def _agrees(space: ContactSpace, impact: Impact, released: Sequence[JointRow]) -> bool:
-    """Whether all limits that are rigid push, and none of the others is passed."""
-    impulse = (impact.impulse_normal, impact.impulse_tangential)
-    return space.limits_push(impulse) and not any(space.passes(each, impulse) for each in released)

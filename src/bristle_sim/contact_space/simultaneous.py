@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian
-from bristle_sim.contact_space.projection import close_joints, span
+from bristle_sim.contact_space.jacobian import joined
+from bristle_sim.contact_space.projection import close_joints, joint_basis
 from bristle_sim.contact_space.step_motion import StepMotion
 from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.impact_result import NO_REBOUND, REBOUND, Impact
@@ -223,11 +223,8 @@ def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
         close_joints(bodies, joints)
         motion.kick(bodies, 0.5)
         motion.forget(bodies)
-        centres = MassCentres()
-        rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
-        if bodies and rows:
-            rigid = span(scaled_jacobian(rows, bodies)[0])
-            found.append(np.zeros((3 * len(index), rigid.shape[1])))
-            found[-1][[3 * index[body] + at for body in bodies for at in range(3)]] = rigid
+        rigid, _ = joint_basis(bodies, joints)
+        found.append(np.zeros((3 * len(index), rigid.shape[1])))
+        found[-1][[3 * index[body] + at for body in bodies for at in range(3)]] = rigid
         left = [each for each in left[1:] if each not in bodies]
     return np.concatenate(found, axis=1)
