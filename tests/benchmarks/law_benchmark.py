@@ -14,7 +14,7 @@ import pymunk
 from bristle_sim import EnergeticContact
 from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Surface
-from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.theory.impact import energetic_impact
 
@@ -55,8 +55,8 @@ def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
 def _through_scene(chain: Chain) -> Callable[[], object]:
     """Return a call that places the bodies, builds K from them, solves, and sets their velocities."""
     scene, start, obstacle, _ = build_strike(chain, SURFACE)
-    law, coefficients = EnergeticLaw(), Coefficients.of(obstacle)
-    return lambda: law.resolve(scene, start, obstacle, coefficients)
+    law = EnergeticLaw()
+    return lambda: law.resolve(scene, start, obstacle)
 
 
 def _step_at_rest(balls: int, contact: bool) -> Callable[[], object]:

@@ -15,8 +15,9 @@ from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
 from bristle_sim.scene import run as scene_run
 from bristle_sim.scene import simulate as scene_simulate
 from bristle_sim.scene import tool as scene_tool
+from bristle_sim.scene.contact import laws
 from bristle_sim.scene.contact import laws as contact_laws
-from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.events import touches
 from bristle_sim.scene.integrate import time_scales
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
@@ -89,7 +90,7 @@ def gaining(*given: Any) -> Any:
     return after._replace(rates=rates), dataclasses.replace(record, rates_after=rates, restitutive_work=more)
 
 
-RESOLVE = EnergeticLaw.resolve
+RESOLVE, LAW = EnergeticLaw.resolve, laws.energetic_impact
 
 
 def nameless(*given: Any) -> Any:
@@ -98,9 +99,9 @@ def nameless(*given: Any) -> Any:
     return after, dataclasses.replace(record, outcome="rebound")
 
 
-def livelier(obstacle: Any) -> Coefficients:
+def livelier(mass: Any, velocity: Any, friction: float, restitution: float, *others: float) -> Any:
     """Two percent more restitution."""
-    return Coefficients(obstacle.friction, obstacle.restitution_friction, min(1.02 * obstacle.restitution, 1.0))
+    return LAW(mass, velocity, friction, min(1.02 * restitution, 1.0), *others)
 
 
 def later(**given: Any) -> Any:
@@ -166,7 +167,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         (touches, "settle", lambda _value, _interval, _near, last, _tolerance: last),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
-    "another restitution": ((Coefficients, "of", livelier), ["jam: default pass, friction 0.001 off the jam"]),
+    "another restitution": ((laws, "energetic_impact", livelier), ["jam: default pass, friction 0.001 off the jam"]),
     "a jam that is not seen": (
         (scene_run, "opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],

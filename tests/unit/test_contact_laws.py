@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bristle_sim.parameters import Surface
-from bristle_sim.scene.contact.laws import Coefficients, EngineLaw
+from bristle_sim.scene.contact.laws import EngineLaw
 from bristle_sim.scene.strike import Chain, build_strike
 
 
@@ -20,7 +20,7 @@ class TestEngineLaw:
         """
         chain, surface = Chain((2.0,), (1.0,), (-0.6,), (1.0,)), Surface(friction, None, restitution)
         scene, state, obstacle, _ = build_strike(chain, surface)
-        after, record = EngineLaw(100).resolve(scene, state, obstacle, Coefficients.of(obstacle))
+        after, record = EngineLaw(100).resolve(scene, state, obstacle)
         assert (record.obstacle, record.law, record.duration, record.time) == ("workpart", "engine", 0.0, 0.0)
         assert record.outcome == ("rebound" if restitution else "no rebound")
         assert (after.time, after.angles) == (state.time, state.angles)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.contact.obstacles import WirePair, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 
@@ -43,7 +43,7 @@ def test_impact_of_two_rods_on_a_hub(friction: float) -> None:
     scene, state = Scene(ROW, Effects(obstacles=(pair,))), touching()
     touch = pair.closest(ROW.poses(state), state.rates)
     assert touch.velocity[0] < 0.0
-    after, record = EnergeticLaw().resolve(scene, state, pair, Coefficients.of(pair))
+    after, record = EnergeticLaw().resolve(scene, state, pair)
     impulse = record.impulse[0] * np.array(touch.normal) + record.impulse[1] * np.array(touch.tangent)
     assert touch.partner_arm is not None
     for number, (arm, sign) in enumerate(((touch.arm, 1.0), (touch.partner_arm, -1.0))):

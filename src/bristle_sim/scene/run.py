@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING, at_joint, opening_rate
-from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
+from bristle_sim.scene.contact.laws import ENERGETIC
 from bristle_sim.scene.contact.obstacles import Obstacle, dented
 from bristle_sim.scene.contact.rigid import LEAST_SLIP
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
@@ -254,11 +255,10 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle) -> SmoothMotion:
 
 def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactRecord:
     """Carry the run through the impact by the obstacle's law, or one that leaves no approach."""
-    law, coefficients = obstacle.law, Coefficients.of(obstacle)
+    before, law, touched = progress.state, obstacle.law, obstacle
     if rests or -progress.approach(obstacle) <= progress.slow:
-        law, coefficients = ENERGETIC, Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
-    before = progress.state
-    progress.state, record = law.resolve(progress.scene, before, obstacle, coefficients)
+        law, touched = ENERGETIC, replace(obstacle, restitution=0.0)
+    progress.state, record = law.resolve(progress.scene, before, touched)
     progress.propagate(obstacle, before, record)
     progress.contact(record, obstacle)
     progress.sample()

@@ -110,7 +110,7 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
 def _end_compression(motion: SmoothMotion, contact: Sustained, spring: Spring) -> Outcome | None:
     """Begin unloading, and settle slip that has stopped; without restitution the contact is over."""
     _unload(motion, contact, spring)
-    if spring.coefficients.restitution == 0.0:
+    if spring.obstacle.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(motion, spring):
         return Outcome.STICTION

@@ -15,7 +15,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw, contact_law
-from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
+from bristle_sim.scene.contact.laws import ENERGETIC
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
 from bristle_sim.scene.integrate.time_scales import damped_interval
@@ -166,7 +166,7 @@ def struck(
     approach = -obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     law = obstacle.law if approach > 0.0 else ENERGETIC
     if law.at_once or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
-        after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
+        after, record = law.resolve(scene, start, obstacle)
         return after, record, [start, after]
     plan = Plan(math.inf, settings.accuracy, "strike", maximum_steps=settings.maximum_steps, single_contact=True)
     recording = run(scene, start, Extrapolation(settings.accuracy), plan, [obstacle])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
+from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
@@ -71,11 +71,11 @@ class CompliantLaw(ContactLaw):
         Raises:
             ValueError: if the contact cannot be resolved in double precision.
         """
-        coefficients = Coefficients.of(obstacle)
-        self._check(scene, coefficients.restitution)
+        restitution = obstacle.restitution
+        self._check(scene, restitution)
         touch, space = contact_at(scene, state, obstacle)
-        rigid = coefficients.energetic_impact(space)
-        unloading = coefficients.restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
+        rigid = energetic_at(obstacle, space)
+        unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
         elastic = self.tangential_compliance >= LEAST_COMPLIANCE  # a stiffer one is rigid, as in the impact law
         # A tangential spring multiplies rounding of places by its stiffness.
@@ -84,35 +84,33 @@ class CompliantLaw(ContactLaw):
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            wire = scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
+            wire = scene.mechanism, state, touch, obstacle.link, duration, restitution
             self.stiffness = rigid_stiffness(*wire)
         # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
-        time = 0.0 if self.stiffness else time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution)
+        time = 0.0 if self.stiffness else time_at_unit_stiffness(rigid, space.velocity[0], restitution)
         stiffness = self.stiffness or (time / duration) ** 2
         self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
         (normal, _), (_, tangential) = space.inverse_mass.tolist()
         if elastic and tangential:
-            rigid = coefficients.energetic_impact(space, self.tangential_compliance)
+            rigid = energetic_at(obstacle, space, self.tangential_compliance)
             rate = math.sqrt(stiffness / self.tangential_compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
         expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
-        of_contact = stiffness, coefficients, expected, touch.gap, space.inverse_mass
+        of_contact = stiffness, obstacle, expected, touch.gap, space.inverse_mass
         if not elastic:
             return Spring(*of_contact)
         from bristle_sim.scene.contact.elastic import ElasticSpring  # only where a contact has this effect
 
         return ElasticSpring(*of_contact, squared=self.tangential_compliance)
 
-    def resolve(
-        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
-    ) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Carry the scene through a touch too slow to be resolved in time, by the rigid-body law."""
-        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle, coefficients)
+        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""

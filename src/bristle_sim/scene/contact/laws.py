@@ -23,24 +23,11 @@ if TYPE_CHECKING:
     from bristle_sim.scene.contact.spring import Spring
 
 
-@dataclass(frozen=True, slots=True)
-class Coefficients:
-    """Friction in compression and restitution, and the coefficient of restitution."""
-
-    friction: float
-    restitution_friction: float
-    restitution: float
-
-    @classmethod
-    def of(cls, obstacle: Obstacle) -> Coefficients:
-        """Return the coefficients of an obstacle."""
-        return cls(obstacle.friction, obstacle.restitution_friction, obstacle.restitution)
-
-    def energetic_impact(self, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
-        """Return the impact of rigid bodies with energetic restitution, and eta^2 of the contact."""
-        coefficients = self.friction, self.restitution, self.restitution_friction
-        further = space.stick_compliance, tangential_compliance
-        return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
+def energetic_at(obstacle: Obstacle, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
+    """Return the impact on an obstacle of rigid bodies with energetic restitution, and eta^2 of the contact."""
+    coefficients = obstacle.friction, obstacle.restitution, obstacle.restitution_friction
+    further = space.stick_compliance, tangential_compliance
+    return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
 
 
 class ContactLaw:
@@ -59,9 +46,7 @@ class ContactLaw:
         del scene, state, obstacle
         return None
 
-    def resolve(
-        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
-    ) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Carry the scene through an impact at an instant; engine units throughout."""
         raise NotImplementedError
 
@@ -126,13 +111,11 @@ class EnergeticLaw(ContactLaw):
     tangential_compliance: float = 0.0
     name = "energetic"
 
-    def resolve(
-        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
-    ) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Change all bodies' velocities at once; positions stay."""
         _, space = contact_at(scene, state, obstacle)
         space = ending_together(space, self.accuracy)
-        impact = coefficients.energetic_impact(space, self.tangential_compliance)
+        impact = energetic_at(obstacle, space, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         after = (impact.velocity_normal, impact.velocity_tangential)
         space.apply(impulse, after)
@@ -172,12 +155,10 @@ class EngineLaw(ContactLaw):
     iterations: int = 10
     name = "engine"
 
-    def resolve(
-        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
-    ) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that nothing but the impact happens in it."""
         touch, _ = contact_at(scene, state, obstacle)
-        friction, elasticity = coefficients.friction, coefficients.restitution
+        friction, elasticity = obstacle.friction, obstacle.restitution
         scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)
         scene.step(ENGINE_STEP, 1)
         impulse = scene.contacts.totals(obstacle)[:2]

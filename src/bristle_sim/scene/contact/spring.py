@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.laws import Coefficients
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle, WorkpartObstacle
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.mechanism import State, Vector
@@ -108,6 +107,7 @@ class Spring:
 
     Attributes:
         stiffness: in compression, engine units.
+        obstacle: that is touched, with its coefficients.
         surface: gap at the first touch, from which the penetration is measured.
         inverse_mass: K at the first touch or of the interval.
         loading: whether the penetration is the largest so far; else the spring unloads, more steeply.
@@ -117,7 +117,7 @@ class Spring:
     """
 
     stiffness: float
-    coefficients: Coefficients
+    obstacle: Obstacle
     expected: Expectation
     surface: float
     inverse_mass: Array
@@ -143,12 +143,12 @@ class Spring:
     @property
     def friction(self) -> float:
         """Coulomb's mu, of compression or of restitution."""
-        return self.coefficients.friction if self.loading else self.coefficients.restitution_friction
+        return self.obstacle.friction if self.loading else self.obstacle.restitution_friction
 
     @property
     def residual(self) -> float:
         """Penetration at which the force is back at zero."""
-        return 0.0 if self.loading else self.deepest * (1.0 - self.coefficients.restitution**2)
+        return 0.0 if self.loading else self.deepest * (1.0 - self.obstacle.restitution**2)
 
     @property
     def compliance_in_stick(self) -> float:
@@ -159,7 +159,7 @@ class Spring:
     @property
     def present_stiffness(self) -> float:
         """Stiffness now; 0 where nothing comes back."""
-        restitution = self.coefficients.restitution
+        restitution = self.obstacle.restitution
         if self.loading:
             return self.stiffness
         return self.stiffness / restitution**2 if restitution else 0.0
