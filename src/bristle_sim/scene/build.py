@@ -8,6 +8,7 @@ either (``collision_bias`` 1, slop above the shapes' margin), for the same reaso
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -153,12 +154,13 @@ def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
     if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, *bodies)
-    from bristle_sim.scene.contact.solver import WireSteps
+    from bristle_sim.scene.contact.solver import WireSteps, WireVelocities
 
     belt = effects.damping if effects.stiffness is not None else 0.0
     hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
     damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
-    return WireSteps(space, mechanism, damping, *bodies, bending=bool(effects.hinges))
+    wires = functools.partial(WireVelocities, space, mechanism, damping, scene.hub, scene.links)
+    return WireSteps(space, *bodies, wires, bending=bool(effects.hinges))
 
 
 def _add_links(

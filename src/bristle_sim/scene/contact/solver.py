@@ -1,8 +1,8 @@
 """Engine steps of several links, and the velocities that obey their joints and sustained contacts, by one linear solve a step.
 
-The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations, and more in contact. Its
-corrections so far are M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic
-energy, are the same without them. So an engine step with one iteration is enough, and the nearest velocities are those of
+The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations. Whatever it has done adds
+M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic energy, are the same
+without them. So an engine step with one iteration is enough, and the nearest velocities are those of
 
     v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 hub speed,
 
@@ -23,7 +23,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from operator import sub
 from typing import Any, NamedTuple
 
@@ -38,8 +38,7 @@ from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 
-DEPENDENT = 1e-12
-"""Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""
+DEPENDENT = 1e-12  # singular value over the largest below which a contact repeats joints or others
 
 
 class _Wires(NamedTuple):
@@ -112,7 +111,6 @@ class _Chains:
         self.velocities[:] = carried + self.each(1j * turn * rates, wires.arms)
 
     def each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Return each wire's values times the matrix of a wire."""
         return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
 
     def closest(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
@@ -155,15 +153,16 @@ class WireVelocities:
 
     def __init__(
         self,
+        space: pymunk.Space,
         mechanism: Mechanism,
         damping: Sequence[float],
-        springs: Sequence[pymunk.DampedRotarySpring],
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
     ) -> None:
         self.symmetric = self.correct = False
         self.contacts: Sequence[Held] = ()
         self.impulses: list[tuple[float, float, float]] = []
+        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
         self._springs = [(spring, spring.damping) for spring in springs]
         has_hub = hub is not None
         self._bodies = Placer([hub, *links] if hub is not None else links)
@@ -225,14 +224,12 @@ class WireVelocities:
         # A mean of old and new velocities takes half of an impulse.
         impulses = impulses * (2.0 if self.symmetric else 1.0)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
-        self.impulses = [
-            (
-                float(impulses[index]),
-                float(rubs.get(index, -held.obstacle.friction * (held.slip or 0) * impulses[index])),
-                float(touch.velocity[1] + along[index] @ change) if index in along else 0.0,
-            )
-            for index, (held, touch) in enumerate(pairs)
-        ]
+        self.impulses = []
+        for index, (held, touch) in enumerate(pairs):
+            push = float(impulses[index])
+            rub = float(rubs.get(index, -held.obstacle.friction * (held.slip or 0) * push))
+            slip = float(touch.velocity[1] + along[index] @ change) if index in along else 0.0
+            self.impulses.append((push, rub, slip))
 
 
 class WireSteps(EngineSteps):
@@ -243,18 +240,15 @@ class WireSteps(EngineSteps):
     def __init__(
         self,
         space: pymunk.Space,
-        mechanism: Mechanism,
-        damping: Sequence[float],
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
         joints: Sequence[pymunk.Constraint],
+        wires: Callable[[], WireVelocities],
         *,
         bending: bool,
     ) -> None:
         super().__init__(space, hub, links, joints)
-        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
-        self._make, self._bending = partial(WireVelocities, mechanism, damping, springs, hub, links), bending
-        self._engine_step = self._step
+        self._make, self._bending, self._engine_step = wires, bending, self._step
 
     @cached_property
     def joint_solver(self) -> WireVelocities:
@@ -288,10 +282,7 @@ class WireSteps(EngineSteps):
         self.joint_solver.solve(length)
 
     def _take_symmetric(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
-        """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does.
-
-        After odd numbers of steps the links have an error of their own. The accelerations are those of the last two steps.
-        """
+        """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does."""
         self.steps += count
         self.work += count * self._price
         self.joint_solver.begin_symmetric()
@@ -307,6 +298,5 @@ class WireSteps(EngineSteps):
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
 
     def _start_cold(self, length: float) -> None:
-        """Let the engine forget the impulses of its last step where they count."""
         if self.take_symmetric is None:
             super()._start_cold(length)
