@@ -1,8 +1,8 @@
-"""Impact laws in anybody's pymunk space: the engine finds the contacts, impacts are resolved by a law, rest by the engine.
+"""Impact laws in any pymunk space: the engine finds the contacts and keeps resting ones; a law resolves impacts.
 
 Chipmunk restores a fraction of the approach velocity (Newton's restitution) and iterates Coulomb friction; where bodies are
-joined, that can create energy. Here the engine still finds the contacts and solves the joints, but a contact that
-approaches takes the impulse of an impact law, Stronge's by default, on all bodies that joints connect to it, at once.
+joined, that can create energy. Here the engine still finds the contacts and solves the joints. A contact that approaches gets
+the impulse of an impact law, Stronge's by default, which acts at once on all bodies connected by joints.
 """
 
 from __future__ import annotations
@@ -25,37 +25,36 @@ class EnergeticContact:
     """Energetic restitution and Coulomb friction between collision types of a space.
 
     Args:
-        space: the space, in its own units. It takes one EnergeticContact, with any number of pairs.
+        space: the pymunk space, in its own units. It can have one EnergeticContact, with any number of pairs.
         collision_type_a, collision_type_b: of the shapes of the first pair.
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
         restitution_friction: mu in restitution; equal to ``friction`` by default.
-        tangential_compliance: eta^2 of a contact that is elastic along the surface, as in ``energetic_impact``; impacts
-            that are too many for one after the other are resolved without it.
-        resting_speed: slower approach is left to the engine's contact with ``friction`` and no restitution, so that
-            bodies rest; so is approach slower than gravity makes up in two steps.
+        tangential_compliance: eta^2 of a contact that is elastic along the surface, as in ``energetic_impact``. Impacts
+            that are resolved all at once (see below) ignore it.
+        resting_speed: contacts that approach more slowly are left to the engine, with ``friction`` and no restitution,
+            so that bodies come to rest. So are those slower than the speed gravity adds in two steps.
         report: called with a :class:`~bristle_sim.contact_space.contact_pair.LocatedImpact` for each faster impact.
 
     Raises:
         ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
             EnergeticContact already.
 
-    Step the space with :meth:`step`, always by the same duration, as the engine's solver wants it; ``space.step`` leaves
-    contacts to the engine. An impact acts at the instant of touch within the step. Several impacts of bodies that touch each
-    other are resolved one after the other, the earliest and of those the fastest first; all at once after ``sequence.MOST``
-    of them. A copied or unpickled space has an EnergeticContact without ``report``, which :meth:`of` returns.
+    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration, as the
+    engine's solver needs. An impact acts at the instant of touch within the step. Impacts of bodies that touch each other are
+    resolved one by one: the earliest first, of simultaneous ones the fastest. After ``sequence.MOST`` of them the rest are
+    resolved at once. For a copied or unpickled space :meth:`of` returns its object, without ``report``.
 
-    Energy: just before an impact all bodies that take part get the nearest velocities at which the joints do not open,
-    which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
-    for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). The engine is not
-    bound to this between impacts: it solves joints in iterations, gives extra velocity to correct their
-    positions (``error_bias``; none at 1), and moves overlapping bodies apart (``collision_bias``). Its velocities are those
-    half a step later than its positions.
+    Energy: just before an impact, velocities are projected onto the joint constraints, which can only lose energy. The
+    impact itself changes the energy by the works in its record; for ``energetic_impact`` their sum is never positive
+    (moving kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain
+    energy: it solves joints iteratively, adds velocity to correct their positions (``error_bias``; none at 1), and
+    separates overlapping bodies (``collision_bias``). Its velocities are half a step ahead of its positions.
 
-    Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
-    finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'
-    callbacks on the same types are kept: a ``pre_solve`` of theirs is called first, whether registered before or after. One
-    that they register for any type (with None) is called by the engine after ours: its friction and restitution count.
+    Every kind of joint takes part through its Jacobian, a limit only if it pushes throughout the impact. Springs, joints with a
+    finite ``max_force`` and joints outside the space take no part. Sensors, filters and ``process_collision`` are respected.
+    Your callbacks for the same types are kept: your ``pre_solve`` is called first, whether registered before or after. One
+    registered for any type (with None) is called after ours, and its friction and restitution are used.
     """
 
     def __init__(
@@ -104,16 +103,16 @@ class EnergeticContact:
         tangential_compliance: float = 0.0,
         law: Callable[..., Impact] = energetic_impact,
     ) -> None:
-        """Take contacts between two more collision types, with coefficients and a law of their own.
+        """Apply an impact law to one more pair of collision types, with its own coefficients.
 
         Args:
             collision_type_a, collision_type_b: of the shapes; they may be equal.
-            friction, restitution, restitution_friction, tangential_compliance: as for the class, as ``law`` understands them.
-            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it takes it, and
-                with ``tangential_compliance`` unless it is 0.
+            friction, restitution, restitution_friction, tangential_compliance: as for the class; ``law`` interprets them.
+            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it
+                accepts that, and with ``tangential_compliance`` unless it is 0.
 
         Raises:
-            ValueError: as the class, and for a pair that is there already.
+            ValueError: as for the class, and for a pair that was added before.
         """
         types = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
         pair = ContactPair(types, friction, restitution, restitution_friction, tangential_compliance, law)
@@ -164,12 +163,12 @@ class EnergeticContact:
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
-        """Return the EnergeticContact that a space has, such as that of a copy; None if there is none."""
+        """Return the space's EnergeticContact, or None. Use it to find that of a copied space."""
         owners = (_owner(each.pre_solve) for each in _handlers(space).values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 
     def detach(self) -> None:
-        """Give all contacts back to the engine, and the users' callbacks their place: the space is as without this object."""
+        """Return all contacts to the engine and restore the users' callbacks, as if this object had never been attached."""
         self._attached()
         for handler, callback, pair in self._callbacks:
             if handler.pre_solve is callback:
@@ -178,12 +177,12 @@ class EnergeticContact:
         self.pairs.clear()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state of a copy: everything but the function that takes reports."""
+        """Return the state to copy: everything except the ``report`` function."""
         jammed = set() if self._filter is None else self._filter.jammed
         return {**self.__dict__, "report": None, "_callbacks": [], "_filter": None, "_jammed": jammed}
 
     def _attached(self) -> RestFilter:
-        """Return the filter that looks at the contacts first, before users' callbacks that are newer than ours."""
+        """Return the rest filter, and make sure that its callbacks run before any that users registered later."""
         if self._filter is None:
             self._filter = RestFilter(self.space)
             self._filter.jammed |= self.__dict__.pop("_jammed", set())
@@ -205,7 +204,7 @@ class EnergeticContact:
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:
-    """Return the space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
+    """Return the space's collision handlers by types; pymunk 7 has no public way to list existing ones."""
     return space._handlers
 
 

@@ -48,13 +48,13 @@ def simulate(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate the bristle, a rigid one or a wire of links, in pymunk from a given start.
+    """Simulate one bristle, rigid or a wire of links, in pymunk from a given start.
 
     Args:
-        tool: parts that are None are absent from the scene.
+        tool: the tool; its parts that are None are absent from the scene.
         settings: numerical settings.
-        start_hub_angle: of the root from the direction of the workpart, rad.
-        start_relative_angle, start_relative_rate: of the bristle relative to the radial direction, rad and rad/s.
+        start_hub_angle: of the root from the direction of the workpart, rad. start_relative_angle, start_relative_rate:
+        of the bristle relative to the radial direction, rad and rad/s.
         stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``,
             ``workpart release``, ``wire touch``, ``wire release``, ``largest retraction``, ``highest relative speed``,
             ``retraction limit`` or ``jam``.
@@ -80,9 +80,9 @@ def simulate_in_steps(
     start_relative_angle: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, to compare with.
+    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, for comparison.
 
-    It is of first order in the step, and knows nothing of its error.
+    The method is of first order in the step and estimates no error.
 
     Raises:
         ValueError: also if the step is too long for this tool.
@@ -102,16 +102,16 @@ def simulate_row(
     start_hub_angle: float = START,
     stop_after: str | None = None,
 ) -> tuple[Trajectory, ...]:
-    """Simulate a row of bristles of one plane that touch each other, bar and workpart, in pymunk.
+    """Simulate in pymunk a row of bristles in one plane; they can touch each other, the bar and the workpart.
 
-    All start together, radial and turning with the hub.
+    All start at the same instant, radial and turning with the hub.
 
     Args:
         tool: each bristle is like the others.
-        settings: numerical settings; ``hub_turn`` is that of the last bristle, from where the foremost one starts.
+        settings: numerical settings; ``hub_turn`` is the last bristle's, measured from the start of the foremost one.
         bristles: number of them.
-        pitch: angle from each root to the next one, which follows it, rad.
-        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
+        pitch: angle from each root to the one that follows it, rad.
+        neighbour_friction, neighbour_restitution: Coulomb's mu and the energetic coefficient e* between two wires.
         start_hub_angle: of the foremost root from the direction of the workpart, rad.
         stop_after: name of an event; the run ends when every bristle has had it.
 

@@ -1,7 +1,7 @@
-"""Many points at once: a function of keyword arguments over named axes, on one core, on many or on a cluster.
+"""Evaluate a function of keyword arguments over named axes, on one core, on many or on a cluster.
 
-An executor evaluates the points: the calling process, joblib's processes (loky), threads, or a Dask cluster. The calling
-process alone writes what is finished to a store, as data and never as pickles; xarray labels and reads it.
+An executor evaluates the points: the calling process, joblib's processes (loky), threads, or a Dask cluster. Only the
+calling process writes finished points to a store, as data and never as pickles; xarray labels and reads them.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ from bristle_sim.units import shown
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
 WRITTEN_EVERY = 1.0
-"""Time between writings of what is finished, s: a killed program loses as much."""
+"""Interval between writes of finished points, s: a killed program loses at most this much work."""
 
 PATIENCE = 5.0
-"""Time after which a sweep shows its progress, and between lines where standard error is no terminal, s."""
+"""Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s."""
 
 ROUNDS = 5
-"""Checks of what is written, after which a store that still lacks points is given up; another program may write there, too."""
+"""Number of checks after which a store that still lacks points is given up: another program may be writing to it."""
 
 MOST_WORKERS = 1024
-"""More processes than one program can serve, or a computer has cores."""
+"""Upper bound of ``workers``: more processes than one program can serve or a computer has cores."""
 
 
 def sweep(
@@ -53,34 +53,34 @@ def sweep(
     version: str = "",
     progress: bool | None = None,
 ) -> xr.Dataset:
-    """Evaluate a function at every point of a space and return the labelled results.
+    """Evaluate a function at every point of a parameter space and return the labelled results.
 
     Args:
-        function: takes keyword arguments and returns a number, a small array, or a mapping of names to such; None stands
-            for NaN. ``failure`` in the mapping says why some are missing. ``functools.partial`` binds arguments that are the same at every point. Other processes need it picklable.
+        function: takes keyword arguments and returns a number, a small array, or a mapping of names to these. None means NaN;
+            ``failure`` in a mapping is the reason for missing results. Bind constant arguments by ``functools.partial``. For use in other processes it must be picklable.
         space: parameters as xarray takes coordinates. ``{"friction": [0.1, 0.2]}`` is an axis of its own;
             ``{"friction": ("sample", [...]), "restitution": ("sample", [...])}`` vary together, and an array with
             several dimensions, ``(("sample", "hub_speed"), array)``, varies along all of them. A number is one value for
             all points. The points are the product of all dimensions.
         units: of parameters and results, by name.
-        workers: number of processes (-1: one a core), or a ``concurrent.futures.Executor``, such as a Dask client's
-            ``get_executor()``. By default the active joblib backend or, if none is, the calling process.
+        workers: number of processes (-1: one per core), or a ``concurrent.futures.Executor``, such as a Dask client's
+            ``get_executor()``. By default the active joblib backend or, without one, the calling process.
         store: folder that keeps finished points: the same call later computes only those that are missing, damaged or lost.
-            The Dataset returned reads them when they are used. It holds data alone; reading somebody else's runs no code.
-        version: distinguishes results by what cannot be seen in the function and all that it refers to, such as the date
-            of a file that it reads. Installed packages count by their versions.
-        progress: whether standard error shows a bar with the time left; by default after five seconds.
+            The returned Dataset loads them lazily. The folder holds only data: reading someone else's runs no code.
+        version: changes when results change for a reason not visible in the function and all that it refers to, such as
+            the date of a file that it reads. Versions of installed packages are included anyway.
+        progress: whether to show a bar with the time left on standard error; by default it appears after five seconds.
 
     Returns:
         float64 results on the grid of points, NaN where the function raised, and ``failure``, the reason in words. Its
-        attributes name the function, its settings and software. Neither the number of workers nor the order in which
-        points are finished changes the results.
+        attributes name the function, its settings and software. The results do not depend on the number of workers or
+        the order in which points finish.
 
     Raises:
         ValueError: if the space is empty or holds anything but numbers and words, if the function does not take its
             names as arguments, refers to objects whose changes a store cannot see or cannot be sent to the workers, if a
-            name cannot be one of an array, or if workers or store are none.
-        RuntimeError: if workers are killed time and again; finished points are kept.
+            name cannot be one of an array, or if ``workers`` or ``store`` is invalid.
+        RuntimeError: if workers are killed repeatedly; finished points are kept.
     """
     grid, units = _grid(space), dict(units or {})
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
@@ -110,14 +110,14 @@ def sweep(
 
 
 class SweepInterrupted(KeyboardInterrupt):
-    """The user's interruption of a sweep, with the results of the points that were finished by then."""
+    """The user interrupted the sweep; carries the results of the points finished by then."""
 
     def __init__(self, kept: str, results: SweepStore) -> None:
         super().__init__(kept)
         self._results = results
 
     def finished(self, names: Sequence[str]) -> NDArray[np.float64]:
-        """Return the results of these names, shape (names, finished points); no points where one of the names has none."""
+        """Return the results by these names, shape (names, finished points); empty if one of the names has no results."""
         done, found = ~self._results.missing(), self._results.dataset()
         if not all(name in found for name in names):
             return np.empty((len(names), 0))
@@ -126,7 +126,7 @@ class SweepInterrupted(KeyboardInterrupt):
 
 
 def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:
-    """Raise ValueError for a function that does not take these keyword arguments, and for workers or a store that are none."""
+    """Raise ValueError for a function that does not take these keyword arguments, and for invalid workers or store."""
     whole = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0 and workers <= MOST_WORKERS
     if not whole and not isinstance(workers, Executor | None):
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor or None"
@@ -146,7 +146,7 @@ def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: 
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
-    """Return the parameters as coordinates that span the grid; numbers beside words stay numbers, which NumPy makes words."""
+    """Return the parameters as coordinates that span the grid; mixed numbers and words keep their types, unlike in NumPy."""
 
     def typed(values: Any) -> Any:
         if isinstance(values, tuple) and len(values) > 1:
@@ -174,7 +174,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
-    """Yield number and arguments of points, the last dimension running fastest."""
+    """Yield the number and arguments of each point, the last dimension varying fastest."""
     dimensions = list(grid.sizes)
     parameters = {str(name): (each.values, [*map(dimensions.index, each.dims)]) for name, each in grid.coords.items()}
     for number in numbers:
@@ -183,7 +183,7 @@ def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
 
 
 def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write outcomes to the store time and again, what is finished when it ends in an error too."""
+    """Write outcomes to the store at intervals, and the finished ones also when an error ends the sweep."""
     finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
     terminal = sys.stderr is not None and sys.stderr.isatty()
     shown = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}

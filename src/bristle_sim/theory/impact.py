@@ -59,27 +59,27 @@ def energetic_impact(
 ) -> Impact:
     """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang 2020, eq. 2.46).
 
-    It never gains energy, whatever K, slip and friction.
+    The impact never gains energy, for any K, slip and friction.
 
     Args:
         inverse_mass: K, symmetric and positive semidefinite, order (normal, tangential), shape (..., 2, 2), 1/kg.
         velocity: (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s; v_n < 0 approaches.
-        friction: Coulomb's mu, in compression if restitution_friction is given too, shape (...).
+        friction: Coulomb's mu, shape (...); only in compression if restitution_friction is given.
         restitution: e*, in [0, 1], shape (...).
         restitution_friction: mu in restitution; equal to ``friction`` by default.
         stick_compliance: gain of v_n per unit normal impulse while the point does not slip, K_nn - K_nt^2/K_tt, 1/kg,
-            where it is known better than K's rounding tells: at a mass ratio of 1e12 the difference keeps four digits.
-        tangential_compliance: eta^2, the stiffness of the contact along its normal over that along the surface, from 0 (rigid
-            along the surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
-            (``impact_compliance``). Below 1e-4 the rigid law serves as the limit, from which the impulse differs by some
-            2 eta^2; by as much as 1.3 eta where slip reverses, or ends with the approach as in a radial strike.
+            if known more accurately than from the rounded K: at a mass ratio of 1e12 the difference keeps only four digits.
+        tangential_compliance: eta^2, the contact's normal over its tangential stiffness, from 0 (rigid along the
+            surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
+            (``impact_compliance``). Below 1e-4 the rigid law is used instead. This changes the impulse by some 2 eta^2,
+            or by up to 1.3 eta where slip reverses or ends with the approach, as in a radial strike.
 
     Returns:
         The impact; floats for a single one, arrays of the broadcast shape otherwise.
 
     Raises:
-        ValueError: for values that are not finite, a K that is not symmetric positive semidefinite, mu < 0, e*
-            outside [0, 1], a stick_compliance < 0, eta^2 outside [0, 1e4], and where impulses or works are too large for a float.
+        ValueError: for non-finite values, a K that is not symmetric positive semidefinite, mu < 0, e* outside [0, 1], a
+            stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works too large for a float.
     """
     given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
     rigid = _resolve(_energetic_end, *given)

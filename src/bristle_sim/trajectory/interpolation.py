@@ -23,14 +23,14 @@ UNEVEN = 20.0  # largest ratio of neighbouring intervals; next to an event a pol
 
 
 class Interpolation:
-    """The motion of a run at any instant within it, up to the order that its samples support.
+    """Interpolate the motion of a run at any instant within it, to the highest order that its samples support.
 
     In free motion and in a contact resolved in time a polynomial passes through angles and rates of up to eight samples
-    around the instant, from one end of a contact to the next; in sustained contact, whose motion may have kinks, through
-    those of one interval and its inner samples. The normal force and the energies, whose slopes are not recorded, follow
-    cubic splines from one contact to the next.
-    Tried at accuracy 1e-6 on 3,000 random instants of each of nine tools, compared with runs of accuracy 1e-9 that are sampled
-    closely: angles are within 4e-8 rad and rates within 7e-7 of the largest rate.
+    around the instant, from one end of a contact to the next; in sustained contact, whose motion may have kinks,
+    through those of one interval and its inner samples. The normal force and the energies, whose slopes are not
+    recorded, follow cubic splines from one contact to the next. Measured at accuracy 1e-6 on 3,000 random instants of
+    each of nine tools, against finely sampled runs of accuracy 1e-9: angles agree within 4e-8 rad, rates within 7e-7 of
+    the largest rate.
 
     Raises ValueError for a run of one instant.
     """

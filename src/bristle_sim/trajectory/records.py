@@ -36,7 +36,7 @@ class Cost:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WireMotion(EqualByValue):
-    """The motion of a wire at instants of any shape (...), in SI units and radians.
+    """The motion of a wire at an array of instants of any shape (...), in SI units and radians.
 
     Attributes:
         time: s.
@@ -107,7 +107,7 @@ class Motion(WireMotion):
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic plus potential energy, J; the hub's drive may change it."""
+        """Kinetic plus potential energy, J; not constant, as the hub's drive does work."""
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
 
@@ -130,7 +130,7 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity by its name and unit, one entry a sample."""
+        """Return every sampled quantity under a key of name and unit, one entry per sample."""
         units = {"time": "s", "force": "N", "penetration": "m", "velocity": "m/s"}
         names = (each.name for each in dataclasses.fields(self))
         return {f"{name} ({units[name.split('_')[-1]]})": getattr(self, name) for name in names}
@@ -143,7 +143,7 @@ class ContactRecord:
     Attributes:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
         law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
-        outcome: the impact law's word, or how a sustained contact ended.
+        outcome: as named by the impact law, or how a sustained contact ended.
         time, duration: start and length in s; an instantaneous impact lasts 0 s.
         impulse: on the moving body, N s.
         compressive_impulse: up to the end of compression, N s; None where the law knows no phases.
@@ -177,10 +177,7 @@ class ContactRecord:
     neighbour: int | None = None
 
     def columns(self) -> dict[str, Array]:
-        """Return the contact in time by names and units.
-
-        Raises ValueError for a contact that was not resolved in time.
-        """
+        """Return the history under keys of name and unit. Raises ValueError for a contact not resolved in time."""
         if self.history is None:
             raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")
         return self.history.columns()

@@ -1,4 +1,4 @@
-"""Trajectories in files: one npz archive of arrays, with everything else as JSON; a file that holds something else is refused."""
+"""Trajectory files: an npz archive of arrays, with everything else as JSON. Any other file is refused."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ T = TypeVar("T", bound="DataclassInstance")
 
 
 def write(run: Trajectory, path: str | Path) -> None:
-    """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
+    """Write everything to one npz file of exactly that name (no suffix is added); it appears only when complete.
 
     Raises OSError naming the file, if it cannot be written.
     """
@@ -65,7 +65,7 @@ def read(path: Path) -> dict[str, Any]:
 
     Raises:
         OSError: if there is no such file or it cannot be read.
-        ValueError: for a file that holds something else, with the fault in it.
+        ValueError: for a file that holds anything else; the message names the fault.
     """
     import json
 
@@ -115,7 +115,7 @@ def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any
 def _arrays(
     stored: Mapping[str, Array], prefix: str, dimensions: dict[str, str], sizes: dict[str, int]
 ) -> dict[str, Array]:
-    """Return stored arrays whose dimensions have the sizes known so far; those that one is the first to have are added."""
+    """Return stored arrays after checking their dimensions against the known sizes; new dimensions are added to these."""
     found = {}
     for name, letters in dimensions.items():
         array = found[name] = stored[f"{prefix}{name}"]

@@ -55,7 +55,7 @@ def summary(run: Trajectory) -> str:
 
 
 def to_dataframe(run: Trajectory) -> pd.DataFrame:
-    """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
+    """Return all sampled quantities as a pandas DataFrame, one row per sample; ``attrs["units"]`` holds the units.
 
     Raises ImportError if pandas is not installed.
     """
@@ -69,9 +69,9 @@ def to_dataframe(run: Trajectory) -> pd.DataFrame:
 def to_xarray(run: Trajectory) -> xarray.Dataset:
     """Return all sampled quantities as an xarray Dataset with units as attributes.
 
-    Its coordinate ``time`` strictly ascends, so that ``interp(time=...)`` works, which is linear between samples where
-    ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
-    ``instant`` is the time as recorded.
+    Its coordinate ``time`` increases strictly, so that ``interp(time=...)`` works (linearly; ``at`` is of higher
+    order). Where samples share an instant, the later ones are shifted by the smallest step of a double. ``instant`` is
+    the time as recorded.
 
     Raises ImportError if xarray is not installed.
     """

@@ -1,4 +1,4 @@
-"""The trajectory that a simulation returns: samples in time, events, contacts, the reason to stop and the cost."""
+"""The trajectory that a simulation returns: samples in time, events, contacts, stop reason and cost."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ NOTABLE = 0.01  # extremes of the relative motion below this fraction of the lar
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Trajectory(Motion):
-    """A run of one mechanism: the motion at n samples, in SI units and radians.
+    """The result of a run: the motion of one bristle at n samples, in SI units and radians.
 
-    At an impact two samples share one instant: before and after it.
+    An impact has two samples at the same instant: before and after it.
 
     Attributes:
         time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
-        stop_reason: why the run stopped; its ``advice`` says what would let it go further.
-        cost: see Cost.
-        parameters: of the simulation, as plain numbers and words.
-        stop_detail: the reason and remedy of a contact law that gave up; empty for any other stop.
-        inner_samples: motion between the samples of sustained contacts, for ``at``; None where there is none.
+        stop_reason: why the run stopped; its ``advice`` says how to make it run further.
+        cost: computing cost, see Cost.
+        parameters: the simulation's parameters, as plain numbers and strings.
+        stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
+        inner_samples: motion between the samples in sustained contact, used by ``at``; None without any.
     """
 
     events: tuple[Event, ...]
@@ -50,9 +50,9 @@ class Trajectory(Motion):
     inner_samples: WireMotion | None = None
 
     def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
-        """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
+        """Return the time, s, of the first (or last) event of that name up to an instant; None without one.
 
-        Raises ValueError if no run has an event of that name.
+        Raises ValueError for a name that no event can have.
         """
         recorded = [event.name for event in self.events]
         name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
@@ -61,9 +61,9 @@ class Trajectory(Motion):
 
     @property
     def notable_events(self) -> tuple[Event, ...]:
-        """Events but for extremes of the motion relative to the hub below a hundredth of the largest in the run.
+        """All events except minor extremes: those of the motion relative to the hub below 1 % of the run's largest.
 
-        A bent wire that the hub carries along swings by a tenth of a degree before it meets the bar.
+        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
         """
         extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
         found = []
@@ -75,11 +75,11 @@ class Trajectory(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """The remedy that lets the run go further, in terms of the obstacle touched last."""
+        """How to make the run go further, in terms of the obstacle touched last."""
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """Return the first contact with ``bar``, ``workpart`` or ``wire``; None if there is none.
+        """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.
 
         Raises ValueError for any other name.
         """
@@ -87,7 +87,7 @@ class Trajectory(Motion):
         return next((each for each in self.contacts if each.obstacle == obstacle), None)
 
     def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity by its name and unit, one entry a sample, for tables and files."""
+        """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
         links = range(self.angles.shape[1])
         return {
             "time (s)": self.time,
@@ -118,37 +118,37 @@ class Trajectory(Motion):
             raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
-        """Return the motion at one instant or several, between samples too; see Interpolation for its accuracy.
+        """Return the motion at one or several instants, interpolated between samples; see Interpolation for its accuracy.
 
         Args:
             time: s, of any shape.
-            side: ``before`` or ``after``, which of the two states at the instant of an impact.
+            side: ``before`` or ``after``: which of the two states to return at the instant of an impact.
 
         Raises ValueError for an instant outside the run, another side, or a run of one instant.
         """
         return Interpolation(self)(time, side)
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion up to an instant at every sample and at ``points`` further instants, evenly spaced, to draw it.
+        """Return the motion for drawing: at every sample up to ``until`` and at ``points`` more instants, evenly spaced.
 
         Two entries share the instant of an impact. Raises ValueError if ``until`` (s) is not after the run's start.
         """
         return Interpolation(self).course(until, points)
 
     def plot(self, *, until: float | None = None) -> Figure:
-        """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""
+        """Draw tool, tip path, retraction, speed and energy up to the time ``until``, s."""
         figure: Figure = drawn_by().plot(self, until)
         return figure
 
     def animate(
         self, path: str | Path, *, fps: float = 30.0, size: tuple[int, int] = (640, 480), **options: Any
     ) -> Path:
-        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.tool_films.pass_film``."""
+        """Write a film of the run, mp4 or gif, ``size`` in px; for options see ``bristle_sim.render.tool_films.pass_film``."""
         written: Path = drawn_by().film(self, path, fps, size, options)
         return written
 
     def show(self) -> Html:
-        """Return the motion with a slider, which a notebook shows."""
+        """Return a view of the motion with a slider, for display in a notebook."""
         page: Html = drawn_by().view(self)
         return page
 
@@ -163,7 +163,7 @@ class Trajectory(Motion):
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file written by :meth:`save`, by the same name.
+        """Read a file written by :meth:`save`, under exactly the same name.
 
         Raises:
             OSError: if there is no such file or it cannot be read.
