@@ -151,9 +151,12 @@ def _across(
 
 def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint, centres: MassCentres) -> list[JointRow]:
     """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
-    ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
+    a, b = joint.a, joint.b
+    ends = (x, y), (u, v) = world(a, joint.anchor_a), world(b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
-        return [_across(joint, centres, ends, each) for each in ((1.0, 0.0), (0.0, 1.0))]
+        (a_x, a_y), (b_x, b_y) = centres[a], centres[b]
+        first = JointRow(joint, ((a, 1.0, 0.0, a_y - y), (b, -1.0, 0.0, v - b_y)))
+        return [first, JointRow(joint, ((a, 0.0, 1.0, x - a_x), (b, 0.0, -1.0, b_x - u)))]
     distance, (x, y) = _between(*ends)
     if distance == 0.0:
         return []
