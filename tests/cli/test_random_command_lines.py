@@ -38,6 +38,7 @@ SMALL = {
     "tolerances": ("samples=2",),
     "cue_map": ("map_points=2", "accuracy=0.0001", "reference=no"),
     "neighbours": ("search=no",),
+    "film": ("map_durations=2", "map_dampings=2", "wire_links=2", "workers=1"),
 }
 """Settings that keep scenarios short that take many passes, with progress and time left, by default."""
 
@@ -85,7 +86,7 @@ def command_line(scenario: Scenario, number: int) -> list[str]:
     small = SMALL.get(scenario.name, ())
     keys = {key: each for key, each in scenario.keys().items() if not any(one.startswith(f"{key}=") for one in small)}
     chosen = chance.sample(sorted(keys), min(chance.choice((1, 1, 2, 3, 4)), len(keys)))
-    drawn = (f"{key}={value(chance, *keys[key])}" for key in chosen if not key.endswith("_csv"))
+    drawn = (f"{key}={value(chance, *keys[key])}" for key in chosen if not key.endswith(("_csv", "store")))
     return ["--json", "-", *(f"--set={setting}" for setting in (*small, *drawn))]
 
 

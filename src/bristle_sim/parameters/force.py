@@ -180,7 +180,7 @@ class FilmGrid(Declared):
     )
     frame_rate: float = quantity(
         2e4,
-        "2000 <= frame_rate <= 1e7 1/s",
+        "2000 <= frame_rate <= 1e6 1/s",
         "frames a second of the camera",
         "chosen: one in the printed compression time",
     )

@@ -11,6 +11,7 @@ import dataclasses
 import functools
 import math
 import time as clock
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,7 @@ from bristle_sim.studies.strike_point import crater_depth, ran, require_result
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import UnusualValueWarning
 
 FOLLOWED = 5e-4
 """Time that a strike is followed, s: one and a half periods of the wire's first bending mode."""
@@ -141,8 +143,9 @@ def followed(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, floa
     The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
     Raises ValueError for a pass without a strike, or one that is given up.
     """
-    tool = tool.replace(**keys)
-    until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
+    with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):  # the map's values are not typed
+        tool = tool.replace(**keys)
+        until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
     run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))
     require_result(run, settings)
     touches = [each for each in run.contacts if each.obstacle == "workpart"]
@@ -202,8 +205,9 @@ def _reached(results: Mapping[str, Array]) -> list[str]:
 def _seen(film: FilmMap) -> list[tuple[float, float]]:
     """Return the middle of each exposure and the tip's mean height over the workpart in it, s and m."""
     during = np.linspace(0.0, film.grid.exposure, 11)
-    heights = (film.run.at(opened + during).tip[:, 1].mean() + film.tool.workpart_depth for opened in film.frames)
-    return [(float(opened + during[5]), float(height)) for opened, height in zip(film.frames, heights, strict=True)]
+    instants = film.frames[:, np.newaxis] + during
+    heights = film.run.at(instants.ravel()).tip[:, 1].reshape(instants.shape).mean(axis=1) + film.tool.workpart_depth
+    return list(zip(instants[:, 5].tolist(), heights.tolist(), strict=True))
 
 
 def _answer(values: Mapping[str, float | None], duration: float, damping: float) -> str:
