@@ -10,7 +10,7 @@ In reading order:
 - ``results``: what was recorded, in SI units.
 - ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
 
-Rooms:
+Subpackages:
 
 - ``integrate/``: ``extrapolation`` of engine steps to the accuracy, ``time_scales``.
 - ``events/``: the ``table`` of event functions, the one locator (``locate``), gaps that close (``touches``).

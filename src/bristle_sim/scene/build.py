@@ -1,6 +1,6 @@
 """The pymunk scene of a mechanism, with exactly the requested effects, in engine units.
 
-Biases and slop are set on purpose. Joints are not corrected (``error_bias`` 1): an interval of motion starts from bodies
+Biases and slop are set deliberately. Joints are not corrected (``error_bias`` 1): an interval of motion starts from bodies
 placed exactly on their joints, and the drift within it is smooth in the step, so it vanishes when the step is
 extrapolated to zero; a correction would feed position errors into the velocities. Touching shapes are not pushed apart
 either (``collision_bias`` 1, slop above the shapes' margin), for the same reason.
@@ -36,8 +36,8 @@ g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the ang
 class Effects:
     """What acts in a scene besides its links, in engine units; None, 0 and () leave an effect out altogether.
 
-    ``stiffness`` and ``damping`` are those of the torsion spring between hub and first link, ``hinges`` (stiffness, damping)
-    of one at each joint between two links of a wire, straight at rest. Gravity acts along -y.
+    ``stiffness`` and ``damping`` are those of the torsion spring between hub and first link, ``hinges`` the (stiffness,
+    damping) at each joint between two links of a wire, straight at rest. Gravity acts along -y.
     """
 
     stiffness: float | None = None
@@ -51,14 +51,14 @@ class Scene:
     """A mechanism in a pymunk space.
 
     Attributes:
-        hub, links, joints: the kinematic body that carries the roots, or None; the dynamic ones from the root; their pivots.
+        hub, links, joints: the kinematic body that carries the roots, or None; the links' bodies from the root; their pivots.
         engine: takes the steps; ``step`` is its way to take steps of one length.
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
-        placed: the state and the drift by which the bodies were placed last.
-        turned: whole turns that the engine's angles leave out, rad.
+        placed: the state and drift of the last call of ``place``.
+        turned: whole turns subtracted from the angles before they are given to the engine, rad.
 
     Raises:
-        ValueError: for hinges that are not one for each joint between two links.
+        ValueError: unless there is one hinge for each joint between two links.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -84,7 +84,7 @@ class Scene:
         self.step = self.engine.take
 
     def place(self, state: State, drift: float = 0.0) -> None:
-        """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
+        """Place every body where the state puts it, moved on at its velocity for the time ``drift``."""
         again = self.placed[0] is state and self.placed[1] == drift
         self.placed = (state, drift)
         if again:
@@ -113,16 +113,16 @@ class Scene:
         return self.engine.steps
 
     def angles(self) -> list[float]:
-        """Return those of the links as they are in the engine, rad, less ``turned``."""
+        """Return the links' angles as they are in the engine, rad, less ``turned``."""
         return self.engine.angles()
 
     def rates(self) -> list[float]:
-        """Return those of the links as they are in the engine."""
+        """Return the links' rates as they are in the engine."""
         return self.engine.rates()
 
     @property
     def connected(self) -> Connected:
-        """The links, and the joints that pass on to them what acts on the last one."""
+        """The links, and the joints that transmit an impulse on the last link to the others."""
         bodies = self.links[::-1]
         bodies.sort(key=lambda each: each.mass)
         return bodies, [*self.joints[::-1]]
@@ -138,11 +138,11 @@ class Scene:
         return cast("WireSteps", self.engine).joint_solver
 
     def hold(self, contacts: Sequence[Held]) -> None:
-        """Have sustained contacts of several links solved for in the engine's steps from now on."""
+        """From now on, solve for these sustained contacts of several links in every engine step."""
         cast("WireSteps", self.engine).hold(contacts)
 
     def correct_joints(self, *, completely: bool) -> None:
-        """Have the joints closed at every step, or leave them alone."""
+        """Choose whether every step closes the joints or leaves them alone."""
         if self.effects.hinges:
             self.joint_solver.correct = completely
         for joint in self.joints:
@@ -150,7 +150,7 @@ class Scene:
 
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps; of several links it also solves joints, damping and contacts."""
+    """Return the object that takes the engine's steps. For several links it also solves joints, damping and contacts."""
     mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
     if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, *bodies)
@@ -185,8 +185,8 @@ def _add_links(
 def _add_springs(scene: Scene, space: pymunk.Space) -> None:
     """Add the belt of every wire, and a torsion spring at each hinge.
 
-    They come after the joints: damping then sees velocities that the joints have settled, not what their warm start left of
-    an earlier step, and stays smooth in the step.
+    They are added after the joints: damping then acts on velocities that the joints have settled, not on those of their warm
+    start, and stays smooth in the step.
     """
     mechanism, effects, size = scene.mechanism, scene.effects, scene.mechanism.wire_links
     if scene.hub is not None and effects.stiffness is not None:
@@ -206,9 +206,9 @@ def _add_springs(scene: Scene, space: pymunk.Space) -> None:
 def _flight_iterations(links: Sequence[Link]) -> int:
     """Return the number of iterations that solve the joints to rounding.
 
-    1/m of a link of mass m joins two joints, each of which yields by the sum of it and that of its other link, the root's by
-    its one link alone. Of the matrix with these entries, divided by the roots of its diagonal, an iteration (Gauss and
-    Seidel's) leaves the square of the largest eigenvalue of what is off the diagonal.
+    In the joints' matrix a link of mass m couples its two joints by 1/m. The diagonal is the sum of 1/m over a joint's two
+    links (the root has one). With the diagonal scaled to 1, a Gauss-Seidel iteration leaves the error times the square of the
+    largest eigenvalue of the off-diagonal part.
     """
     if len(links) == 1:
         return 1

@@ -1,4 +1,4 @@
-"""The engine's calls that a run makes thousands of times, without pymunk's wrappers, which take more time than the engine.
+"""Direct calls of the engine for work done thousands of times a run: pymunk's wrappers take longer than the engine.
 
 A wrapped step takes 0.77 us, of which 0.34 us are the engine's.
 """
@@ -20,10 +20,10 @@ from bristle_sim.scene.mechanism import Vector
 ITERATIONS_OF_A_STEP = 100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us
 
 LONGEST_WARM_RATIO, LONGEST_SINGLE_RATIO = 1e3, 2.0
-"""Steps up to this many times as long as the one before start from its impulses; the rounding of impulses that are scaled
-further would show. A step on its own bears less: the engine scales the impulse that it applies, by s, but not the one that
-it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
-step in turn would make it grow without bound."""
+"""A step up to this many times as long as the one before starts from its impulses; scaled further, their rounding would show.
+The limit is lower for a single step: the engine scales the impulse that it applies, by s, but not the one that it remembers,
+which becomes 1 - s times what it was. Further steps of the same length correct that; alternating short and long steps would
+make it grow without bound."""
 
 LOG_SOLVED = math.log(1e-17)  # iterations leave this fraction of the error: rounding
 MOST_ITERATIONS = 40_000  # of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them
@@ -35,7 +35,7 @@ Pusher = Callable[[Vector, Vector], None]
 class EngineSteps:
     """Places the bodies of a space, takes its steps, and counts them.
 
-    ``work`` are its steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
+    ``work`` counts the steps, each once more for every ``ITERATIONS_OF_A_STEP`` solver iterations in it.
     ``solves_contacts`` says whether sustained contacts are solved for with the joints, not left to the engine's own contact.
     """
 
@@ -61,11 +61,11 @@ class EngineSteps:
 
     @property
     def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """What takes steps symmetric in time; None of an engine that solves the joints by itself."""
+        """The function that takes time-symmetric steps; None if the engine solves the joints itself."""
         return None
 
     def set_iterations(self, count: int) -> None:
-        """Have the solver take this many iterations in every step."""
+        """Set the number of solver iterations per step."""
         self.space.iterations = count
         self._price = 1 + count // ITERATIONS_OF_A_STEP
 
@@ -106,10 +106,10 @@ class EngineSteps:
         return [*map(lib.cpBodyGetAngle, links), *after, *[change / length for change in map(sub, after, before)]]
 
     def warm_up(self, length: float) -> None:
-        """Take one step of a length and put the bodies, which have not moved since, back where they were placed.
+        """Take one step of a length, from the bodies as they were placed, and put them back there.
 
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
-        but not what it reports, nor what limits friction and push, until a step has been taken.
+        From step to step the engine keeps a contact's impulse. When the step changes it rescales the applied impulse at once.
+        The one it reports, and that which limits friction and push, are rescaled only after a step.
         """
         if length > LONGEST_SINGLE_RATIO * self._last_length:
             self._start_cold(length)
@@ -120,7 +120,7 @@ class EngineSteps:
         self.place(None)
 
     def _start_cold(self, length: float) -> None:
-        """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
+        """Make the engine forget the last step's impulses, which it would otherwise scale to the next step's length."""
         for joint in self.joints:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
@@ -149,7 +149,7 @@ class Placer:
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
-        """Set these numbers; None sets the last ones again."""
+        """Set these values; None sets the last ones again."""
         if values is not None:
             self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
@@ -158,7 +158,7 @@ class Placer:
             put(body, data)
 
     def keep(self) -> None:
-        """Take the bodies' own numbers for the last ones that were set."""
+        """Record the bodies' present values as if they had been set last."""
         self._numbers.num = 0
         for body in self._bodies:
             lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)

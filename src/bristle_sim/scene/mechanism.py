@@ -1,4 +1,4 @@
-"""Chains of rigid links whose roots stand still or ride on a turning hub: their shape and mass, without forces."""
+"""Chains of rigid links whose roots are fixed or carried by a turning hub: their shape and mass, without forces."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class Mechanism:
         return Mechanism(self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
 
     def poses(self, state: State) -> list[Pose]:
-        """Return where every link is and how it moves; the last few are kept, as one state is looked at again and again."""
+        """Return the poses of all links. The last few are cached, as the same state is needed repeatedly."""
         for known, poses in self._known:
             if known is state:
                 return poses
@@ -128,9 +128,9 @@ class Mechanism:
         return poses
 
     def walk(self, time: Array, angles: Array, rates: Array) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
-        """Yield every link of a wire, e^(i angle), its rate, and place and velocity of its joint, at times, angles and rates.
+        """Yield each link of a wire with e^(i angle), its rate, and its joint's position and velocity, at times, angles, rates.
 
-        Points are complex numbers x + iy. One with the arm r from a joint at p moves with p' + i rate r.
+        Points are complex numbers x + iy. A point with the arm r from a joint at p has the velocity p' + i rate r.
         """
         joint = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
         velocity = 1j * self.hub_speed * joint
@@ -154,7 +154,7 @@ class Mechanism:
         return np.stack([places.real, places.imag], axis=-1), np.stack([velocities.real, velocities.imag], axis=-1)
 
     def speed_bound(self, state: State) -> float:
-        """Return a speed that no point exceeds, nor two wires' points relative to each other, while no rate exceeds the state's."""
+        """Bound the speed of all points, also of two wires relative to each other, while no rate exceeds the state's."""
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):
             bound += math.hypot(*link.tip) * abs(rate)
@@ -201,7 +201,7 @@ def interpolate(start: State, end: State, fraction: float) -> State:
 
 
 def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:
-    """Return where, on the cubic, a wire's first link turns back relative to the hub within the interval."""
+    """Return the fractions of the interval at which, on the cubic, a wire's first link reverses relative to the hub."""
     length, speed = end.time - start.time, mechanism.hub_speed
     rate_0, rate_1 = ((state.rates[link] - speed) * length for state in (start, end))
     way = end.angles[link] - start.angles[link] - speed * length

@@ -1,7 +1,7 @@
 """The smooth motion between two changes of contact: in flight, separating, in sustained contact, or several of these at once.
 
-It integrates one interval up to its first event, and returns the change of the contacts that follows. What that leads to is
-decided in :mod:`bristle_sim.scene.run`.
+It integrates one interval up to its first event, and returns the resulting change of the contacts. :mod:`bristle_sim.scene.run`
+decides how the run continues.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ class SmoothMotion:
     """One smooth motion of the links, up to the next change of contact.
 
     Attributes:
-        sustained: contacts that last; ``ordered`` the rigid ones of them, ``springs`` those with springs.
-        separating: pairs that have left each other but whose gaps are not open yet.
-        rigid, load: what keeps the rigid ones closed, and the forces of all; None where there are none.
+        sustained: the sustained contacts; ``ordered`` are the rigid ones, ``springs`` those with springs.
+        separating: pairs that have been released but whose gaps are not open yet.
+        rigid, load: the object that keeps rigid contacts closed, and the forces of all contacts; None without any.
         before: the last interval of this motion, if there is one.
-        limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
-        events: of the contacts, and of the motion as a whole.
+        limit: longest permitted next interval; None (no limit) before the first contact of a run.
+        events: those of the contacts, and of the motion as a whole.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class SmoothMotion:
         sustained: Sequence[Sustained] = (),
         separating: Sequence[Obstacle] = (),
     ) -> None:
-        """Begin a motion: accelerations and signs of the last one are forgotten."""
+        """Begin a motion; accelerations and signs of the last one are discarded."""
         self.progress, self.limit = progress, limit
         self.sustained, self.separating = tuple(sustained), tuple(separating)
         self.ordered = [each for each in sustained if each.spring is None]
@@ -79,7 +79,7 @@ class SmoothMotion:
             each.begin(progress.state, progress.noise)
 
     def _begin_contact(self) -> None:
-        """Let the contacts act from here on, if they can."""
+        """Activate the contacts, if they can act."""
         progress, gaps = self.progress, self.progress.gaps
         for each in self.ordered:
             if each.slip is None and each.obstacle.friction:
@@ -100,7 +100,7 @@ class SmoothMotion:
         progress.sample({each: each.sample(gaps, progress.state) for each, _ in self.springs})
 
     def _engage(self) -> None:
-        """Let rigid contacts act from the state that was reached; stop where no force keeps them closed."""
+        """Activate rigid contacts at the present state; stop the run if no force keeps them closed."""
         progress = self.progress
         if self.rigid is None or self.rigid.engage(progress.gaps, progress.state) > 0.0:
             return
@@ -110,7 +110,7 @@ class SmoothMotion:
         progress.stop(StopReason.NO_GRIP)
 
     def integrate(self) -> Interval | Change | None:
-        """Integrate over an interval; return it, or the change of the contacts if their forces are gone, or None to try again."""
+        """Integrate over an interval; return it, or a change of contacts if their forces have vanished, or None to retry."""
         progress, start, instant = self.progress, self.progress.state, self.progress.plan.instant
         for each, spring in self.springs:
             follow_bodies(progress, each.obstacle, spring)
@@ -137,7 +137,7 @@ class SmoothMotion:
         return None
 
     def _approach_release(self, forces: Sequence[float], length: float) -> Change | None:
-        """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
+        """Shorten the interval towards the instant at which a force vanishes, or release the contact or its stick."""
         plan, first = self.progress.plan, self.before is None
         for each in self.ordered:
             if first and each.stopped:
@@ -150,11 +150,11 @@ class SmoothMotion:
         return None
 
     def _until_release(self) -> float:
-        """Return the length of an interval in which the first force vanishes, by the last interval."""
+        """Return an interval that ends just after the first force vanishes, extrapolated from the last one."""
         return BEYOND_RELEASE * min((each.vanishes_in for each in self.sustained), default=math.inf)
 
     def up_to_first_event(self, interval: Interval) -> Change | None:
-        """Take over an interval up to its first event, and return the change of the contacts, if any."""
+        """Accept an interval up to its first event, and return the change of the contacts, if any."""
         progress, whole, (of_contacts, of_motion) = self.progress, interval.end, self.events
         if self.before is None and self.limit is None and not self.sustained:
             look_back(interval, of_motion)
@@ -183,7 +183,7 @@ class SmoothMotion:
         return None if happens.act is None else happens.act()
 
     def _commit(self, result: Advance) -> None:
-        """Take over an interval's end; links in sustained contact are set back onto what they touch."""
+        """Accept an interval's end; links in sustained contact are set back onto their obstacles."""
         progress, start, gaps = self.progress, self.progress.state, self.progress.gaps
         length = result.state.time - start.time
         progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
@@ -201,7 +201,7 @@ class SmoothMotion:
             self.separating = tuple(each for each in self.separating if gaps.gap(each, progress.state) <= GAP_ROUNDING)
 
     def _add(self, result: Advance, start: State, length: float) -> None:
-        """Add what the contacts did in an interval, and record their forces at its end."""
+        """Add the contacts' impulses and work in an interval, and record their forces at its end."""
         progress, totals, ends, begins = self.progress, result.totals, {}, {}
         for index, each in enumerate(self.ordered):
             normal, _, push, rub, work = totals[TOTALS * index : TOTALS * (index + 1)]
@@ -233,7 +233,7 @@ def _proposed(motion: SmoothMotion) -> float:
 
 
 def _inner_states(progress: Progress, rigid: RigidContacts, start: State) -> list[State]:
-    """Return states within an interval that has ended: those of a lone link in touch follow from the geometry alone."""
+    """Return states within the last interval; for a lone link in contact they follow from geometry alone."""
     gaps, end = progress.gaps, progress.state
     guesses = [interpolate(start, end, fraction) for fraction in (0.25, 0.5, 0.75)]
     middle, length = rigid.set_back(gaps, guesses[1]), end.time - start.time
@@ -245,9 +245,9 @@ def _inner_states(progress: Progress, rigid: RigidContacts, start: State) -> lis
 
 
 def _overdue(motion: SmoothMotion) -> Change | None:
-    """Return the end of a contact that lasts ``OVERDUE_DURATIONS`` times as long as expected.
+    """Return the event that ends a contact lasting over ``OVERDUE_DURATIONS`` times as long as expected.
 
-    That is one in the rigid-body limit, or a single one of rigid links, which nothing would end.
+    Only a contact in the rigid-body limit, or a single one of rigid links, is ended so: nothing else would end it.
     """
     progress = motion.progress
     single = progress.plan.single_contact and not progress.scene.effects.hinges
@@ -259,6 +259,6 @@ def _overdue(motion: SmoothMotion) -> Change | None:
 
 
 def follow_bodies(progress: Progress, obstacle: Obstacle, spring: Spring) -> None:
-    """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""
+    """In stick update K from the bodies' positions. In a contact short enough for the rigid-body limit K is constant."""
     if spring.expected.moves and not spring.slip:
         spring.inverse_mass = contact_at(progress.scene, progress.state, obstacle)[1].inverse_mass

@@ -1,4 +1,4 @@
-"""When a run ends, where it has got to, and what it has recorded so far."""
+"""The end conditions of a run, its present state and its record so far."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial throu
 
 MOST_CHANGED_APPROACH = 0.5  # by the error, as a fraction; the impact is beyond linear error propagation then
 SLOW_FRACTION = 1e-8
-"""Fraction of the fastest point's speed below which an impact gets no restitution: ever smaller bounces would otherwise
-follow each other without end within a finite time."""
+"""Fraction of the fastest point's speed below which an impact gets no restitution: otherwise infinitely many ever smaller
+bounces would follow each other in a finite time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """When a run ends, how accurate it is and how finely it is recorded; engine units.
+    """A run's end conditions, accuracy and density of samples; engine units.
 
     Attributes:
         stop_after: name of an event that ends the run.
-        maximum_steps: work after which the run gives up, in engine steps of few iterations.
+        maximum_steps: budget after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
-        single_contact: whether one contact is all that is of interest, without the extremes of the motion.
+        single_contact: whether only one contact is of interest, without the extremes of the motion.
     """
 
     end: float
@@ -48,28 +48,28 @@ class Plan:
 
     @property
     def instant(self) -> float:
-        """Shortest time resolved: in it no link moves by more than the accuracy, whatever pushes it."""
+        """Shortest time resolved: within it no force moves a link by more than the accuracy."""
         return min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
 
     @property
     def shortest(self) -> float:
-        """Length of an interval within which a force that vanishes has vanished at once."""
+        """Interval length below which a force that vanishes within it counts as vanished at its start."""
         return max(1e-9, 0.1 * self.accuracy) * self.time_scale
 
     @property
     def first_interval(self) -> float:
-        """Longest interval right after a contact, and the least that the growth of later ones starts from."""
+        """Longest interval right after a contact, and the least length from which later ones grow."""
         return min(MOST_GROWTH * self.instant, max(self.instant, self.longest_interval / MOST_GROWTH))
 
 
 @dataclass(slots=True)
 class Recording:
-    """What a run leaves behind, in engine units.
+    """The record of a run, in engine units.
 
-    ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that
-    a sustained contact's geometry gives. Two of ``states`` at one time are the ends of two smooth motions. ``events`` come
-    with the numbers of their wires, ``contacts`` with those of their links. ``summed`` are the intervals'
-    estimates of their errors, ``error`` is that of the last state, unless an impact whose approach is as small has lost it.
+    ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that a
+    sustained contact's geometry gives. Two of ``states`` at one time are the end of one smooth motion and the start of the
+    next. ``events`` come with the numbers of their wires, ``contacts`` with those of their links. ``summed`` are the intervals'
+    error estimates. ``error`` is that of the last state, unless an impact with an approach as small has made it unknown.
     """
 
     states: list[State] = field(default_factory=list)
@@ -85,11 +85,11 @@ class Recording:
 
 
 class Progress:
-    """What is common to the smooth motions of one run.
+    """The state shared by the smooth motions of one run.
 
     Attributes:
         state: the last state that was reached.
-        obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
+        obstacles: the pairs, each with its present surface: a tip in a dent touches the bottom of the dent.
         flight, stepper: the integrators of motion without springs and of the present motion.
         noise: rates and accelerations below this have no sign.
     """
@@ -97,7 +97,7 @@ class Progress:
     def __init__(
         self, scene: Scene, start: State, flight: Stepper, plan: Plan, obstacles: Sequence[Obstacle] | None
     ) -> None:
-        """Begin a run that has not moved yet."""
+        """Begin a run at its initial state."""
         self.scene, self.mechanism, self.plan, self.state = scene, scene.mechanism, plan, start
         self.flight = self.stepper = flight
         self.gaps, self.recording = Gaps(scene.mechanism), Recording()
@@ -114,7 +114,7 @@ class Progress:
 
     @property
     def slip_error(self) -> float:
-        """Error that a slip velocity may have by now: of a sense that is no more than this nothing is known."""
+        """Possible error of a slip velocity by now; the sense of a slip no faster than this is unknown."""
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(self.state)
 
     def approach(self, obstacle: Obstacle) -> float:
@@ -122,9 +122,9 @@ class Progress:
         return self.gaps.closest(obstacle, self.state).velocity[0]
 
     def sample(self, forces: Mapping[Sustained, float] = MappingProxyType({}), *, again: bool = False) -> None:
-        """Record the state that was reached, with the normal forces of contacts, summed for each wire.
+        """Record the present state, with the normal contact forces summed for each wire.
 
-        With ``again`` the last sample gets the forces instead.
+        With ``again``, only replace the forces of the last sample.
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
@@ -146,9 +146,9 @@ class Progress:
         return tuple([link // self.mechanism.wire_links for link in self.links_of(obstacle)])
 
     def event(self, name: str, wires: Sequence[int], *, lasts: bool = False) -> None:
-        """Record an event of some wires; the run ends once every wire has had the one that is to end it.
+        """Record an event of some wires; the run ends once every wire has had the event ``stop_after``.
 
-        A touch that ``lasts`` ends it when its contact is over.
+        If the event is a touch that ``lasts``, the run ends when that contact is over.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
         if name == self.plan.stop_after and not lasts and self.had_last_event:
@@ -162,10 +162,10 @@ class Progress:
         return len(happened) == self.mechanism.wires
 
     def propagate(self, obstacle: Obstacle, before: State, record: ContactRecord) -> None:
-        """Carry the error over an impact: that of the two motions which are off by it in angle, and in rate either way.
+        """Propagate the error over an impact, by two motions that are off by it in angle, and in rate with either sign.
 
-        They touch at another instant, where they have their jump of the rates, in proportion to their approach there. A law
-        that has changed the slip, to one that ends with the approach, leaves open what sticks or jams.
+        These touch at another instant, and their rates jump there in proportion to their approach. If the law has adjusted the
+        slip so that it ends with the approach, it is uncertain what sticks or jams.
         """
         recording, error = self.recording, self.recording.error
         if recording.lost is not None:
@@ -195,6 +195,6 @@ class Progress:
         self.recording.contacts.append((record, self.links_of(obstacle)))
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
-        """End the run, for a reason and with what a law says about it; the first reason counts."""
+        """End the run for a reason, with the law's detail of it; only the first reason is kept."""
         if self.recording.stop_reason is None:
             self.recording.stop_reason, self.recording.stop_detail = reason, detail

@@ -1,4 +1,4 @@
-"""Results of a run, turned from the scene's units to SI."""
+"""Results of a run, converted from the scene's units to SI."""
 
 from __future__ import annotations
 
@@ -76,10 +76,10 @@ def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: U
 def _events(
     recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
 ) -> tuple[Event, ...]:
-    """Return a wire's events, with its largest retraction up to the strike, or of the run, as the only one of its name.
+    """Return a wire's events; of the largest retractions only that up to the strike, or of the run, is kept.
 
-    A retraction that is larger at either end of that time than at every turn in between is no event. One that the run
-    stops at stays. What never happened is named at the end. ``lags`` are times and retractions of the samples.
+    There is none if the retraction is larger at either end of that time than at every turn in between. The one at which the run
+    stops is kept. Events that never happened are named at the end. ``lags`` are times and retractions of the samples.
     """
     found, names, turns, strike = [], set(), [], math.inf
     for event, wires in recording.events:
@@ -155,7 +155,7 @@ HISTORY_UNITS = {
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """Return a contact record turned from engine units to SI."""
+    """Return a contact record converted from engine units to SI."""
     history = contact.history and dataclasses.replace(contact.history, **_in_si(contact.history, HISTORY_UNITS, units))
     return dataclasses.replace(contact, history=history, **_in_si(contact, RECORD_UNITS, units))
 

@@ -1,10 +1,10 @@
-"""The run of a scene: one smooth motion after the other, and what follows each change of contact between them.
+"""The run of a scene: one smooth motion after another, and the decision after each change of contact between them.
 
-In flight nothing touches and the engine's contact is off. Where a gap closes, its instant is located and the contact
-law resolves the impact. If that leaves the link at rest against the obstacle and pressed on it, the contact is sustained,
-with Coulomb friction, until its force has fallen to zero; the instant of release is located too. Several contacts may be
-sustained at a time. Positions of links in sustained contact are set back onto what they touch after every interval, because
-the engine's contact only keeps velocities.
+In flight nothing touches and the engine's contact is off. Where a gap closes, its instant is located and the contact law
+resolves the impact. If the link then rests against the obstacle and is pressed on it, the contact is sustained, with Coulomb
+friction, until its force has fallen to zero; the instant of release is located too. Several contacts may be sustained at a
+time. After every interval, links in sustained contact are set back onto their obstacles, because the engine's contact
+constrains only velocities.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
 
 
 def _following(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
-    """Return a motion with these contacts, or the end of the run after a touch whose contact is over."""
+    """Return the motion with these contacts, or end the run if the contact that was to end it is over."""
     first_interval = progress.plan.first_interval
     over = progress.recording.stop_reason is None and progress.had_last_event
     if over and not any(each.spring for each in sustained):
@@ -114,7 +114,7 @@ def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle]) -> N
 
 
 def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = Outcome.RELEASE) -> None:
-    """Leave obstacles, whose forces have fallen to zero or which an impact has ended."""
+    """Release contacts whose forces have fallen to zero or which an impact has ended."""
     _end(motion, outcome, obstacles)
     for each in obstacles:
         motion.progress.event(f"{each.name} release", motion.progress.wires_of(each))
@@ -173,7 +173,7 @@ def _touch_name(progress: Progress, obstacle: Obstacle) -> str:
 
 
 def _begin_contact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: bool) -> SmoothMotion | None:
-    """Return the motion with a contact that begins, with a spring or at rest; None where the touch is an impact."""
+    """Return the motion with a new contact, with a spring or at rest; None if the touch is an impact."""
     progress, law = motion.progress, obstacle.law
     if any(each.obstacle is obstacle for each in motion.sustained):
         return None
@@ -223,7 +223,7 @@ def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: bo
 
 
 def _least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
-    """Return how fast the gap between an obstacle that a lone link touches and another one that it touches opens."""
+    """Return the least opening rate of a lone link between this obstacle and any other one that it touches."""
     touch = progress.gaps.closest(obstacle, progress.state)
     closed = [each for each in progress.obstacles if each is not obstacle and _touches(progress, each)]
     rates = (opening_rate(touch, progress.gaps.closest(each, progress.state)) for each in closed)
@@ -231,7 +231,7 @@ def _least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
 
 
 def _after_all_touches(motion: SmoothMotion, touched: Obstacle) -> SmoothMotion:
-    """Resolve what the impact makes of other closed contacts, the fastest approach first; return the motion after it."""
+    """Resolve other closed contacts that the impact drives together, the fastest approach first; return the motion after it."""
     progress = motion.progress
     lasting = {each.obstacle: each for each in motion.sustained if each.spring is None}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
@@ -254,7 +254,7 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle) -> SmoothMotion:
 
 
 def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactRecord:
-    """Carry the run through the impact by the obstacle's law, or one that leaves no approach."""
+    """Resolve the impact by the obstacle's law, or by a law without restitution."""
     before, law, touched = progress.state, obstacle.law, obstacle
     if rests or -progress.approach(obstacle) <= progress.slow:
         law, touched = ENERGETIC, replace(obstacle, restitution=0.0)

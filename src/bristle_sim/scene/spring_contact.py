@@ -1,4 +1,4 @@
-"""What a contact with a spring does at its events: it begins, passes into another phase, or ends."""
+"""Changes of a contact with a spring at its events: it begins, passes into another phase, or ends."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from bristle_sim.scene.motion import SmoothMotion, follow_bodies
 STOPS_TOGETHER = 1e-5  # fraction of the approach with which slip and compression of one freedom stop together
 
 LEAST_UNLOADING = 1e-5
-"""A contact is over with less than this fraction of its spring's unloading left where slip starts or stops: 1e-10 of its
-impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
+"""Where slip starts or stops, a contact ends if less than this fraction of its spring's unloading is left. Only 1e-10 of its
+impulse is left, and the force is so small that rounding of the tip's place would start and stop slip endlessly."""
 
 PROBED_FRACTION = 0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
 CONE_ROUNDING = 1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
 
 
 def begin_spring(motion: SmoothMotion, obstacle: Obstacle, spring: Spring) -> Sustained:
-    """Return a contact that begins at the state that was reached."""
+    """Return a contact that begins at the present state."""
     contact = Sustained(obstacle, spring, motion.progress.state)
     _look_up_slip(motion, contact, spring)
     return contact
@@ -38,7 +38,7 @@ def after_impact(motion: SmoothMotion) -> list[Sustained]:
 
 
 def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
-    """Let a point slip as it moves, or stick, and record the phase that begins."""
+    """Let a point slip in the sense of its motion, or stick, and record the new phase."""
     slip = motion.progress.gaps.closest(contact.obstacle, motion.progress.state).velocity[1]
     if abs(slip) > motion.progress.slip_error and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
@@ -77,7 +77,7 @@ def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
 
 
 def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: SpringEvent) -> Outcome | None:
-    """Follow an event; return the contact's outcome if it is over."""
+    """Apply an event; return the contact's outcome if it is over."""
     expected, progress, course = spring.expected, motion.progress, spring.course
     match event:
         case SpringEvent.COMPRESSION_ENDS:
@@ -108,7 +108,7 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
 
 
 def _end_compression(motion: SmoothMotion, contact: Sustained, spring: Spring) -> Outcome | None:
-    """Begin unloading, and settle slip that has stopped; without restitution the contact is over."""
+    """Begin unloading, and decide on slip that has stopped; without restitution the contact is over."""
     _unload(motion, contact, spring)
     if spring.obstacle.restitution == 0.0:
         return Outcome.NO_REBOUND
@@ -129,7 +129,7 @@ def _note_phase(contact: Sustained, spring: Spring) -> None:
 
 
 def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
-    """Whether a contact is over where the rigid-body law stops: in its limit, and where a single lone link's is of interest."""
+    """Whether a contact ends where the rigid-body law stops: in its limit, and if only a single lone link's is of interest."""
     halts = not spring.expected.moves or (motion.progress.plan.single_contact and motion.progress.mechanism.lone)
     return halts and spring.expected.outcome == Outcome.STICTION
 

@@ -1,4 +1,4 @@
-"""One contact through the scene, by the run's own loop: of a chain of rods, or of a wire that bends; and the wire's frequencies."""
+"""Simulate a single contact, of a chain of rods or of a wire that bends, by the run's loop; and the wire's frequencies."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Chain:
     sense of rotation; a root on a hub stands at ``hub_angle``.
 
     Raises:
-        ValueError: for numbers out of range, or masses, lengths, angles and rates that are not equally many.
+        ValueError: for numbers out of range, or masses, lengths, angles and rates of different numbers.
     """
 
     masses: tuple[float, ...]
@@ -61,7 +61,7 @@ class Chain:
     hub_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check every number: a mass that is none ends the process inside the engine."""
+        """Check every number: an invalid mass aborts the process inside the engine."""
         columns = {name: getattr(self, name) for name in ("masses", "lengths", "angles", "rates")}
         for name, column in columns.items():
             if not isinstance(column, tuple | list):
@@ -80,7 +80,7 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """An impact and what it did to the kinetic energy, J.
+    """An impact and the kinetic energies before and after it, J.
 
     ``centre_line`` is root, hinges and tip at the first touch, (x, y) from the hub's centre, shape (corners, 2), m.
     """
@@ -94,7 +94,7 @@ class ChainStrike:
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """After over before; None for a chain at rest."""
+        """Kinetic energy after over before; None for a chain at rest."""
         return self.kinetic_energy_after / self.kinetic_energy_before if self.kinetic_energy_before else None
 
 
@@ -104,7 +104,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     A tip that does not approach leaves at once, whatever the law.
 
     Raises:
-        ValueError: if a compliant contact comes to no end.
+        ValueError: if a compliant contact does not end.
     """
     given = {"chain": (chain, Chain), "surface": (surface, Surface), "contact": (contact, Contact)}
     for name, (value, kind) in {**given, "settings": (settings, Settings)}.items():
@@ -158,10 +158,10 @@ UNSOLVED = {
 def struck(
     scene: Scene, start: State, obstacle: WorkpartObstacle, settings: Settings
 ) -> tuple[State, ContactRecord, list[State]]:
-    """Carry a scene through a contact that it touches, by its law; return the state after it, its record, and its samples.
+    """Simulate a contact that begins now, by its law; return the state after it, its record, and its samples.
 
     Raises:
-        ValueError: if a contact with a spring comes to no end.
+        ValueError: if a contact with a spring does not end.
     """
     approach = -obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     law = obstacle.law if approach > 0.0 else ENERGETIC
@@ -218,8 +218,8 @@ def strike_wire(
         flight: time of free motion after the release, s.
 
     Raises:
-        ValueError: if the wire's end does not approach the workpart, the numbers are not one for each link, or the contact
-            comes to no end.
+        ValueError: if the wire's end does not approach the workpart, there is not one angle and rate for each link, or the
+            contact does not end.
     """
     begin = clock.perf_counter()
     scene, units, obstacle = build_wire(tool, hub_angle, angles, rates)
@@ -274,8 +274,8 @@ SHORT_STEP = 1e-8  # from rest, in the scene's time units; the rates it gives ar
 def wire_frequencies(tool: Tool) -> Array:
     """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
 
-    One engine step from rest with one link turned by a small angle gives every link a rate, which is a column of the matrix
-    -M^-1 K times angle and step: nothing moves before the rates change.
+    One engine step from rest with one link turned by a small angle gives every link a rate; these rates are a column of -M^-1 K
+    times angle and step, as nothing moves before the rates change.
     """
     straight = (0.0,) * tool.bristle.links
     undamped = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)

@@ -1,7 +1,7 @@
 """The bristle-blasting tool as a scene: from SI parameters to engine units.
 
-The engine's tolerances are absolute and its biases are per time unit, so results would depend on the units a scene
-happens to be given in. A scene therefore runs in units of its own size, near an impact every number is then near 1.
+The engine's tolerances are absolute and its biases are per time unit, so results would depend on a scene's units. A scene
+therefore runs in units of its own size; near an impact every number is then near 1.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SHORTEST_PIECE = 1e-12  # fraction of the wire's length; on a shorter piece of a
 
 
 class Units:
-    """SI size of one engine unit: length in m, mass in kg, time in s, and of what follows from these."""
+    """SI size of one engine unit: length in m, mass in kg, time in s, and the units derived from these."""
 
     def __init__(self, length: float, mass: float, time: float) -> None:
         """Compute the units of a scene."""
@@ -41,7 +41,7 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class Row(Declared):
-    """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
+    """Bristles in one plane on one hub, each a pitch behind the one before it; their mutual friction and restitution."""
 
     bristles: int = count(1, "1 <= bristles <= 100", "number of bristles", "requested")
     pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad", "", "requested")
@@ -84,7 +84,7 @@ def build_tool(
 
 
 def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterator[Obstacle]:
-    """Yield what the links of a wire can touch, from its first link on: the bar any of them, the workpart tip and knee."""
+    """Yield the obstacles of a wire's links, from the first link on: the bar for all of them, the workpart for tip and knee."""
     bristle, size, bar, part = tool.bristle, units.length, tool.bar, tool.workpart
     if bar is not None:
         centre, radii = (
@@ -106,9 +106,9 @@ def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterato
 
 
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:
-    """Return the links of a wire, equally long along it, in units of the bristle's length and mass.
+    """Return the links of a wire, of equal length along it, in units of the bristle's length and mass.
 
-    In the unstressed wire, whose shank is along (0, -1), all have the same angle. The link that holds the knee is bent.
+    In the unstressed wire, whose shank is along (0, -1), all have the same angle. The link that contains the knee is bent.
     """
     size = bristle.length
     if bristle.links == 1:

@@ -1,1 +1,1 @@
-"""Contacts of links with what they can touch: geometry, impacts, sustained contacts, and what solves for them."""
+"""Contacts of links with obstacles: geometry, impacts, sustained contacts, and the solvers for them."""

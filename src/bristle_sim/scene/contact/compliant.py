@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
 
 LEAST_DURATION = 3e-7
-"""Shortest contact in scene time units, times sqrt(e*). Measured: a contact of duration T differs from the rigid-body
-limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of
-a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contact is then shorter by sqrt(r)."""
+"""Shortest contact that is resolved, times sqrt(e*), in scene time units. Measured: a contact of duration T differs from the
+rigid-body limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*).
+During it, damping of a rate r > 1 takes the fraction r T of a velocity: the shortest contact is then shorter by sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15  # of the force in an interval, as a velocity, times duration and e*; none is more accurate
 
 CLEAR_OF_ROUNDING = 1e4
-"""Tolerance over rounding from which closely spaced repetitions, with weights a hundred times as large, reach it in fewer
-steps. Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
+"""Ratio of tolerance to rounding from which closely spaced repetitions, whose weights are 100 times as large, need fewer steps.
+Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
 
 LEAST_DEPTH = 1e-13  # penetration times e* below which rounding decides when a contact ends: the rigid limit is closer
 
@@ -40,7 +40,7 @@ LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as i
 PLAIN_ACCURACY = 1e-4  # of plain steps in the rigid limit: below their errors, above the rounding of a penetration
 
 SAMPLES_OF_A_COURSE, SAMPLES_OF_AN_OUTCOME = 24, 5
-"""Least number of intervals of a contact of a given duration, for its course, and of one whose outcome is of interest."""
+"""Least number of intervals: of a contact of given duration, whose history is recorded, and of one whose outcome matters."""
 
 
 @dataclass(eq=False)
@@ -48,12 +48,11 @@ class CompliantLaw(ContactLaw):
     """Contact resolved in time by the engine.
 
     Args:
-        duration: time in touch of the first touch, engine units, were it rigid along the surface; of a wire that bends, were
-            it rigid and without friction. None is short enough for the rigid-body limit to ``accuracy``, at every touch.
-        accuracy: requested relative accuracy.
-        plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
-        stiffness: of the spring in compression, engine units; None is that of a contact of the duration, which else is only
-            expected.
+        duration: duration of the first contact in engine units, for a contact rigid along the surface; for a wire that bends,
+            for a rigid wire without friction. With None every contact is short enough for the rigid-body limit to ``accuracy``.
+        accuracy: requested relative accuracy. plain_steps: number of plain engine steps in a contact, or None to extrapolate to
+        the accuracy. stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise
+        is only expected.
         tangential_compliance: eta^2.
     """
 
@@ -66,7 +65,7 @@ class CompliantLaw(ContactLaw):
     at_once: ClassVar[bool] = False
 
     def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
-        """Return the spring of a contact that begins; None for a touch too slow to be resolved.
+        """Return the spring of a new contact; None if the touch is too slow to be resolved.
 
         Raises:
             ValueError: if the contact cannot be resolved in double precision.
@@ -109,16 +108,16 @@ class CompliantLaw(ContactLaw):
         return ElasticSpring(*of_contact, squared=self.tangential_compliance)
 
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
-        """Carry the scene through a touch too slow to be resolved in time, by the rigid-body law."""
+        """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
         return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
-        """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
+        """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         return max(LEAST_DURATION / math.sqrt(unloading * damping), 0.1 * self.accuracy / max(fastest, damping))
 
     def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
-        """Return the integrator of a contact of a duration, no more accurate than rounding, ``least``, allows."""
+        """Return the integrator of a contact of this duration, no more accurate than its rounding, ``least``, permits."""
         if self.plain_steps is not None:
             return PlainSteps(duration / self.plain_steps)
         tolerance = max(0.1 * self.accuracy, least)
@@ -144,10 +143,10 @@ class CompliantLaw(ContactLaw):
 
 
 def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Return the time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
+    """Return the duration of the contact for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
 
-    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the
-    phase is a piece of a harmonic motion between velocities and forces that the impact law knows.
+    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the phase is
+    part of a harmonic motion; the impact law gives the velocities and forces at its ends.
     """
     works, time, stored = impact.phase_work_normal.tolist(), 0.0, 0.0
     for index, impulse in enumerate(impact.phase_impulse.tolist()):
@@ -173,7 +172,7 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, link: int, duration: float, restitution: float
 ) -> float:
-    """Return the stiffness of a contact that would keep the wire, were it rigid, in touch for a time without friction.
+    """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts a given time.
 
     k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
     """
@@ -191,7 +190,7 @@ def rigid_stiffness(
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law that the parameters name, in a scene with that unit of time, s."""
+    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
     squared = contact.tangential_compliance
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / time_unit

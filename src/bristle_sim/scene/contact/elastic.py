@@ -50,14 +50,14 @@ class ElasticSpring(Spring):
         return self.stiffness / self.squared
 
     def foot_speed(self, velocity: Vector) -> float:
-        """Return the velocity of the foot while it slips in the present sense."""
+        """Return the velocity of the foot for slip in the present sense."""
         steepness = self.present_stiffness / self.stiffness
         return velocity[1] + self.friction * self.slip * self.squared * steepness * velocity[0]
 
     def settle(self, touch: ClosestApproach, place: float, error: float) -> None:
-        """Let the foot stand, or slip where the force, at the edge of the cone or beyond it, would leave it.
+        """Let the foot stand, or slip if the force is at the edge of the friction cone or beyond and would leave it.
 
-        A velocity of the foot within the ``error`` has no sense; then its acceleration decides.
+        The sign of the foot's velocity decides, or, if the velocity is within the ``error``, that of its acceleration.
         """
         limit = self.friction * self.present_stiffness * max(self.surface - touch.gap - self.residual, 0.0)
         force = min(max(self.stick_force, -limit), limit)

@@ -1,4 +1,4 @@
-"""Gaps between a mechanism's links and what they can touch, state by state, and the nearest states in which they are closed."""
+"""Gaps between a mechanism's links and obstacles in a given state, and the nearest state in which they are closed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Gaps:
         self.mechanism = mechanism
 
     def closest(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
-        """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
+        """Return the closest approach of link and obstacle; a named piece restricts it to that part of the link."""
         return obstacle.closest(self.mechanism.poses(state), state.rates, piece)
 
     def gap(self, obstacle: Obstacle, state: State) -> float:
@@ -35,7 +35,7 @@ class Gaps:
         return self.closest(obstacle, state).gap
 
     def gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
-        """Return the distance of link and obstacle, and how fast it opens."""
+        """Return the distance of link and obstacle, and its rate."""
         touch = self.closest(obstacle, state)
         return touch.gap, touch.velocity[0]
 
@@ -45,15 +45,15 @@ class Gaps:
         return all(abs(self.gap(obstacle, state)) <= GAP_ROUNDING for state in between)
 
     def poses(self, state: State) -> list[Pose]:
-        """Return where every link is and how it moves."""
+        """Return the position and motion of every link."""
         return self.mechanism.poses(state)
 
 
 LEAST_LEVER = 1e-6
-"""With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
+"""Shortest lever of the contact normal, as a fraction of the link, with which turning a link can set it back."""
 
 CLOSED_GAP = 1e-10
-"""Closing a gap below this fraction of the link changes the rate by as little, less than any accuracy leaves it."""
+"""A gap below this fraction of the link counts as closed: closing it changes the rate by as little, less than any accuracy."""
 
 NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding
 
@@ -75,10 +75,10 @@ def set_back(
     pieces: Sequence[int | None] | None = None,
     slips: Sequence[int | None] = (),
 ) -> State:
-    """Return the nearest state at which links touch what they are in contact with, and keep touching it.
+    """Return the nearest state in which all contacts are closed and stay closed.
 
-    By Newton's method; nearest in the norm of the kinetic energy, a change of M^-1 J^T (J M^-1 J^T)^-1 times what the gaps
-    and their rates are off. Contacts that stick do not slip either.
+    By Newton's method; nearest in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times the error of the
+    gaps and of their rates. Contacts that stick get no slip velocity either.
     """
     pieces = pieces or [None] * len(obstacles)
     mechanism = gaps.mechanism
@@ -101,7 +101,7 @@ def set_back(
 
 
 def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
-    """Return the smallest change, in the norm of the mass, that the rows turn into the amounts."""
+    """Return the smallest change, in the norm of the mass matrix, whose product with the rows equals the amounts."""
     response = np.linalg.solve(mass, rows.T)
     found = np.linalg.lstsq(rows @ response, np.array(amounts), rcond=1e-12)[0]
     changes: list[float] = (response @ found).tolist()
@@ -125,7 +125,7 @@ def turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None 
 
 
 MOMENT = 1e-6
-"""Time, in the scene's unit, after which the piece that touches is looked up again, and the slip of a lone link."""
+"""Time (scene units) after which the touching piece, and a lone link's slip, are looked up again."""
 
 
 def slip_acceleration(gaps: Gaps, obstacle: Obstacle, state: State) -> float:
@@ -139,11 +139,10 @@ def slip_acceleration(gaps: Gaps, obstacle: Obstacle, state: State) -> float:
 
 
 def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
-    """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
+    """Return the rate at which the clearance between two contacts on one link grows; negative means that they wedge it.
 
-    Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if the
-    sum of drift / abs(lever) is, in which the rate cancels; below 0 they close on the link as a wedge does. Infinite for
-    levers of one sign.
+    Each normal velocity is drift + lever * rate. With levers of opposite signs, both can be positive for the same rate only if
+    the sum of drift / abs(lever), in which the rate cancels, is positive. Infinite for levers of the same sign.
     """
     levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:
@@ -160,9 +159,9 @@ def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> BarObstacle 
 
 
 def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle], end: State) -> bool:
-    """Whether a link is nearest to the obstacle of a neighbour in contact at the joint that both have, up to a state.
+    """Whether, up to a state, the link's point closest to a touching neighbour's obstacle is the joint it shares with it.
 
-    One that is clear of it and ends elsewhere may touch it by itself.
+    A link that is clear of the obstacle and ends elsewhere may touch it by itself.
     """
     if not isinstance(obstacle, BarObstacle):
         return False
@@ -176,7 +175,7 @@ def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstac
 
 
 def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:
-    """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+    """Return the pair that a touch belongs to: at a joint, that of the link before it, whose round end is there."""
     lower = neighbour(progress, obstacle, -1)
     if lower is None or not isinstance(obstacle, BarObstacle):
         return obstacle

@@ -1,4 +1,4 @@
-"""Laws of impact, one of which each obstacle carries.
+"""Impact laws; each obstacle carries one.
 
 An impact at an instant is resolved at once: scene, state, obstacle in; state after, contact record out. A law that resolves
 the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.contact.compliant`).
@@ -31,7 +31,7 @@ def energetic_at(obstacle: Obstacle, space: ContactSpace, tangential_compliance:
 
 
 class ContactLaw:
-    """A way through an impact.
+    """The base class of impact laws.
 
     Attributes:
         name: in contact records.
@@ -42,12 +42,12 @@ class ContactLaw:
     at_once: ClassVar[bool] = True
 
     def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
-        """Return the spring of a contact that is resolved in time; None where the impact is one at an instant."""
+        """Return the spring of a contact that is resolved in time; None if the impact is instantaneous."""
         del scene, state, obstacle
         return None
 
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
-        """Carry the scene through an impact at an instant; engine units throughout."""
+        """Apply an instantaneous impact to the scene; all values are in engine units."""
         raise NotImplementedError
 
     def _record(
@@ -60,7 +60,7 @@ class ContactLaw:
         velocities: tuple[Vector, Vector],
         impact: Impact | None = None,
     ) -> tuple[State, ContactRecord]:
-        """Return the state with the rates after an impact, and its record; a law without phases has no ``impact``."""
+        """Return the state after an impact, and its record; ``impact`` is None for a law without phases."""
         compressive: Vector | None = None
         works: tuple[Vector | None, Vector | None] = None, None
         if impact is not None:
@@ -124,10 +124,10 @@ class EnergeticLaw(ContactLaw):
 
 
 def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
-    """Return the contact space with the slip that ends with the approach, if it has that slip within the accuracy.
+    """Return the contact space with the slip at which slip and approach end together, if that is within the accuracy.
 
     A point with one degree of freedom has v_t/v_n = K_nt/K_nn where it moves by that alone. Slip and approach then end at one
-    impulse. An error of the slip would let it end before, and the point would stick while it still approaches.
+    impulse. With an error of the slip it could end earlier, and the point would stick while it still approaches.
     """
     (normal, coupling), _ = space.inverse_mass.tolist()
     if space.stick_compliance or not normal:
@@ -147,16 +147,16 @@ ENGINE_STEP = 1e-12  # step of an engine impact in scene time units: forces and 
 class EngineLaw(ContactLaw):
     """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
 
-    ``elasticity`` is taken as the coefficient of restitution. It knows no phases, takes one friction coefficient, and
-    may gain energy where bodies are joined in a chain; it is here to be compared. ``iterations`` are those of the engine's
-    solver; 10 is its default.
+    ``elasticity`` is taken as the coefficient of restitution. It has no phases and one friction coefficient, and may gain
+    energy where bodies are joined in a chain. It serves for comparison. ``iterations`` are those of the engine's solver; 10 is
+    its default.
     """
 
     iterations: int = 10
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
-        """Take one engine step, so short that nothing but the impact happens in it."""
+        """Take one engine step, so short that only the impact happens in it."""
         touch, _ = contact_at(scene, state, obstacle)
         friction, elasticity = obstacle.friction, obstacle.restitution
         scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)

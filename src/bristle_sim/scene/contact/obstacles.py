@@ -1,9 +1,8 @@
-"""Pairs of a link and what it can touch: the bar (a circle), the workpart (a half-plane), a link of another wire (a capsule).
+"""Pairs of a link and its obstacle: the bar (a circle), the workpart (a half-plane) or another wire's link (a capsule).
 
-A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes
-of obstacles are larger than the obstacle by ``SHAPE_MARGIN``, and the engine's slop covers it, so that a sustained touch is
-detected at every step while its position is left alone; only obstacles are enlarged, so that the lever of friction on
-the link stays exact.
+A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes of obstacles
+are larger than the obstacle by ``SHAPE_MARGIN``, which the engine's slop covers. A sustained contact is thus detected at every
+step, and its position is not corrected. Links are not enlarged, so the lever of friction stays exact.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class ClosestApproach(NamedTuple):
 
 
 class Held(NamedTuple):
-    """A sustained contact: the pair, the straight piece of its link that touches, and the sense of slip, 0 in stick."""
+    """A sustained contact: the pair, the touching straight piece of its link, and the sense of slip (0 in stick)."""
 
     obstacle: Obstacle
     piece: int | None
@@ -70,7 +69,7 @@ class Held(NamedTuple):
 
 
 def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
-    """Return how far along a straight piece a point lies, in lengths of the piece, and the piece's closest point."""
+    """Return a point's position along a straight piece, in lengths of the piece, and the closest point of the piece."""
     (x, y), (u, v) = line
     along_x, along_y = u - x, v - y
     along = ((point[0] - x) * along_x + (point[1] - y) * along_y) / (along_x**2 + along_y**2)
@@ -109,7 +108,7 @@ class BarObstacle:
     corner: None = None
 
     def __post_init__(self) -> None:
-        """Refuse a bar so thin that rounding decides on which side of it the wire is."""
+        """Refuse a bar so thin that rounding would decide on which side of it the wire is."""
         reach = self.radius + self.wire_radius
         if not reach >= LEAST_REACH:
             raise ValueError(
@@ -125,7 +124,7 @@ class BarObstacle:
     def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
-        Of two pieces that touch, the one that approaches faster counts, unless one is named.
+        If two pieces touch, the one that approaches faster is used, unless one is named.
         """
         pose, rate = poses[self.link], rates[self.link]
         if not pose.knees:
@@ -154,7 +153,7 @@ class BarObstacle:
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap of the link's other pieces in whose elbow with this one the bar lies; infinite where there is none."""
+        """Return the gap to other pieces of the link that form an elbow with this one around the bar; infinite if none does."""
         gaps = [math.inf]
         for index, line in enumerate(itertools.pairwise(pose.corners)):
             along, place = _foot(self.centre, line)
@@ -169,7 +168,7 @@ class BarObstacle:
         return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Return a circle, and the wire as segments with round ends."""
+        """Return the engine's shapes: a circle for the bar, segments with round ends for the wire."""
         bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
         return [bar, *(pymunk.Segment(body, *ends, self.wire_radius) for ends in itertools.pairwise(corners))]
 

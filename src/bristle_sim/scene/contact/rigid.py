@@ -1,4 +1,4 @@
-"""Rigid sustained contacts: two ways to keep them closed, and their forces as a load that adds them up.
+"""Rigid sustained contacts: two ways to keep them closed, and a load that sums their forces.
 
 A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
 engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as dear.
@@ -31,16 +31,16 @@ TOTALS = 5
 
 
 class RigidContacts:
-    """The rigid contacts of a smooth motion, which are lost once one of their forces is gone.
+    """The rigid contacts of a smooth motion; the motion ends when the force of one of them vanishes.
 
     Attributes:
         scene: of the contacts.
         obstacles: the pairs in contact.
-        pieces: the straight piece of its link that touches, for each of them.
-        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks; None
-            without friction, and of a lone link that does not slip.
-        paired: whether steps are symmetric in time. The forces of odd and even ones then differ by an error that the mean
-            of two does not have.
+        pieces: for each contact, the touching straight piece of its link.
+        slips: for each contact, the sense of slip that friction opposes until an event changes it. 0 sticks; None is without
+            friction, or a lone link that does not slip.
+        paired: whether steps are symmetric in time. Odd and even steps then have errors in the force that cancel in the mean of
+            two.
     """
 
     symmetric = True  # they act alike forwards and backwards in time
@@ -104,11 +104,11 @@ class RigidContacts:
         return min(self.normal(totals)) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
-        """Return by how much friction's limit exceeds the tangential force of a contact."""
+        """Return the margin of a contact's tangential force to the limit of friction."""
         return self.obstacles[index].friction * totals[TOTALS * index] - abs(totals[TOTALS * index + 1])
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the number of the first contact that sticks beyond the limit of friction, if there is one."""
+        """Return the index of the first sticking contact whose force exceeds the friction limit, or None."""
         stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
@@ -139,7 +139,7 @@ class RigidContacts:
         return (normal - obstacle.friction * slip * coupling) / free
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
-        """Return the piece that touches from now on: at a corner two do, a moment later one."""
+        """Return the piece that touches from now on. At a corner two pieces touch, a moment later only one."""
         if obstacle.partner is None and not self.scene.mechanism.links[obstacle.link].knees:
             return 0
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
@@ -148,7 +148,7 @@ class RigidContacts:
 
 
 class EngineContact(RigidContacts):
-    """The engine's own contact of a lone link, which acts by itself."""
+    """The engine's own contact of a lone link."""
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], _: bool) -> None:
         super().__init__(scene, obstacles, slips, paired=False)
@@ -157,10 +157,10 @@ class EngineContact(RigidContacts):
         self._record = None if self._obstacle.friction else ImpulseRecord(scene.space)
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contact act from a state on; return its grip.
+        """Activate the contact from a state on; return its grip.
 
-        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - grip of
-        the error, and there are as many as the state needs.
+        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - grip of the
+        error. Their number is chosen to suit the state.
         """
         obstacle, contacts, grip = self._obstacle, self.scene.contacts, self.grip(gaps, state)
         self.pieces = [piece := self._next_piece(obstacle, state)]
@@ -197,7 +197,7 @@ class EngineContact(RigidContacts):
 
 
 class SolvedContacts(RigidContacts):
-    """Contacts of several links, whose forces are solved for with their joints."""
+    """Contacts of several links; their forces are solved for together with the joints."""
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least grip."""
@@ -222,10 +222,10 @@ def rigid_contacts(
 
 
 def sense_of_slip(gaps: Gaps, obstacle: Obstacle, state: State, error: float) -> int | None:
-    """Return the sense of slip that friction acts against in a contact that begins; 0 sticks, None is at rest.
+    """Return the sense of slip that friction opposes in a new contact; 0 sticks, None is at rest.
 
-    A slip velocity within the run's error has no sense. Several links then stick until friction does not suffice. A
-    lone link slips the way that its contact point is accelerated; where that is zero too, it is at rest.
+    The sense of a slip velocity within the run's error is unknown. Several links then stick until friction no longer suffices.
+    A lone link slips in the direction of its contact point's acceleration; if that is zero too, it is at rest.
     """
     slip, least = gaps.closest(obstacle, state).velocity[1], max(LEAST_SLIP, error)
     if abs(slip) <= least:

@@ -1,4 +1,4 @@
-"""The engine's own contact of a link and something fixed: its shapes, ignored until the pair is engaged, and what it does."""
+"""The engine's own contact of a link with a fixed obstacle: its shapes, ignored until engaged, and its impulses."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from bristle_sim.scene.contact.obstacles import Obstacle, WirePair
 from bristle_sim.scene.mechanism import Mechanism, Vector
 
 FAST_SLIP = 10.0
-"""Surface velocity, in the scene's units, that keeps the sense of the slip that the engine sees: more than slip changes by within
-an interval, and no larger, because its rounding disturbs the normal velocity."""
+"""Surface velocity (scene units) that fixes the sense of slip in the engine. It exceeds the change of slip within an interval,
+but not by much, because its rounding disturbs the normal velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 
@@ -42,7 +42,7 @@ class ContactShapes:
     def engage(
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
-        """Let the engine's own contact act between a straight piece of a link and an obstacle from now on, and no other."""
+        """From now on, let the engine act only on the contact of this straight piece of a link with the obstacle."""
         # Its surface may be another one by now, as that of a dent is.
         key = obstacle.name, obstacle.link, obstacle.corner
         if key not in self._shapes:
@@ -59,15 +59,15 @@ class ContactShapes:
         self._set_iterations(iterations)
 
     def direct_friction(self, slip: int, tangent: Vector) -> None:
-        """Let friction of the engaged pair act against slip of that sense.
+        """Let friction of the engaged pair oppose slip in the given sense.
 
-        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, until the
+        If slip could stop within a step, the motion would have a kink there. So the engine is shown slip of one sense until the
         run changes it.
         """
         self._engaged[0].surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
 
     def release(self) -> None:
-        """Let the engine ignore all obstacles again."""
+        """Make the engine ignore all obstacles again."""
         self._ignore()
         self._set_iterations(self.in_flight)
 
@@ -76,7 +76,7 @@ class ContactShapes:
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
 
         def look(arbiter: pymunk.Arbiter) -> None:
-            """Note the impulse of a contact of the body, which only pushes."""
+            """Record the impulse of one of the body's contacts; its normal part can only push."""
             nonlocal found
             normal, impulse = arbiter.normal, arbiter.total_impulse
             tangent = (normal.y, -normal.x)
@@ -110,7 +110,7 @@ class ContactShapes:
 
 
 class ImpulseRecord:
-    """Has the engine write down the impulses of all its contacts, one step after the other, to be read at once."""
+    """Makes the engine record the impulses of all contacts step by step, so that they can be read at once."""
 
     def __init__(self, space: pymunk.Space) -> None:
         self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
@@ -120,7 +120,7 @@ class ImpulseRecord:
         self._stale = 0
 
     def begin(self) -> None:
-        """Reset the record; the impulse before the interval is noted here, and before its first step once more."""
+        """Reset the record. The impulse before the interval is noted twice: here and before the first step."""
         self._numbers.num = 0
         self.note()
         self._stale = 2 * self._numbers.num

@@ -42,7 +42,7 @@ DEPENDENT = 1e-12  # singular value over the largest below which a contact repea
 
 
 class _Wires(NamedTuple):
-    """Constants of wires that are all alike; complex numbers stand for points of the plane.
+    """Constants of identical wires; complex numbers stand for points in the plane.
 
     ``size`` counts the links of a wire. Tips, centres and inertias are those of every link, from its joint and about its centre.
     ``arms`` and ``moments`` are g_kj of one wire, transposed, and their conjugates times the masses; ``products`` is the mass
@@ -94,7 +94,7 @@ class _Chains:
         self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
 
     def close(self, time: float, *, correct: bool) -> None:
-        """Set the velocities to those that obey the joints, with the damping over a time."""
+        """Set the velocities to the nearest ones that obey the joints, with the damping acting for a time."""
         wires = self.wires
         self.turn = turn = np.exp(1j * self._angles)
         back = turn.conj()
@@ -114,7 +114,7 @@ class _Chains:
         return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
 
     def closest(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
-        """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
+        """Return the pair's closest approach for the bodies as they are, including their drift off the joints."""
         poses: Any = {}
         rates: Any = {}
         for link in (obstacle.link, obstacle.partner):
@@ -145,7 +145,7 @@ class WireVelocities:
     """The velocities of all links of a mechanism after an engine step.
 
     Attributes:
-        correct: whether a step closes open joints by its end, as the engine's own correction does.
+        correct: whether joints that are open are closed by the end of the step, as the engine's own correction does.
         symmetric: whether steps are symmetric in time.
         contacts: sustained contacts that act.
         impulses: normal and tangential impulse of each of them in the last step, and its slip.
@@ -172,18 +172,18 @@ class WireVelocities:
         self._chains = _Chains(mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:])
 
     def take_over(self, *, active: bool) -> None:
-        """Leave the damping to the solver here, or to the engine."""
+        """Assign the damping to this solver or to the engine."""
         for spring, damping in self._springs:
             spring.damping = 0.0 if active else damping
 
     def begin_symmetric(self) -> None:
-        """Make the steps symmetric in time from now on, from the bodies' velocities as they are."""
+        """From now on make the steps symmetric in time, beginning with the bodies' present velocities."""
         self._bodies.keep()
         self._old[:] = self._velocities
         self.symmetric = True
 
     def solve(self, step: float) -> None:
-        """Have the bodies' velocities after an engine step obey joints and contacts."""
+        """Make the bodies' velocities after an engine step obey joints and contacts."""
         self._bodies.keep()
         velocities, old = self._velocities, self._old
         if self.symmetric:
@@ -233,7 +233,7 @@ class WireVelocities:
 
 
 class WireSteps(EngineSteps):
-    """Engine steps, each followed by a linear solve: always of wires that bend, of rigid links in sustained contact only."""
+    """Engine steps, each followed by a linear solve: for wires that bend always, for rigid links only in sustained contact."""
 
     solves_contacts = True
 
@@ -257,11 +257,11 @@ class WireSteps(EngineSteps):
 
     @property
     def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """What takes steps symmetric in time, while the joints are solved for."""
+        """The function that takes time-symmetric steps, while the joints are solved for; else None."""
         return None if self._step is self._engine_step else self._take_symmetric
 
     def set_iterations(self, count: int) -> None:
-        """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
+        """Set the engine's iterations per step; 1 leaves the joints of bending wires to the linear solve."""
         super().set_iterations(count)
         self._price = max(self._price, math.ceil(len(self._links) / LINKS_OF_A_STEP))
         self._always = self._bending and count == 1
@@ -270,7 +270,7 @@ class WireSteps(EngineSteps):
             self._last_length = 0.0
 
     def hold(self, contacts: Sequence[Held]) -> None:
-        """Have these sustained contacts solved for from now on, together with the joints; none leaves them as in flight."""
+        """From now on, solve for these sustained contacts together with the joints; with none the steps are those of flight."""
         active = bool(contacts) or self._always
         self._step = self._step_and_solve if active else self._engine_step
         if active or "joint_solver" in vars(self):

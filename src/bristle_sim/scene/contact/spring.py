@@ -1,9 +1,9 @@
 """The spring of a contact resolved in time, and its force and friction as a load on the scene.
 
-Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with
-delta_r = (1 - e*^2) delta_max while it unloads, so that the spring returns e*^2 of the work it took, whatever the bodies
-do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops the point within each engine step,
--(K_nt N + v_t/h)/K_tt.
+Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with delta_r =
+(1 - e*^2) delta_max while it unloads, so that the spring returns e*^2 of the work it took, whatever the bodies do. The
+tangential force is -mu sign(v_t) N in slip; in stick it is the force that stops the point within each engine step, -(K_nt N +
+v_t/h)/K_tt.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from bristle_sim.scene.integrate.extrapolation import Stepper
 
 NO_SLIP_TO_STOP = 1e-14
-"""K_tt over K_nn below which a tip can only move straight up: its K_tt is rounding, and it has no slip to stop."""
+"""Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
 
 LEAST_PHASE = 1e-6
-"""A phase of less than this fraction of the normal impulse is not named. Close to separation nothing keeps a point that its
-bodies' motion carries along, so that stick always ends in slip; as the contact gets shorter, that has no effect."""
+"""A phase of less than this fraction of the normal impulse is not named. Close to separation the force is too small to keep a
+point from moving with its bodies, so stick always ends in slip; this has no effect in the limit of short contacts."""
 
 
 class SpringPhase(NamedTuple):
-    """A phase of the contact: whether the spring loads, sense of slip, and the normal impulse before it."""
+    """A phase of the contact: whether the spring loads, the sense of slip, and the normal impulse before the phase."""
 
     loading: bool
     slip: int
@@ -51,7 +51,7 @@ class ContactCourse:
 
     Attributes:
         rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
-            time are the ends of two phases.
+            time are the end of a phase and the start of the next.
         compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
         stopped: where the rigid-body law jams: the state, the sums, and the numbers of rows and phases there.
     """
@@ -67,7 +67,7 @@ class ContactCourse:
         return abs(self.rows[0][4])
 
     def let_go(self) -> None:
-        """End free of force: a spring does not pull, and a point that has left is not pushed."""
+        """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
         time, _, _, *motion = self.rows[-1]
         self.rows[-1] = (time, 0.0, 0.0, *motion)
 
@@ -76,7 +76,7 @@ class ContactCourse:
         return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
 
     def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, but for those too short to matter; the last one of a jam matters."""
+        """Return the names of the phases in order, without those too short to matter; a jam's last phase always counts."""
         ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
         names: list[str] = []
         first = 0
@@ -89,9 +89,9 @@ class ContactCourse:
 
 
 class Expectation(NamedTuple):
-    """A contact before it is integrated: its duration and outcome by the impact law, the longest interval, the integrator.
+    """What the impact law predicts of a contact (duration, outcome), and how it is integrated (longest interval, stepper).
 
-    The bodies move noticeably meanwhile in a contact of a given duration; else it is the rigid-body limit, with a constant K.
+    In a contact of given duration the bodies move noticeably (``moves``); otherwise it is the rigid-body limit with constant K.
     """
 
     duration: float
@@ -133,11 +133,11 @@ class Spring:
         return SpringForce(scene, obstacle, self)
 
     def foot_speed(self, velocity: Vector) -> float:
-        """Return the velocity of what slips on the surface: here of the point itself."""
+        """Return the velocity of the point that slips on the surface: here the contact point itself."""
         return velocity[1]
 
     def settle(self, touch: ClosestApproach, place: float, error: float) -> None:
-        """Stick or slip from here on, of a spring along the surface too."""
+        """Decide between stick and slip from here on, for a spring that also acts along the surface."""
         raise NotImplementedError
 
     @property
@@ -158,7 +158,7 @@ class Spring:
 
     @property
     def present_stiffness(self) -> float:
-        """Stiffness now; 0 where nothing comes back."""
+        """Stiffness in the present phase; 0 in unloading without restitution."""
         restitution = self.obstacle.restitution
         if self.loading:
             return self.stiffness
@@ -166,7 +166,7 @@ class Spring:
 
     @property
     def ratio(self) -> float:
-        """Tangential over normal force; in stick without inertia and without the force that stops leftover slip."""
+        """Tangential over normal force; in stick without the forces of inertia and of stopping the remaining slip."""
         if not self.slip and (tangential := self.compliance_in_stick):
             return -float(self.inverse_mass[0, 1]) / tangential
         return -self.friction * self.slip
@@ -183,14 +183,14 @@ class Spring:
         return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return the force by which friction's limit exceeds the force that stick takes."""
+        """Return the margin of the force in stick to the limit of friction."""
         return self.friction * self.present_stiffness * (penetration - self.residual) - abs(stick_force)
 
 
 class SpringForce:
-    """The force of a contact's spring on a corner of a link, with what it adds up to: six numbers.
+    """The force of a contact's spring on a corner of a link, and its sums: six numbers.
 
-    They are impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
+    They are impulse (normal, tangential), work (the same), and the force in stick at the beginning and the end.
     """
 
     def __init__(self, scene: Scene, obstacle: Obstacle, spring: Spring) -> None:
@@ -213,7 +213,7 @@ class SpringForce:
         self._step, self._steps, self._law = step, steps, (stiffness, height, ratio, stop)
 
         def act() -> None:
-            """Push off the surface, and note forces and velocities."""
+            """Apply the force for a step, and record forces and velocities."""
             place, velocity = place_of(), velocity_of()
             normal = stiffness * (height - place.y)
             along = ratio * normal - stop * velocity.x
@@ -259,7 +259,7 @@ class ContactLoad:
         first, *others = [each.begin(step) for each in self._parts]
 
         def act() -> None:
-            """Let every contact act."""
+            """Apply the forces of all contacts."""
             first()
             for each in others:
                 each()

@@ -1,4 +1,4 @@
-"""A contact that lasts: rigid until its force has fallen to zero, or with a spring; what it adds up to, and its record."""
+"""A sustained contact: rigid until its force has fallen to zero, or with a spring; its sums and its record."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bristle_sim.trajectory import ContactRecord
 
 
 class Outcome(StrEnum):
-    """How a contact ends; another word for a sustained contact is the obstacle that ended it, or why the run stopped."""
+    """How a contact ends. A sustained one may instead give the obstacle that ended it, or why the run stopped."""
 
     REBOUND = "rebound"
     NO_REBOUND = "no rebound"
@@ -34,9 +34,9 @@ class Sustained:
         start: state at which it began; None before.
         sums: normal and tangential impulse, normal and tangential work since.
         force: normal force at the end of the last interval; None before.
-        vanishes_in: time from then to the force's zero, by the parabola that has the interval's forces and impulse.
-        slip: sense of the slip that friction acts against in a rigid contact; 0 sticks, None until it is looked up.
-        stopped: sense of the slip that has stopped just now; 0 where none has.
+        vanishes_in: time from then to the zero of the force, from the parabola with the interval's forces and impulse.
+        slip: sense of slip that friction opposes in a rigid contact; 0 sticks, None until it is determined.
+        stopped: sense of the slip that has just stopped; 0 if none has.
     """
 
     obstacle: Obstacle
@@ -49,16 +49,16 @@ class Sustained:
     stopped: int = 0
 
     def begin(self, state: State) -> None:
-        """Begin a smooth motion in contact, the first one or another."""
+        """Prepare for the next smooth motion in contact."""
         self.start = self.start or state
         self.force, self.vanishes_in = None, math.inf
 
     def turn(self, sense: int) -> None:
-        """Slip in another sense, or stick, from now on."""
+        """Change the sense of slip, or stick, from now on."""
         self.stopped, self.slip = (self.slip or 0) if sense == 0 else 0, sense
 
     def add(self, force: float, sums: Sequence[float], length: float) -> float:
-        """Add what a rigid contact did in an interval; return the normal force at the interval's beginning."""
+        """Add a rigid contact's impulse and work in an interval; return the normal force at the interval's beginning."""
         self.sums = tuple(a + b for a, b in zip(self.sums, sums, strict=True))
         first = force
         if length > 0.0:
@@ -73,7 +73,7 @@ class Sustained:
         return first
 
     def add_spring(self, totals: Sequence[float]) -> None:
-        """Add what the spring did in an interval, see :class:`SpringForce`."""
+        """Add the spring's impulse and work in an interval, see :class:`SpringForce`."""
         assert self.spring is not None
         self.sums = tuple(a + b for a, b in zip(self.sums, totals, strict=False))
         self.spring.stick_force = totals[5]

@@ -1,1 +1,1 @@
-"""Events: the functions whose change of sign is one, and where within an interval that is."""
+"""Events: functions whose sign change is an event, and its location within an interval."""

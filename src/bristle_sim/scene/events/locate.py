@@ -1,7 +1,7 @@
 """Event functions and the one locator: where within an interval of motion a function is zero.
 
-The zero is guessed on the cubic through the states at the interval's two ends. Then the engine is run again over less of the
-interval, from the restored state, until the zero is at its end.
+The zero is first estimated on the cubic through the states at the interval's two ends. Then the engine is run again from the
+restored start over a shorter time, until the zero is at the end.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a 
 
 
 class Interval(NamedTuple):
-    """An interval that has been carried: its first state, the result at its end, and the result after a shorter time."""
+    """An interval that has been integrated: its first state, the result at its end, and the result after a shorter time."""
 
     start: State
     end: Advance
@@ -50,13 +50,13 @@ class EventFunction:
 
     Attributes:
         value: function of the result of an interval.
-        falling: True or False if only falling or rising through zero counts, None for both.
-        event, wire: name under which it is recorded, if it is, and number of the wire whose event it is.
+        falling: True if only falling through zero counts, False if only rising, None for both.
+        event, wire: name under which it is recorded (if it is), and number of its wire.
         final: why the run stops there; None if the run continues.
         act: returns the change of the contacts; None if there is none.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
         difference: whether the value is made of a difference of rates over a step, and carries its rounding.
-        tolerance: to which it is located where the run's own does not do; values then have a sign down to rounding.
+        tolerance: replaces the run's own for its location; values then have a sign down to rounding.
         turns: whether it may change its sign twice within an interval.
         positive: whether the value is known to be positive where the motion begins.
         noise, sign: values below this have no sign; the last sign, None while it is unknown.
@@ -77,7 +77,7 @@ class EventFunction:
     sign: float | None = None
 
     def begin(self, state: State, noise: float) -> None:
-        """Begin a smooth motion with the sign at its state: a change in its first interval is an event, too."""
+        """Take the sign at the start of a smooth motion: a change in its first interval is then an event, too."""
         self.noise = noise if self.tolerance is None else math.ulp(1.0)
         value = self.value(at_state(state))
         self.sign = math.copysign(1.0, value) if abs(value) > self.noise else 1.0 if self.positive else None
@@ -89,7 +89,7 @@ def at_state(state: State) -> Advance:
 
 
 def look_back(interval: Interval, functions: Sequence[EventFunction]) -> None:
-    """Find signs at the very start exactly, if the first link's acceleration, by the cubic, may have changed its sign since."""
+    """Determine signs at the start exactly if, on the cubic, the first link's acceleration may have changed sign since."""
     start, end, length = interval.start, interval.end.state, interval.length
     after = interval.end.accelerations[0]
     before = 6.0 * (end.angles[0] - start.angles[0]) / length - 4.0 * start.rates[0] - 2.0 * end.rates[0]
@@ -138,7 +138,7 @@ def _change(function: EventFunction, interval: Interval, before: Advance | None)
 
 
 def _zero(progress: Progress, function: EventFunction, interval: Interval, left: float, right: float) -> float:
-    """Return when a value that differs in sign at the two ends of an interval is zero."""
+    """Return the time of the zero of a value that has opposite signs at the ends of an interval."""
     again, exact, tolerance, near = interval.again, function.exact, function.tolerance, None
     if tolerance is None:
         located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
@@ -159,9 +159,9 @@ def _zero(progress: Progress, function: EventFunction, interval: Interval, left:
 
 
 def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
-    """Return an interval up to where a function has changed its sign, if it changes it twice; else all of it.
+    """Shorten the interval to between two sign changes of the function, if it has two; otherwise return all of it.
 
-    Its least value is that of the parabola through the least of five values and the two beside it.
+    The function's least value is estimated by the parabola through the least of five values and its two neighbours.
     """
     sense, start, end = 1.0 if function.falling else -1.0, interval.start, interval.end
     states = [start, *(interpolate(start, end.state, part) for part in (0.25, 0.5, 0.75)), end.state]
@@ -200,9 +200,9 @@ def locate(
 ) -> float:
     """Return the root of a function between two durations at which its signs differ: Chandrupatla's method.
 
-    The function runs the engine, so evaluations are dear and a library's root finder not worth its import. One that
-    jumps is halved in the end. The result is where the value is within ``tolerance``, or the first duration past the root.
-    The first evaluation is at ``guess`` if there is one, else where a straight line would have its root.
+    The function runs the engine, so evaluations are expensive; a library's root finder is not worth its import. For a jump the
+    method ends in bisection. The result is where the value is within ``tolerance``, or the first duration past the root. The
+    first evaluation is at ``guess`` or, without one, at the root of a straight line.
 
     T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm*, Adv. Eng. Softw. 28 (1997) 145-149: the root of the
     inverse quadratic through the last three points if that is monotonic between them, else the middle.
@@ -246,7 +246,7 @@ def settle(
 ) -> float | None:
     """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
 
-    The second guess is the zero on the cubic up to the first one; then those of straight lines follow.
+    The second guess is the zero on the cubic up to the first one; later guesses are those of the secant method.
     """
     before, at_before = 0.0, math.nan
     for trial in range(MOST_GUESSES):
@@ -268,7 +268,7 @@ def settle(
 def guess(value: Callable[[State], float], start: State, end: State, fraction: float = 1.0) -> float | None:
     """Return the time since the start at which a function of the state is zero on the cubic; None without a change of sign.
 
-    The ``fraction`` of the interval is searched; the value may be no number where the state alone does not give it.
+    Only the first ``fraction`` of the interval is searched. The value may be NaN where the state does not determine it.
     """
 
     def at(part: float) -> float:

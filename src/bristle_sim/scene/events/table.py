@@ -1,6 +1,5 @@
-"""The table of events: every function that can end an interval of smooth motion, and what it changes about the contacts.
-
-The gaps to what may be touched are searched for in :mod:`bristle_sim.scene.events.touches`.
+"""The table of events: every function that can end an interval of smooth motion, and the change of contacts that it causes.
+Gaps to obstacles that may be touched are searched in :mod:`bristle_sim.scene.events.touches`.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class Touch(NamedTuple):
 
 
 class Release(NamedTuple):
-    """Links leave what they were on; the gaps are still closed."""
+    """Links leave their obstacles; the gaps are still closed."""
 
     obstacles: tuple[Obstacle, ...]
 
@@ -57,13 +56,13 @@ class Slip(NamedTuple):
 
 
 class Kink(NamedTuple):
-    """The motion has a kink: the contact passes a corner of the wire, or the tip leaves the dent of the pair of a number."""
+    """The motion has a kink: the contact passes a corner of the wire, or the tip leaves a dent (that of the given pair)."""
 
     dent: int | None = None
 
 
 class SpringEvent(Enum):
-    """What happens to a contact with a spring."""
+    """The kinds of events of a contact with a spring."""
 
     COMPRESSION_ENDS = auto()
     UNLOADED = auto()
@@ -81,7 +80,7 @@ class SpringChange(NamedTuple):
 
 
 Change = Touch | Release | HandOver | Slip | Kink | SpringChange
-"""What an event changes about the contacts."""
+"""A change of the contacts by an event."""
 
 
 def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[EventFunction]:
@@ -143,9 +142,9 @@ def contact_events(
 
 
 def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The grip gets too small, the force falls to zero, stick breaks or slip turns, or the contact passes a corner.
+    """The grip gets too small, the force vanishes, stick breaks, slip reverses, or the contact passes a corner.
 
-    With too little grip friction locks the link, or without it the link meets the obstacle end-on.
+    With too little grip friction locks the link; without friction, the link then meets the obstacle end-on.
     """
     obstacle, gaps, reached = rigid.obstacles[index], progress.gaps, [0.0]
 
@@ -189,7 +188,7 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
 
 
 def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The contact slides over a joint onto a neighbouring link, or another piece of a bent link meets the bar that this one is on.
+    """The contact slides over a joint onto a neighbouring link, or another piece of a bent link meets the same bar.
 
     That piece takes over by an impact.
     """
@@ -216,7 +215,7 @@ def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, ind
 
 
 def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first: int) -> list[EventFunction]:
-    """Compression ends; unloading the force falls to zero, or the point is pressed on beyond the deepest; slip stops or begins.
+    """Compression ends; in unloading the force falls to zero or penetration exceeds its maximum; slip stops or begins.
 
     The contact's totals begin at the index ``first``. Each function is a velocity: a penetration over the contact's duration.
     """

@@ -1,4 +1,4 @@
-"""Where within an interval a link touches an obstacle, for the first time or again, without missing it.
+"""Find where within an interval a link touches an obstacle, for the first time or again, without missing a touch.
 
 Gaps are searched on the cubic by conservative advancement (Mirtich 1996): from a gap g no contact can happen before
 g / (largest speed), so nothing is jumped over.
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
 CUBIC_ERROR = 0.01
-"""Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety. In the
-same way h^4 w^3/384 bounds it for a rate of 1 that vibrates with the fastest rate w."""
+"""Bound of the cubic's error of the gap, per fourth power of the interval h (scene units): h^4/384 with a safety factor.
+Likewise h^4 w^3/384 bounds it for a rate of amplitude 1 that vibrates with the fastest rate w."""
 
 SHORTEST_ADVANCE = 1e-9  # time and length; a least gap sooner is the one at which the interval begins
 LEAST_ADVANCE = 1.0 / 8.0  # fraction of the interval; least values of the gap in between show in its slopes
@@ -34,13 +34,13 @@ LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound is none
 MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
 
 Found = tuple[Advance, Touch | None]
-"""The interval up to a touch, and the touch; or up to where a link comes nearest to an obstacle that it does not touch."""
+"""The interval up to a touch, and the touch; or up to the least gap to an obstacle that is not touched, and None."""
 
 
 def first_touch_of_all(
     progress: Progress, interval: Interval, sustained: Sequence[Obstacle], separating: Sequence[Obstacle]
 ) -> Found:
-    """Return the interval up to its first touch or least gap; the pairs in contact and those that leave each other are known."""
+    """Return the interval up to its first touch or least gap; pairs in contact or separating are treated as such."""
     first: Touch | None = None
     gaps, several = progress.gaps, progress.mechanism.wire_links > 1
     for obstacle in progress.obstacles:
@@ -65,10 +65,10 @@ def first_touch_of_all(
 
 
 def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -> Found | None:
-    """Search a touch of what a link has left: it touches it again only by coming back within the interval.
+    """Search for a touch of an obstacle that the link has just left: the link must come back within the interval.
 
-    An interval that ends deep inside an obstacle ends with the hop before, or where it is above still. Where it is back
-    within the shortest interval it is too low a rebound to follow.
+    An interval that ends deep inside an obstacle is cut at the hop before, or where the link is still above. A rebound that is
+    over within the shortest interval is too low to follow.
     """
     gaps, start, end, length, instant = (
         progress.gaps,
@@ -106,9 +106,9 @@ def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -
 
 
 def find_touch(progress: Progress, interval: Interval, obstacle: Obstacle, interpolation_error: float) -> Found | None:
-    """Return the interval up to its first touch, or up to where it nearly touched without one; else None.
+    """Return the interval up to its first touch, or up to where a link nearly touched; else None.
 
-    ``interpolation_error`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
+    ``interpolation_error`` bounds the deviation of the motion from the cubic through the ends, besides the cubic's own error.
     """
     start, end, gaps, again = interval.start, interval.end, progress.gaps, interval.again
     gap_of, gap_and_rate = partial(gaps.gap, obstacle), partial(gaps.gap_and_rate, obstacle)
@@ -148,8 +148,8 @@ def first_touch(
 ) -> float | None:
     """Return the fraction of the interval at which the gap is closed or nearly so, on the cubic; None if it stays open.
 
-    The fraction may be later than the touch but never past a second one. ``interpolation_error`` is how far the motion may be
-    off the cubic besides its own error.
+    The fraction may be later than the touch but never past a second one. ``interpolation_error`` bounds the deviation from the
+    cubic besides its own error.
     """
     length = end.time - start.time
     bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
@@ -179,9 +179,9 @@ def _least(
     at_right: float,
     enough: Callable[[float, float], bool],
 ) -> tuple[float, float]:
-    """Return where a gap that falls at its left and rises at its right end is closed, or least, and the gap there.
+    """Minimise a gap that falls at the left end and rises at the right; return the place and the gap, at once where it is closed.
 
-    Bisection on its rate ends where the length of the bracket and the gap are ``enough``.
+    By bisection on the rate, until the length of the bracket and the gap are ``enough``.
     """
     value = at_right
     while not enough(right - left, value):

@@ -1,1 +1,1 @@
-"""Smooth motion: engine steps extrapolated to the requested accuracy, and how fast a scene moves by itself."""
+"""Integration of smooth motion: engine steps extrapolated to the requested accuracy, and a scene's time scales."""

@@ -1,4 +1,4 @@
-"""Steppers carry a scene over an interval without events: by engine steps extrapolated to zero step, or by plain ones.
+"""Integrators for an interval without events, by engine steps extrapolated to zero step or by plain ones.
 
 The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
 events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
@@ -28,12 +28,12 @@ LEAST_CORRECTED_STEP = 1e-6  # shorter steps, in time units, open joints by less
 
 
 class Advance(NamedTuple):
-    """Result of carrying a scene over an interval: the state at its end, the links' accelerations there, the sums of a load.
+    """Result of integrating over an interval: the state at its end, the links' accelerations there, the sums of a load.
 
     Attributes:
         error: estimated error of angles in rad and of rates per time unit; 0 where there is no estimate.
-        failed: the load could not act as it should; the rest of the result is then of no use.
-        errors: estimated error after each repetition by its number, where a stepper repeats the interval.
+        failed: whether the load could not act as it should; the rest of the result is then meaningless.
+        errors: estimated error by number of the repetition, if the stepper repeats the interval.
     """
 
     state: State
@@ -59,8 +59,8 @@ class Repetitions:
     Attributes:
         costs: of the repetitions up to each one, in engine steps.
         weights, first_order: for results whose error is a polynomial in a power of the step, and in the step itself.
-        differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
-        noise: rounding that the weights make of that of an angle.
+        differences: weights of the last extrapolate less the one without the first result, which estimates the latter's error.
+        noise: rounding of the extrapolate that results from the rounding of an angle.
     """
 
     def __init__(self, *counts: int, power: int = 1) -> None:
@@ -92,12 +92,12 @@ CUT_SHORT = 0.25  # fraction of a proposed interval; growth by a factor of four 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval, relative to the ``scale`` of the motion.
 
-    ``longest`` bounds the intervals that follow from an error estimate, so that more accuracy than they need is not paid for;
-    the first one, and one that is stretched by a tenth to save a stub, may be longer.
+    ``longest`` bounds the intervals that follow from an error estimate, to avoid the cost of unneeded accuracy. The first one,
+    and one extended by a tenth to avoid a short remainder, may be longer.
 
     Attributes:
         noise: the error that an interval may have.
-        straightness: 0, as a link's tip is off the cubic through an interval's ends by the cubic's own error alone.
+        straightness: 0, as a link's tip deviates from the cubic through an interval's ends only by the cubic's own error.
     """
 
     straightness = 0.0
@@ -111,12 +111,12 @@ class Extrapolation:
         self._use(repetitions)
 
     def _use(self, repetitions: Repetitions) -> None:
-        """Repeat intervals with these numbers of steps from now on, as long as their rounding is below the tolerance."""
+        """From now on repeat intervals with these numbers of steps, as far as their rounding is below the tolerance."""
         self.repetitions, self.rows = repetitions, LEAST_ROWS
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
-        """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
+        """Return the interval that costs least per time, shortened so that the remaining time is divided evenly."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(
@@ -151,9 +151,9 @@ class Extrapolation:
         return Advance.of(scene, end, best, error, False, known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
-        """Whether the estimate is within the tolerance; the next interval follows what was learnt either way.
+        """Whether the estimate is within the tolerance; in either case it determines the next interval.
 
-        An interval that was cut far short of the proposed one tells nothing against that.
+        An interval that was cut far short of the proposed one is no evidence against that.
         """
         proposed = self.length
         self.length, self.rows = self.learnt(result, duration)
@@ -182,18 +182,18 @@ class Extrapolation:
         return (length if result.error <= limit else min(length, 0.5 * duration)), rows
 
     def begin_afresh(self) -> None:
-        """Begin with few repetitions again, whose weights amplify rounding least."""
+        """Start again with few repetitions, whose weights amplify rounding least."""
         self.rows = LEAST_ROWS
 
 
 class PlainSteps:
-    """One engine step after the other, of a fixed length, which knows nothing of its error: first order.
+    """Plain engine steps of a fixed length: first order, without an error estimate.
 
-    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    In flight the engine corrects the joints, which keeps the energy of the motion. The correction adds velocities, which a load
     such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
 
-    ``straightness`` times the length and the changes of the rates bounds a link's tip off the cubic through an interval's
-    ends: twice a straight line's largest distance, as the engine goes straight on at the old rates.
+    ``straightness`` times the length and the changes of the rates bounds the distance of a link's tip from the cubic through an
+    interval's ends: twice that of a straight line, as the engine goes straight on at the old rates.
     """
 
     straightness = 0.3
@@ -204,7 +204,7 @@ class PlainSteps:
         self._left: tuple[State | None, object, int] = (None, None, 0)
 
     def propose(self, remaining: float) -> float:
-        """Return one step, or what is left."""
+        """Return the length of one step, or the remaining time if that is shorter."""
         return min(self.step, remaining)
 
     def advance(
@@ -212,8 +212,8 @@ class PlainSteps:
     ) -> Advance:
         """Take one engine step, in flight from where the bodies are if they were left there.
 
-        A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
-        that is next to nothing is not corrected.
+        The correction divides a joint's opening by the step. A shortened step therefore starts from closed joints, and a very
+        short one is not corrected.
         """
         end, placed, steps = self._left
         left_here = end is state and placed is scene.placed and steps == scene.steps
@@ -229,13 +229,13 @@ class PlainSteps:
         return result
 
     def accepts(self, result: Advance, duration: float) -> bool:
-        """Return that every interval is accepted."""
+        """Accept every interval: return True."""
         del result, duration
         return True
 
     def begin_afresh(self) -> None:
-        """Nothing was learnt."""
+        """Do nothing: plain steps keep no history."""
 
 
 Stepper = Extrapolation | PlainSteps
-"""A way to carry a scene over an interval."""
+"""An integrator over intervals."""

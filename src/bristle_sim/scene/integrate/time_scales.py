@@ -1,7 +1,7 @@
-"""How fast a tool's scene moves by itself, and the stepper that carries it to the requested accuracy.
+"""The time scales of a tool's scene, and the integrator for the requested accuracy.
 
-In a scene's units the fastest of belt, hub and gravity has the rate 1. A bristle's own motion relative to the hub may be
-far smaller and slower than that; this motion is what is accurate to the requested accuracy.
+In a scene's units the fastest of belt, hub and gravity has the rate 1. A bristle's own motion relative to the hub may be far
+smaller and slower than that; the requested accuracy is that of this motion.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from bristle_sim.scene.progress import Plan
 
 MOST_DAMPING = 8.0
-"""Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
-Damping takes all of a rate in far longer steps, whatever their length: they agree with each other on a belt that does not
-move, and no estimate of their error shows it."""
+"""Most time constants of the engine's damping in an interval: two in each of the four steps of the coarsest repetition. In far
+longer steps damping removes all of a rate, whatever their length. Such steps agree with each other on a belt that does not
+move, and no error estimate shows it."""
 
 LARGEST_STEP = 1.0
 """Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
-unstable, and its damping is half of what it should be."""
+unstable, and its damping has half the right value."""
 
 LOCAL_FRACTION, SOME_INTERVALS = 0.1, 50.0
 """Each interval may use this fraction of the accuracy, enough for this number of intervals. If damping forces more of them
@@ -34,7 +34,7 @@ within the time in which the belt forgets an error, c/k, the fraction shrinks in
 
 
 def damping_rate(scene: Scene) -> float:
-    """Return the engine's rate of damping: it sees links as if free, about their centres, then the joints correct."""
+    """Return the engine's damping rate: it treats links as free, about their centres, before the joints correct them."""
     links, hinges = scene.mechanism.links, scene.effects.hinges
     belt = scene.effects.damping / links[0].inertia
     joints = zip(hinges, links, links[1:], strict=False)
@@ -42,13 +42,13 @@ def damping_rate(scene: Scene) -> float:
 
 
 def damped_interval(scene: Scene) -> float:
-    """Return the longest interval in which the engine's steps see the damping; infinite where there is none."""
+    """Return the longest interval in which the engine's steps resolve the damping; infinite without damping."""
     rate = damping_rate(scene)
     return MOST_DAMPING / rate if rate else math.inf
 
 
 def time_scale(scene: Scene) -> float:
-    """Return the time in which the fastest mode of the hinges of a straight chain turns a radian; 1 where none is faster."""
+    """Return the time of one radian of the fastest hinge mode of a straight chain; 1 if none is faster than that."""
     if not (hinges := scene.effects.hinges):
         return 1.0
     wire = scene.mechanism.wire(0)
@@ -60,7 +60,7 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
+    """The scale of errors, a rate relative to the hub: the one that a free bristle reaches, at most 1.
 
     A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
     with an obstacle, because the bar turns the hub's speed into the bristle's.
@@ -106,7 +106,7 @@ def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) 
 
 LONGEST_PROBE = 0.3
 """Longest step of a probed acceleration, in the scene's time units and time constants of the engine's damping. Measured:
-rounding and what extrapolation leaves are then some 1e-12 both, times the rate of the damping."""
+rounding and the error left by extrapolation are then both some 1e-12 times the rate of the damping."""
 
 PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # its steps are this many times shorter
 
@@ -114,7 +114,7 @@ PROBE_WEIGHTS = lagrange_weights(PROBES)
 
 
 def acceleration(scene: Scene, state: State, link: int = 0) -> float:
-    """Return the acceleration of a link where nothing touches, in engine units: that in the second step, at zero step."""
+    """Return the acceleration of a link without contact, engine units: that of the second step, extrapolated to zero step."""
     longest, found = LONGEST_PROBE / (1.0 + damping_rate(scene)), []
     for count, weight in zip(PROBES, PROBE_WEIGHTS, strict=True):
         scene.place(state)
