@@ -31,7 +31,7 @@ def refusal(name: str, value: Any, rule: str) -> ValueError:
 
 @dataclass(frozen=True, slots=True)
 class LocatedImpact(Impact):
-    """An impact with its place, which a report receives.
+    """An impact with its place, passed to ``report``.
 
     Attributes:
         time: of the touch, since the contact was made.
@@ -47,7 +47,7 @@ class LocatedImpact(Impact):
 
 
 class ContactPair:
-    """Two collision types, their coefficients and their law; the engine gets no value unchecked, which can end the process.
+    """Two collision types, their coefficients and their law. All values are checked: a bad one can abort the engine's process.
 
     Attributes:
         types: the two types in any order.
@@ -55,7 +55,7 @@ class ContactPair:
         chained: the user's own ``pre_solve`` of these types.
 
     Raises:
-        ValueError: for coefficients out of range, types that are no collision types, a law that is no function.
+        ValueError: for coefficients out of range, invalid collision types, or a law that is not callable.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class ContactPair:
             raise refusal("law", law, "must be a function like energetic_impact, which returns an Impact")
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
-        """Return the law's answer for a contact, without restitution for one that comes to rest."""
+        """Return the impact by the pair's law, without restitution for a contact that comes to rest."""
         restitution = 0.0 if rests else self.restitution
         return self._call(space.inverse_mass, space.velocity, restitution, space.stick_compliance)
 

@@ -56,7 +56,7 @@ joints' products serve: they leave an error of some roundings."""
 OPENS = 1e-9  # rate of a joint at its limit over the bodies' own speeds above which it opens; the rest is rounding
 
 Column = list[float]
-"""A column, scaled or not: three numbers a body."""
+"""A column, scaled or not: three numbers per body."""
 
 
 @dataclass(slots=True)
@@ -69,7 +69,7 @@ class ContactSpace:
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit tangential impulse.
         in_stick: that change per unit normal impulse while the point does not slip.
-        stick_compliance: gain of v_n per unit normal impulse meanwhile, 1/kg; 0 where it cannot move.
+        stick_compliance: gain of v_n per unit normal impulse in stick, 1/kg; 0 if the point cannot move.
         limits: rows of the joints that are at a limit, taken as rigid here.
         limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2), in the norm of the
             kinetic energy.
@@ -87,14 +87,14 @@ class ContactSpace:
     sizes: Array = field(default_factory=lambda: np.zeros(2))
 
     def limits_push(self, impulse: Sequence[float]) -> bool:
-        """Whether all limits push, or carry nothing but rounding, in an impact with this contact impulse."""
+        """Whether no limit pulls, beyond rounding, in an impact with this contact impulse."""
         if not self.limits:
             return True
         given = np.asarray(impulse, dtype=float)
         return bool((self.limit_response @ given >= -OPENS * (self.sizes @ np.abs(given))).all())
 
     def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
-        """Whether a limit that takes no part is passed after an impact with this contact impulse."""
+        """Whether a limit left out of the impact would be passed after this contact impulse."""
         value, size = limit.excess()
         change = _sum(*self.response, *impulse)
         for body, *factors in limit.entries:
@@ -108,7 +108,7 @@ class ContactSpace:
         return value < -OPENS * max(size, _row_length(limit, self.bodies) * alone)
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
-        """Change the velocities of all bodies; ``velocity_after``, if known, keeps that accurate where parts cancel."""
+        """Apply an impulse to all bodies' velocities; ``velocity_after``, if known, keeps them accurate under cancellation."""
         coupling, tangential = self.inverse_mass[1].tolist()
         change = _sum(*self.response, *impulse)
         if velocity_after is not None and self.stick_compliance > 0.0:
@@ -196,7 +196,7 @@ def _relative_motion(
 
 
 def _free_part(columns: list[Column]) -> tuple[Column, Column, Column, float]:
-    """Return the parts n, t of the last two columns that are orthogonal to the others, the motion in stick and its size."""
+    """Return the parts n, t of the last two columns orthogonal to the others, the motion in stick and its size."""
     *_, t, n = columns
     joints = len(columns) - 2
     if joints:
@@ -244,7 +244,7 @@ def _by_products(columns: Array, joints: int) -> list[Column] | None:
 
 
 def _by_factorization(columns: Array, joints: int) -> tuple[Column, Column, Column, float]:
-    """Return the same by an orthogonal factorization, whatever the masses and joints."""
+    """Return the free part by an orthogonal factorization, which suits any masses and joints."""
     basis, triangle = np.linalg.qr(columns)
     lengths = np.sqrt((columns**2).sum(axis=0))
     pivots = np.abs(triangle.diagonal())
@@ -265,9 +265,9 @@ def _by_factorization(columns: Array, joints: int) -> tuple[Column, Column, Colu
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
-    """Restore the digits of the motion left in stick, the last column of the basis, and of its part of the normal column.
+    """Restore the lost digits of the motion in stick (the last column of the basis) and of its part of the normal column.
 
-    Nearly all of it is motion of the heavy bodies; that of the light ones is small beside rounding of the whole. The
+    Nearly all of it is motion of the heavy bodies; that of the light ones is small compared with the rounding of the whole. The
     joints and stick, the other columns, determine it, and that correction is accurate (iterative refinement).
     """
     others, out = basis[:, :-1], basis[:, -1]
@@ -277,7 +277,7 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
-    """Whether a limit that is reached opens already, and cannot push; compared in the norm of the kinetic energy."""
+    """Whether a reached limit is opening already, so that it cannot push; compared in the norm of the kinetic energy."""
     excess, size = limit.excess()
     moving = [each.mass * each.velocity.dot(each.velocity) for each in bodies]
     turning = [each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf]

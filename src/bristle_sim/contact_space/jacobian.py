@@ -1,8 +1,8 @@
 """Velocity constraints of pymunk's joints: the Jacobian J and the rates b in J V = b, or J V >= b at a joint's limit.
 
-V holds (v_x, v_y, angular velocity) of each body's mass centre. A joint passes an impulse at once only if its force has no
-bound: springs, and joints with a finite ``max_force``, pass none in an impact that takes no time; neither does a joint
-that is not in a space. Limits (of slide, groove, rotary limit and ratchet joints) push one way only, while they are reached.
+V holds (v_x, v_y, angular velocity) of each body's mass centre. A joint transmits an impulse only if its force has no bound: in
+an instantaneous impact springs and joints with a finite ``max_force`` transmit none, nor does a joint outside a space. Limits
+(of slide, groove, rotary limit and ratchet joints) push one way only, while they are reached.
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             that velocity, both components
@@ -34,7 +34,7 @@ Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 _SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
 REACHED = 1e-9
-"""A limit is reached at this distance before it, relative to the joint's length, or in rad: positions are rounded."""
+"""A limit counts as reached within this distance (relative to the joint's length, or in rad): positions are rounded."""
 
 
 class JointRow(NamedTuple):
@@ -46,7 +46,7 @@ class JointRow(NamedTuple):
     limit: bool = False
 
     def excess(self) -> tuple[float, float]:
-        """Return J V - rate of the bodies as they move now, and the sum of its terms' sizes, to which it is rounded."""
+        """Return J V - rate at the bodies' velocities, and the sum of its terms' sizes, which scales its rounding."""
         value, size = -self.rate, abs(self.rate)
         for body, x, y, turn in self.entries:
             velocity = body.velocity
@@ -63,7 +63,7 @@ def world(body: pymunk.Body, point: Vector) -> Vector:
 
 
 class MassCentres(dict[pymunk.Body, Vector]):
-    """Places of bodies' centres of gravity, where their velocities are, each looked up once; positions may be elsewhere."""
+    """World coordinates of bodies' mass centres (``position`` may be another point), each looked up once."""
 
     def __missing__(self, body: pymunk.Body) -> Vector:
         found = self[body] = world(body, body.center_of_gravity)
@@ -71,21 +71,21 @@ class MassCentres(dict[pymunk.Body, Vector]):
 
 
 def point_entry(body: pymunk.Body, centre: Vector, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Return the factors of the velocity of a world point of the body, whose mass centre is given, along a direction."""
+    """Return the row entry for the velocity of a body's world point along a direction; ``centre`` is its mass centre."""
     x, y = direction
     lever = (point[0] - centre[0]) * y - (point[1] - centre[1]) * x
     return body, sign * x, sign * y, sign * lever
 
 
 def passes_impulse(joint: pymunk.Constraint) -> bool:
-    """Whether a joint can pass an impulse in no time: it is in a space, is no spring, and its force has no bound."""
+    """Whether a joint can transmit an impulse: it is in a space, is not a spring, and its force has no bound."""
     if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
         return False
     return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
 
 
 def joined(ends: Sequence[pymunk.Body]) -> Connected:
-    """Return the dynamic bodies reached over joints that pass impulses, the lightest first, and those joints."""
+    """Return the dynamic bodies connected by joints that transmit impulses, the lightest first, and those joints."""
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
     bodies: dict[pymunk.Body, None] = {}
     joints: list[pymunk.Constraint] = []

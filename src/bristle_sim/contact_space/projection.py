@@ -1,9 +1,9 @@
 """Velocities that obey the joints: the nearest ones, in the norm of the kinetic energy.
 
-An engine's solver leaves joints with a rate of opening, by its tolerance and by what it adds on purpose to correct their
-positions. With J V = b as in :mod:`bristle_sim.contact_space.jacobian` and A = M^-1/2 J^T, the smallest change of M^1/2 V that closes
-the joints is dU = -A (A^T A)^+ (J V - b). Joints that do not move by themselves (b = 0) lose the energy |dU|^2/2 by it: it is
-a plastic impact of the joints. Limits take part where they would be passed, and push only.
+After an engine's solver, joints open at some rate: its tolerance, and velocity that it adds to correct their positions. With J
+V = b as in :mod:`bristle_sim.contact_space.jacobian` and A = M^-1/2 J^T, the smallest change of M^1/2 V that closes the joints
+is dU = -A (A^T A)^+ (J V - b). With b = 0 (no motors) the energy falls by |dU|^2/2: it is a plastic impact of the joints.
+Limits take part only if they would be passed, and only push.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ DEPENDENT = 1e-12  # singular values below this fraction of the largest belong t
 
 
 def span(columns: Array) -> Array:
-    """Return an orthonormal basis of the space of columns some of which may repeat the others, shape (rows, rank)."""
+    """Return an orthonormal basis of the columns' span, shape (rows, rank); columns may be dependent."""
     directions, sizes, _ = np.linalg.svd(of_length_one(columns), full_matrices=False)
     return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
 
@@ -45,9 +45,9 @@ def joint_basis(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrain
 
 
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
-    """Change the velocities of jointed bodies so that no joint opens, as little as possible.
+    """Apply the least change of velocity at which no joint opens.
 
-    The size of the change is that of the kinetic energy. Limits are left alone unless ``with_limits``.
+    The change is measured in the norm of the kinetic energy. Limits are ignored unless ``with_limits``.
 
     Raises:
         RuntimeError: if limits take turns at pushing without end.
@@ -71,7 +71,7 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
 
 
 def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array) -> Array:
-    """Return the part of changes of velocity, shape (3 bodies), that the joints let pass: the rest is orthogonal to it."""
+    """Return the part of velocity changes, shape (3 bodies), that the joints permit: the orthogonal projection onto it."""
     rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
     return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))

@@ -1,6 +1,6 @@
-"""Contacts of a step are divided into those at rest, which the engine keeps, and impacts, which a law resolves.
+"""Divide the contacts of a step into those at rest, which the engine keeps, and impacts, which a law resolves.
 
-A look at a contact takes the engine's calls without their wrappers: a space at rest has many.
+Contacts are read by direct engine calls, without wrappers: a space at rest has many.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from bristle_sim.contact_space.step_motion import StepMotion
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, overlaps, shapes_of
 
 STEPS_OF_GRAVITY = 2.0
-"""An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that
-forms, and a bounce that is over in less than two cannot be resolved."""
+"""An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a
+new contact, and a bounce that lasts less than two cannot be resolved."""
 
 OUT_OF_REACH = 1e100  # a surface velocity apart, at which the engine's contact has no impulse to give
 
@@ -28,8 +28,7 @@ class RestFilter:
     Attributes:
         space: the space.
         resting_speed: slower approach is rest.
-        met: contacts of this step.
-        skipped: shapes of those of them that the engine was kept from.
+        met: contacts of this step. skipped: shapes of the contacts to which the engine does not respond.
         jammed: contacts that jammed in the last step; they are left to the engine while they last.
         motion: of the bodies of skipped contacts, and of those joined to them.
     """
@@ -65,7 +64,7 @@ class RestFilter:
         return max(self.resting_speed, STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step)
 
     def divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
-        """Leave a contact at rest to the engine, with its pair's friction and no restitution; keep the engine from an impact."""
+        """Leave a contact at rest to the engine (with the pair's friction, without restitution); make it ignore an impact."""
         if not self._active:
             return
         if self._resting < 0.0:
@@ -100,7 +99,7 @@ class RestFilter:
         lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
 
     def _approach(self, raw: Any, found: Any) -> tuple[float, float]:
-        """Return the speed at which the fastest point approaches, and the bodies' speeds there, to which it is rounded."""
+        """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding."""
         still, first, second = self._ends
         lib.cpArbiterGetBodies(raw, first, second)
         a, b, x, y = first[0], second[0], found.normal.x, found.normal.y

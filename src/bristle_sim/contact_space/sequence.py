@@ -1,7 +1,7 @@
-"""Impacts of one step, one after the other: the earliest touch and of those the fastest approach first, until no point approaches.
+"""Impacts of one step, one by one: the earliest touch first, of simultaneous ones the fastest, until no point approaches.
 
-An impact at one point can drive others of the same bodies, or of bodies joined to them, into their surfaces. Bodies that
-contacts and joints connect are a group; groups have nothing to do with each other.
+An impact at one point can drive others of the same bodies, or of bodies joined to them, into their surfaces. Bodies connected
+by contacts and joints are a group; groups are independent.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ COLLAPSE = 12  # impacts at one point after which its group is resolved at once:
 TRIALS = 256  # sets of limits that are tried: all of them for up to eight limits reached at once
 
 MOST = 40
-"""Impacts in a group, one after the other, after which it is resolved at once, which bounds the cost of a step."""
+"""Number of single impacts in a group after which all of it is resolved at once; this bounds the cost of a step."""
 
 LOOKED = 8  # impacts in a group after which its points that approach are counted; MOST is a multiple of it
 
 
 class ImpactSequence:
-    """Resolve what touches and approaches at the end of a step.
+    """Resolve the contacts that approach at the end of a step.
 
     Args:
-        found: contacts of the step; the engine was kept from those in ``skipped``, others are its own if they approach slowly.
+        found: contacts of the step; the engine ignores those in ``skipped``, and keeps others that approach slowly.
         record: called with each faster impact.
 
     Attributes:
-        struck: bodies set in motion anew, and the time before the end of the step since which they move so.
-        jammed: shapes of contacts that no impulse can part.
+        struck: bodies with new velocities, and how long before the end of the step they got them.
+        jammed: shapes of contacts that no impulse can separate.
     """
 
     def __init__(self, found: RestFilter, record: Callable[[TouchingPoint, Impact], None]) -> None:
@@ -74,12 +74,12 @@ class ImpactSequence:
                 self._strike(point)
 
     def _too_many(self, head: pymunk.Body, impacts: int) -> bool:
-        """Whether a group has had ``MOST`` impacts, or will have: by one at each point that approaches, or as their number grows."""
+        """Whether a group has had ``MOST`` impacts, or is expected to, from its impacts so far and its approaching points."""
         waiting = sum(1 for each in self._approaching if self._head(each.bodies[0]) is head)
         return impacts + waiting > MOST or impacts * waiting > 2 * MOST or impacts == MOST
 
     def _read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
-        """Read the points of bodies, before they are set in motion anew, and return those that were not known."""
+        """Read the contact points of bodies before their velocities change; return the new ones."""
         new: list[TouchingPoint] = []
         for body in bodies:
             if body not in self._points:
@@ -101,14 +101,14 @@ class ImpactSequence:
         return body
 
     def _unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Let bodies belong to one group, with the impacts of all."""
+        """Merge bodies into one group, adding up their impacts."""
         first, *others = dict.fromkeys(map(self._head, bodies))
         for each in others:
             self._heads[each] = first
             self._impacts[first] = self._impacts.get(first, 0) + self._impacts.pop(each, 0)
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
-        """Find out which points approach."""
+        """Determine which points approach."""
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             least = 0.0 if point.key in self._found.skipped else self._resting
@@ -118,7 +118,7 @@ class ImpactSequence:
                 self._approaching.pop(point, None)
 
     def _latest(self, point: TouchingPoint) -> float:
-        """Return the time before the end of the step since which both bodies have moved as they do."""
+        """Return the time before the end of the step since which both bodies have had their present velocities."""
         first, second = point.bodies
         step = self._motion.duration
         return min(self.struck.get(first, step), self.struck.get(second, step))

@@ -1,18 +1,18 @@
-"""Many contacts of one instant resolved at once, at a bounded cost, without ever gaining energy.
+"""Resolve many simultaneous contacts at once, at a bounded cost, without ever gaining energy.
 
 With the contacts' rows B in coordinates scaled by the square root of the mass, orthogonal to the joints' rows, impulses p
 change the contact velocities by W p, W = B^T B, and the kinetic energy by p.(v + W p/2). The compression ends with the
 impulses that make every contact part or keep closed, within the friction cones (Moreau's plastic impact):
 
-    v_n >= 0,  p_n >= 0,  v_n p_n = 0,  |p_t| <= mu p_n,  and p_t against v_t wherever it is smaller than mu p_n times it.
+    v_n >= 0,  p_n >= 0,  v_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(v_t).
 
-They minimise that energy but for friction's cone, so they are found by projected gradients with Nesterov's momentum, started anew
-where it leads uphill (O'Donoghue and Candes 2015); D with W <= D, row by row the sum over both bodies of the part of each
-times its number of rows, is the step. Few contacts are then solved exactly, each open, sticking or slipping (a semismooth
-Newton method), because masses of very different size take gradients too many iterations. Restitution adds e p_n and e p_t,
-Poisson's way, and another plastic impact of contacts that are driven together by it. As p.v <= -p.W p for plastic impulses,
-(1 + e) p loses energy for every e <= 1; the sum p of all is scaled by at most -2 p.v/(p.W p), which keeps the cones, so that no
-energy is gained however far the iteration has come.
+Without friction's cone they minimise that energy, so they are found by projected gradients with Nesterov's momentum, restarted
+where it leads uphill (O'Donoghue and Candes 2015). The step is 1/D with a diagonal D >= W: D_ii sums, over both bodies, the
+body's part of W_ii times its number of rows. A few contacts are then solved exactly, each open, sticking or slipping (a
+semismooth Newton method), because with very different masses gradients need too many iterations. Restitution adds e p_n and e
+p_t (Poisson), and another plastic impact if that drives contacts together. As p.v <= -p.W p for plastic impulses, (1 + e) p
+loses energy for every e <= 1; the sum p of all is scaled by at most -2 p.v/(p.W p), which keeps them in the cones. So no energy
+is gained even if the iteration has not converged.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class Contacts:
         return impulse if len(velocity) > FEW else self._exact(velocity, impulse)
 
     def _exact(self, velocity: Array, impulse: Array) -> Array:
-        """Return the impulses of a plastic impact by Newton's method from an estimate; the estimate where that fails."""
+        """Refine an estimate of a plastic impact's impulses by Newton's method; return the estimate if that fails."""
         count, speeds = len(velocity), velocity.ravel()
         scaled = np.zeros((len(self.joints), count, 2))
         scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(1, 2, 0)
@@ -129,7 +129,7 @@ class Contacts:
         return self._in_cone(found.reshape(-1, 2)) if part.all() and kept.all() else impulse
 
     def _in_cone(self, impulse: Array) -> Array:
-        """Return impulses, which are changed, that push, with friction's part within its limit."""
+        """Project impulses (in place) onto the friction cone: they push, and friction is within its limit."""
         np.maximum(impulse[:, 0], 0.0, out=impulse[:, 0])
         bound = self.friction * impulse[:, 0]
         np.minimum(np.maximum(impulse[:, 1], -bound, out=impulse[:, 1]), bound, out=impulse[:, 1])
@@ -147,7 +147,7 @@ class Contacts:
         return fraction * first, fraction * second
 
     def records(self, first: Array, second: Array) -> list[Impact]:
-        """Return the record of each contact by its impulses of compression and restitution."""
+        """Return each contact's record, from its impulses of compression and restitution."""
         middle = self.velocity + self.gain(self.change(first))
         after = middle + self.gain(self.change(second))
         nothing = np.zeros_like(first)
@@ -166,7 +166,7 @@ class Contacts:
 def resolve_at_once(
     points: Sequence[TouchingPoint], rests: Callable[[float, TouchingPoint], bool], motion: StepMotion
 ) -> list[Impact]:
-    """Set the velocities of all bodies that touch here, and of those joined to them, to those after the impact at all points.
+    """Apply the impact at all points to the velocities of the bodies that touch here and of those joined to them.
 
     It is at the end of the step; the engine's velocities are half a step ahead. ``rests``: whether an approach at a point has
     no restitution.
@@ -215,7 +215,7 @@ def _roots(body: pymunk.Body) -> tuple[float, float, float]:
 
 
 def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
-    """Close the joints of bodies; return a basis of their scaled rows, shape (3 bodies, rank). Limits reached count as rigid."""
+    """Close the joints of bodies; return a basis of their scaled rows, shape (3 bodies, rank). Reached limits are rigid."""
     found, left = [np.zeros((3 * len(index), 0))], [each for each in index if each._constraints]
     while left:
         bodies, joints = joined(left[:1])

@@ -34,11 +34,11 @@ def velocity_of(body: pymunk.Body) -> Motion:
 
 
 class StepMotion:
-    """Velocities before a step, and the gains in it, of the bodies that impacts may set in motion.
+    """Velocities before a step, and their gains in it, for bodies that impacts may set in motion.
 
     Attributes:
         duration: of the step.
-        gains: by body; bodies that are not noted moved uniformly.
+        gains: changes of velocity, by body; bodies that are not listed moved uniformly.
     """
 
     def __init__(self) -> None:
@@ -48,13 +48,13 @@ class StepMotion:
         self._states: dict[pymunk.Body, tuple[Motion, Motion, Vector]] = {}
 
     def note(self, connected: Connected) -> None:
-        """Note velocities of jointed bodies within the step, before the engine changes them."""
+        """Record velocities of jointed bodies within the step, before the engine changes them."""
         if connected[0] and connected[0][0] not in self.gains:
             self._groups.append(connected)
             self.gains.update({body: velocity_of(body) for body in connected[0]})
 
     def finish(self, duration: float) -> None:
-        """Take the velocities after the step; the gain that joints do not let pass is a correction of them, not motion."""
+        """Compute the gains after the step; a part that the joints do not permit is a correction of them, not motion."""
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
@@ -66,16 +66,16 @@ class StepMotion:
                 self.gains.update({body: (u, v, turn) for body, (u, v, turn) in zip(bodies, allowed, strict=True)})
 
     def clear(self) -> None:
-        """Forget the step."""
+        """Discard the step's data."""
         for each in (self.gains, self._groups, self._states):
             each.clear()
 
     def steps(self, time: float) -> float:
-        """Return the number of gains from the velocities at a time before the end of the step to those after it."""
+        """Return how many gains the velocities change by from a time before the end of the step to after it."""
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
-        """Return a body's velocities after the step, its gains and its mass centre, until it is forgotten."""
+        """Return a body's velocities after the step, its gains and its mass centre, cached until ``forget``."""
         found = self._states.get(body)
         if found is None:
             found = velocity_of(body), self.gains.get(body, NONE), world(body, body.center_of_gravity)
@@ -83,12 +83,12 @@ class StepMotion:
         return found
 
     def forget(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Forget the states of bodies that were set in motion anew."""
+        """Discard the cached states of bodies whose velocities have changed."""
         for body in bodies:
             self._states.pop(body, None)
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies on by a time, or back, as the engine moves them within the step."""
+        """Move bodies forward or back by a time, as the engine moves them within the step."""
         for body in bodies if time else ():
             raw, (x, y, w), (u, v, turn) = body._body, velocity_of(body), self.gains.get(body, NONE)
             lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (w - turn))  # about the mass centre
@@ -96,7 +96,7 @@ class StepMotion:
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
     def kick(self, bodies: Iterable[pymunk.Body], steps: float) -> None:
-        """Add the gain of a number of steps to the velocities."""
+        """Add a multiple of the gain to the velocities."""
         for body in bodies:
             if body in self.gains:
                 (x, y, w), (u, v, turn) = velocity_of(body), self.gains[body]

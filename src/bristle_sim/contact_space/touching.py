@@ -1,4 +1,4 @@
-"""Points where two shapes touch: read at the end of a step, and followed back to the instant of touch within it."""
+"""Points where two shapes touch: read at the end of a step, and traced back to the instant of touch within it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from bristle_sim.theory.impact import Impact
 APPROACH_ROUNDING = 1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
 
 HALVINGS = 4
-"""A touch is looked for at most this many times, each time half as long ago, until the shapes overlap half of that time later."""
+"""Most trials in the search for a touch, each half as far back in time, until the shapes overlap half of that time later."""
 
 FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at the end of the step
 
@@ -40,7 +40,7 @@ class Overlap(NamedTuple):
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Extrapolate from this overlap over a later one."""
+        """Extrapolate linearly from this overlap through a later one."""
         (x, y), (u, v), (n_x, n_y), (m_x, m_y) = self.point, later.point, self.normal, later.normal
         n_x, n_y = n_x + factor * (m_x - n_x), n_y + factor * (m_y - n_y)
         length = math.hypot(n_x, n_y)
@@ -63,7 +63,7 @@ def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
 
 
 class Met(NamedTuple):
-    """A contact that the engine has found: its arbiter, and what it was before the engine was kept from it, if it was.
+    """A contact that the engine has found: its arbiter, and its data from before the engine was made to ignore it.
 
     Outside callbacks an arbiter may have its shapes in the other order.
     """
@@ -81,7 +81,7 @@ class Met(NamedTuple):
         return [ffi.from_handle(lib.cpBodyGetUserData(first[0])), ffi.from_handle(lib.cpBodyGetUserData(second[0]))]
 
     def points(self) -> list[TouchingPoint]:
-        """Return the points where they touch; none of a sensor, and where the engine was told to ignore them."""
+        """Return the points where the shapes touch; empty for a sensor and for ignored contacts."""
         if not lib.cpArbiterGetProcessCollision(self.arbiter):
             return []
         if self.shapes is None or self.overlaps is None or self.slide is None:
@@ -110,9 +110,9 @@ class TouchingPoint:
         overlap: where they touch, at the end of the step or at the instant of touch; its depth is that at the end.
         drift: speed at which the overlap grew during the step.
         time: of the touch, before the end of the step.
-        approach: speed at which the bodies approach at that instant.
-        speed: largest speed of the two bodies here so far, to which ``approach`` is rounded.
-        impacts: how many there were.
+        approach: speed at which the bodies approach at that instant. speed: largest speed of the two bodies here so far, which
+        scales the rounding of ``approach``.
+        impacts: number of impacts here so far.
         key: the two shapes in any order.
     """
 
@@ -132,7 +132,7 @@ class TouchingPoint:
         self.key = frozenset(self.shapes)
 
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
-        """Take approach and time of the touch from the velocities as they are.
+        """Compute the approach and the time of the touch from the present velocities.
 
         ``since``: time before the end of the step at which velocities changed; ``latest``: the touch is not before that.
         """
@@ -156,7 +156,7 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move the bodies that take part back to the touch, and take its place from the shapes on their way there."""
+        """Move the bodies that take part back to the touch, and read its place from their shapes on the way."""
         time = self.time
         after = self._look() if time else None
         for _ in range(HALVINGS if after else 0):
@@ -175,7 +175,7 @@ class TouchingPoint:
         self.time = 0.0
 
     def _look(self) -> Overlap | None:
-        """Return the overlap of the shapes where their bodies are now, the nearest to the one known; None if there is none."""
+        """Return the shapes' overlap at the bodies' present places, the one nearest to that known; None without any."""
         first, second = (each._shape for each in self.shapes)
         lib.cpShapeCacheBB(first)
         lib.cpShapeCacheBB(second)

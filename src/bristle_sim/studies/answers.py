@@ -1,4 +1,4 @@
-"""Words of an answer: numbers in a person's units, and what differs most from the formulas and from print."""
+"""Text of an answer: numbers in readable units, and the quantities that differ most from the formulas and from print."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from bristle_sim.comparison import Quantity, readable_unit
 
 LEAST_SIZE = 1e-12
-"""Values of the other side below this, in SI units, are zeros, from which no relative difference is taken."""
+"""Reference values below this, in SI units, count as zero; no relative difference from them is computed."""
 
 RADIAL = 0.005
 """Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
@@ -34,7 +34,7 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 
 
 def differences(quantities: Sequence[Quantity]) -> str:
-    """Return a sentence with what differs most from the formulas and from print; empty where nothing can."""
+    """Return a sentence on the largest differences from the formulas and from print; empty if there is nothing to compare."""
     sides = (("theory", "by formula"), ("printed", "printed"))
     found = list(dict.fromkeys(filter(None, (most_different(quantities, *each) for each in sides))))
     return f" What differs most: {'; '.join(found)}." if found else ""

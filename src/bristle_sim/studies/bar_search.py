@@ -1,4 +1,4 @@
-"""Directions of the bar found on the simulation: that of a radial strike, a root, and that of the fastest tip, a maximum.
+"""Search the simulation for directions of the bar: that of a radial strike (a root) and of the fastest tip (a maximum).
 
 The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays, and its direction
 from the workpart's normal decides when the bristle is released. The lag at the strike falls as the direction grows.
@@ -33,22 +33,22 @@ Strike = Callable[[Tool], Measures]
 """Measures of the strike of a tool; raises NotCuedError where there is none."""
 
 FINEST_DIRECTION = 1e-11
-"""Interval in which a root is left, rad: errors of the lag at the finest accuracy are of this size."""
+"""Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size."""
 
 FINEST_MAXIMUM = 1e-5
-"""Interval in which a maximum is left, rad: the speed changes by the square of it, below any accuracy."""
+"""Tolerance of a maximum, rad: the speed changes by its square, which is below any accuracy."""
 
 FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
-"""Steps by which a root is enclosed: a degree is what the formulas miss it by, and no answer is as narrow as eight."""
+"""First and largest step to bracket a root: the formulas miss it by a degree, and no range with an answer is under eight."""
 
 MOST_STEPS = 30
 """Steps to either side: more than 180 degrees."""
 
 MOST_GIVEN_UP = 3
-"""Directions in a row, from the first on, in which a pass may be given up after seconds; then the others would be, too."""
+"""Successive passes, from the first on, that may be given up (each takes seconds): then the others would be, too."""
 
 LAG_JUMP = 1e-4
-"""Lag in deg at a root, beyond which it is a jump of the lag from one sign to the other: a bar that is just missed."""
+"""Lag in deg beyond which a sign change is no root but a jump of the lag: a bar that is just missed."""
 
 SWUNG = 0.01
 """Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone."""

@@ -53,7 +53,7 @@ class Slide:
     ending_time: float
 
     def __str__(self) -> str:
-        """Say how far the tip slides, and how and when the slip ends."""
+        """Describe how far the tip slides, and how and when the slip ends."""
         ending = "slip neither turns nor stops"
         if self.ending is not None:
             ending = f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
@@ -102,7 +102,7 @@ def slide_of(contact: ContactRecord) -> Slide:
 def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
 
-    Raises ValueError if the tool's contact is not resolved in time, or a pass ends before its strike for want of steps.
+    Raises ValueError if the tool's contact is not resolved in time, or a pass runs out of steps before its strike.
     """
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
@@ -167,7 +167,7 @@ def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> lis
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:
-    """Compare the forward bent tip's slide with that of the other two, as the film does."""
+    """Compare the forward bent tip's slide with those of the other two, as seen in the film."""
     found = [slide.forward for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):
         return "not every shape strikes: nothing to compare with the film"

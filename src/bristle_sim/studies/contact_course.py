@@ -20,7 +20,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
-    """Return cubics through samples, smooth but at instants that are sampled more than once, where they jump.
+    """Return cubics through samples; they are smooth except at instants sampled more than once, where they jump.
 
     Times have the shape (n,), values and slopes (n, ...). Without slopes each piece is a spline.
     """
@@ -34,7 +34,7 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return first sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
+    """Return the first sample of each smooth piece and the one past its last; instants that differ by rounding are equal."""
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
@@ -144,7 +144,7 @@ class TimedContact:
 
     @property
     def work(self) -> float:
-        """Work of the force on the tip over its path, first touch to last, J; negative, from the recorded samples."""
+        """Work of the force on the tip from first to last touch, J, from the recorded samples; negative."""
         # Force and speed are cubics each: of the force the slopes are known, which few samples of their product lack.
         h, (ratio, slope) = self.history, self._ratio_and_slope
         speed = cubics(self.time, h.normal_velocity + ratio * h.tangential_velocity)
@@ -156,8 +156,8 @@ class TimedContact:
     def energy_given_up(self) -> float:
         """Energy that bristle and hub give up during the contact, J; the hub's drive works on the moment of its rim.
 
-        It is the decrease of Jacobi's integral, the energy in the hub's frame, which nothing but the contact changes, from
-        states alone, less the work omega M of the contact's moment about the hub's centre.
+        It is computed from states alone: the decrease of Jacobi's integral (the energy in the hub's frame), which only the
+        contact changes, less the work omega M of the contact's moment about the hub's centre.
         """
         omega, field = self.chain.hub_speed, self.bristle.mass * self.chain.hub_radius * self.chain.lengths[0]
         turning = 0.5 * self.bristle.inertia_about_root * (self.rate - omega) ** 2

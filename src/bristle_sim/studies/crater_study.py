@@ -1,4 +1,4 @@
-"""Chapter 4's crater depths compared with print, and what a contact simulated in time says of the crater.
+"""Compare chapter 4's crater depths with print and with those that follow from a contact simulated in time.
 
 Chapter 4's depths are formulas and stand under theory; nothing of them is simulated. The simulated contact is the bristle's
 in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own, and its work is
@@ -86,7 +86,7 @@ class CraterStudy:
 
 
 def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
-    """Compute the crater's depth in every way there is.
+    """Compute the crater's depth by every available method.
 
     Raises ValueError if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
     """
@@ -145,7 +145,7 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
 
 
 def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float) -> CraterStudy:
-    """Simulate the contact's compression only: what the tip cuts, it cuts until it is deepest."""
+    """Simulate only the contact's compression: the tip cuts until it is deepest."""
     gamma, angles, no_chip = math.radians(crater.impact_angle_deg), None, ""
     try:
         angles = oblique_angles(crater.friction, gamma)

@@ -1,4 +1,4 @@
-"""Where the bar must stand: the directions found, compared with the formulas and print, and maps over its position.
+"""The best positions of the bar: directions found by simulation, compared with formulas and print; maps over position.
 
 The dissertation names one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), at which the strike should be radial and the
 tip at its fastest.
@@ -53,12 +53,12 @@ USUAL_PASSES = 12
 """Passes that a search usually takes."""
 
 MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
-"""Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
+"""Variations for which the answer is found again: factors on the tool's own value; damping ratios as they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, the formula's direction, rad, and how the answer moves."""
+    """The results: the tool, its places, the formula's direction, rad, and the sensitivity of the answer."""
 
     tool: Tool
     settings: Settings
@@ -139,7 +139,7 @@ def _where_it_stands(tool: Tool, strike: Strike) -> str:
 
 
 def _logged(strike: Strike, usual: int) -> Strike:
-    """Return the strike with each pass logged, and the time left if all the passes that are usual take the mean so far."""
+    """Wrap the strike so that each pass is logged, with the time left if the usual number of passes take the mean so far."""
     started, counter = clock.perf_counter(), itertools.count(1)
 
     def logged(tool: Tool) -> Measures:
@@ -167,7 +167,7 @@ def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]
 
 
 def _by_formula(tool: Tool, direction: float) -> Values:
-    """Return the dissertation's side: radial and fastest are one."""
+    """Return the dissertation's values; in it the radial and the fastest strike are the same."""
     speed = cueing.cue(tool, retraction(tool)).highest_relative_speed
     tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
     place = Place(direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
@@ -175,7 +175,7 @@ def _by_formula(tool: Tool, direction: float) -> Values:
 
 
 def _moves(tool: Tool, strike: Strike, start: float) -> tuple[dict[str, Any], ...]:
-    """Return the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
+    """Return the direction and tip speed of a radial strike at other hub speeds, stiffnesses and damping ratios."""
     own, found = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}, []
     for key, value in ((key, own.get(key, 1.0) * choice) for key, choices in MOVES.items() for choice in choices):
         other, direction, speed = tool.replace(**{key: value}), None, None

@@ -47,7 +47,7 @@ MOST_DAMPED = 10.0
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release up to the highest relative speed, and the bars that it and the formula need; None where none.
+    """A simulated release up to the highest relative speed, and the bars that it and the formula need, or None.
 
     The retraction is in rad. The readings are those of the belt stiffness and ``own`` if the tool's is another; each has
     whole passes with the bar where its release needs it, if anywhere, and where it stands, ``bar``.
@@ -83,7 +83,7 @@ class CueTiming:
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
-    """Return a bar of the same radius out of the bristle's reach, for a question whose answer is the bar's position."""
+    """Return a bar of the same radius out of the bristle's reach, for a study whose result is the bar's position."""
     away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
@@ -98,7 +98,7 @@ def stiffness_readings(tool: Tool) -> dict[str, float]:
 def cue_timing(
     tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
 ) -> Report:
-    """Simulate the release from rest at a retraction (rad) and place the bar by what came out, for each belt stiffness.
+    """Simulate the release from rest at a retraction (rad), and place the bar by the result, for each belt stiffness.
 
     ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
@@ -224,7 +224,7 @@ def _tolerance(settings: Settings) -> float:
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    """Return the cue of a release (Zhang 2020, eq. 2.1); None if its speed has no maximum."""
     time = run.event_time("highest relative speed")
     if time is None:
         return None

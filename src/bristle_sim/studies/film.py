@@ -1,4 +1,4 @@
-"""Which contact stiffness and wire damping would explain film and crater: a map over both, and the nearest pair.
+"""Find the contact stiffness and wire damping that would explain film and crater: a map over both, and the nearest pair.
 
 Film and micrograph give three facts of a strike of a straight wire: one touch, some 50 us of compression, a crater 130 um deep.
 Nobody measured the contact's stiffness, given here as the time that a rigid bristle would be in touch, nor the wire's damping.
@@ -34,7 +34,7 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import UnusualValueWarning
 
 FOLLOWED = 5e-4
-"""Time that a strike is followed, s: one and a half periods of the wire's first bending mode."""
+"""Time for which the run continues after a strike, s: one and a half periods of the wire's first bending mode."""
 
 MEASURED = {"touches": 1.0, "compression_time": PRINTED_COMPRESSION, "crater_depth": MEASURED_CRATER}
 """Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the first, s, and
@@ -75,7 +75,7 @@ class FilmMap:
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Map touches, compression time and crater over contact duration and wire damping, and look closer at the nearest case.
+    """Map touches, compression time and crater over contact duration and wire damping, and examine the nearest case.
 
     Raises ValueError if no pass of the map strikes, or the extra ``sweep`` is not installed.
     """

@@ -1,8 +1,8 @@
 """Compares the strike of a wire that bends with that of the rigid bristle at the same contact stiffness.
 
-A straight radial wire that turns as one strikes with its end. The contact is a spring with energetic restitution whose
-stiffness would keep the rigid bristle in touch for a given time; it has a limit as the number of links grows, which an
-impact at an instant has not. Reported are what the scene, the rigid bristle and the independent solution give.
+The end of a straight radial wire strikes while all of it turns at one rate. The contact is a spring with energetic restitution,
+its stiffness given as the duration of the rigid bristle's contact. It converges as the number of links grows, unlike an
+instantaneous impact. The report compares the scene, the rigid bristle and the independent solution.
 """
 
 from __future__ import annotations
@@ -44,16 +44,16 @@ NO_REFERENCE = (
 )
 
 LONGEST_CONTACT = 10.0
-"""Times the contact of the rigid bristle that a contact may last."""
+"""Longest duration of a contact, in durations of the rigid bristle's contact."""
 
 FLIGHT = 1.0
-"""Free motion that is shown after the contact, in times of the rigid bristle's contact."""
+"""Free motion shown after the contact, in durations of the rigid bristle's contact."""
 
 STUDY_ACCURACY = 1e-4
 """Accuracy of the strikes of the study, which are drawn: far below a line's width."""
 
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
-"""Contacts that the study tries: times for which the rigid bristle would be in touch, over the requested one."""
+"""Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class FlexibleStrike:
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, duration: float | None = None, accuracy: float | None = None) -> FlexibleStrike:
-        """Return the strike of a wire of so many links, at the stiffness of another duration, s, and to another accuracy."""
+        """Return the strike of a wire with another number of links, stiffness (given as a duration, s) and accuracy."""
         settings = self.settings if accuracy is None else dataclasses.replace(self.settings, accuracy=accuracy)
         contact = self.contact if duration is None else ContactStiffness(duration)
         tool = self.tool.replace(wire_links=links)
@@ -136,7 +136,7 @@ def flexible_wire(
 ) -> Report:
     """Strike with a wire of links and with the rigid bristle, and compare.
 
-    Raises ValueError for values that do not fit together, or a contact that comes to no end.
+    Raises ValueError for values that do not fit together, or a contact that does not end.
     """
     for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
         if not value:

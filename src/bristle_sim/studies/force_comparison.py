@@ -1,11 +1,11 @@
-"""Compare chapter 3 with a simulated contact: the assumed force curve and the force that braking the bristle takes.
+"""Compare chapter 3's assumed force curve with the force of a simulated contact that brakes the bristle.
 
 The curve (3.19) is a ball's on a plate, its shape carried over to the bristle. It is compared with the bristle's own contact
 in the scene, on a spring, with the same compressive impulse and compression time.
 
-A curve fitted to a measured record may take its place (3.2-3.4). The fit has a form of force with few parameters, (3.3). Two
-checks that do not use the form tell whether the record has it: the impulse as a sum over the points, and what the residuals
-hold beyond the noise, which shows in second differences of the record.
+A curve fitted to a measured record may take its place (3.2-3.4). The fit assumes a form of the force with few parameters,
+(3.3). Two checks independent of the form show whether the record has it: the impulse as a sum over the points, and residuals
+beyond the noise, which is estimated from second differences.
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class MeasuredForce:
 class ForceComparison:
     """Results of the comparison, from which its figures are drawn.
 
-    The curve is (3.19), or the one fitted to measured points. There is no contact where the bristle has none of that kind, as
-    ``no_contact`` says.
+    The curve is (3.19), or the one fitted to measured points. The contact is None if the bristle can have none of that kind;
+    ``no_contact`` is the reason.
     """
 
     curve: ForceCurve

@@ -1,4 +1,4 @@
-"""An impact over its normal impulse: the contact point's velocities as the energetic law draws them and as resolved in time.
+"""The contact point's velocities over the normal impulse of an impact, by the energetic law and as resolved in time.
 
 With p the normal impulse, the velocities of the contact point are piecewise linear in p: v = v(0) + K (p, p_t), and p_t
 changes by -mu sign(v_t) dp in slip (Zhang 2020, eqs. 2.34, 2.43, 2.74, 2.80, 2.98). A contact that is resolved in time
@@ -23,7 +23,7 @@ from bristle_sim.trajectory import ContactHistory
 class ImpulseCourse:
     """Velocities v_n and v_t, m/s, of the contact point over the normal impulse, ascending from 0, N s; shape (n,).
 
-    Pieces between two impulses have the names of their phases where these are known. Compression ends at p_c, the initial slip
+    ``phases`` are the names of the pieces between two impulses, where known. Compression ends at p_c, the initial slip
     stops at p_s (inf if it lasts), N s.
     """
 
@@ -64,7 +64,7 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """Return the energetic law's straight pieces from touch to separation; a single point where the tip does not approach."""
+    """Return the energetic law's piecewise linear course from touch to separation; one point if the tip does not approach."""
     inverse_mass, before, later = contact_inverse_mass(chain), tip_velocity(chain), surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
     (normal, coupling), (_, tangential) = inverse_mass.tolist()

@@ -33,13 +33,13 @@ QUANTITIES = {
 }
 
 HALF_PERIODS = 1.3
-"""Length of the first run, in half periods of the bristle on its belt; its large amplitude and damping lengthen them."""
+"""Length of the first run, in half periods of the bristle on its belt; large amplitude and damping lengthen the period."""
 
 DOUBLINGS = 6
-"""Doublings of that length, after which the bristle counts as one that does not come back."""
+"""Doublings of that length after which the bristle counts as not returning."""
 
 CORRECTIONS = 6
-"""Runs that end closer and closer to the radial direction; each squares the error, so that two are usual."""
+"""Most correcting runs, each ending closer to the radial direction; each squares the error, so two usually suffice."""
 
 TIME_TOLERANCE = 1e-9
 """Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
@@ -186,7 +186,7 @@ def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: flo
     known = {0.0: 0.0, tool.hub.speed: radial.tip_speed}
 
     def missing(speed: float) -> float:
-        """Return by how much the tip is faster than the bar-cued one, m/s; each hub speed is tried once."""
+        """Return the tip's speed less the bar-cued tip's, m/s; each hub speed is simulated once."""
         if speed not in known:
             tried = until_radial(tool.replace(hub_speed=speed), run)
             if tried is None:
@@ -206,7 +206,7 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
-    """Return theory by energy and quadrature, for an undamped belt; hub speed from the bar-cued tool's strike."""
+    """Return the theoretical values by energy and quadrature, for an undamped belt; hub speed from the bar-cued strike."""
     if tool.belt_damping:
         return {}
     reach = 2.0 * tool.bristle.length + tool.hub.radius

@@ -27,7 +27,7 @@ PITCH_TOLERANCE = 1e-9
 """Tolerance of the least pitch, rad: 6e-8 deg."""
 
 INSTANTS = 1500
-"""Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""
+"""Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's turn."""
 
 MINIMA_REFINED = 2
 """Local minima of the distance over time that are refined, beginning with the least."""
@@ -36,7 +36,7 @@ MOST_SAMPLES = 5000
 """Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
 
 LARGEST_PITCH = math.pi / 2.0
-"""Pitch from which the search goes down, rad."""
+"""Pitch at which the downward search starts, rad."""
 
 NEXT_SEARCH = 1e-6
 """How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance."""

@@ -57,7 +57,7 @@ Law = Callable[..., Impact]
 
 @dataclass(frozen=True, slots=True)
 class Spheres:
-    """What a law predicts of the spheres: root mean square error of each measured quantity, and the curves."""
+    """A law's prediction for the spheres: root mean square error of each measured quantity, and the curves."""
 
     compliance: float
     errors: dict[str, float]

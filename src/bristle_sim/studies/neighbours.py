@@ -1,4 +1,4 @@
-"""Neighbours in one plane: the least pitches at which wires touch, and what a touch does to the strike.
+"""Neighbours in one plane: the least pitches at which wires touch, and the effect of a touch on the strike.
 
 Rows of bristles are simulated together; the least pitches are compared with those by the motion of a lone bristle, and the
 last bristle's strike with the lone one's.
@@ -190,7 +190,7 @@ def root_pitch(tool: Tool) -> float:
 
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
-    """Search the pitch from which two simulated wires touch, beside the theoretical one; reference by its lone pass."""
+    """Search near the theoretical pitch for the one from which two simulated wires touch; the reference uses its lone pass."""
     compared = Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
         return compared

@@ -99,7 +99,7 @@ def require_rigid(tool: Tool) -> None:
 
 
 class GivenUpError(ValueError):
-    """The method has given a run up, which says nothing of the motion that would follow."""
+    """The solver gave up a run; the motion that would follow is unknown."""
 
 
 def require_result(run: Trajectory, settings: Settings) -> None:
@@ -112,7 +112,7 @@ def require_result(run: Trajectory, settings: Settings) -> None:
 
 
 def stopped(run: Trajectory) -> dict[str, Any]:
-    """Return why and when a run stopped, and what would let it go further, for the JSON; time in s."""
+    """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
     reason, time = run.stop_reason, float(run.time[-1])
     return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
 
@@ -131,7 +131,7 @@ CLEAR_OF_BAR = math.radians(5.0)
 
 
 class NotCuedError(ValueError):
-    """The pass has no strike that the bar has cued."""
+    """The pass has no strike cued by the bar."""
 
 
 def strike_of_keys(

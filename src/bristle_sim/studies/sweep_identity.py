@@ -1,4 +1,4 @@
-"""The identity of a swept function: a digest of all that it refers to, so that a store never returns stale results.
+"""Digest of a swept function and all that it refers to, so that a store never returns stale results.
 
 joblib's hash walks the values. The user's functions, classes and modules stand for their instructions and values, installed
 ones for name and version, this package for its files. A pickle by value would note line numbers, and a random number for
@@ -34,7 +34,7 @@ from joblib.hashing import NumpyHasher
 import bristle_sim
 
 CODE = "co_code co_consts co_names co_varnames co_freevars co_argcount co_kwonlyargcount co_flags co_exceptiontable"
-"""Parts of compiled code that decide what it does, unlike file names and line numbers."""
+"""Parts of compiled code that determine its behaviour, unlike file names and line numbers."""
 
 FUNCTION = "__qualname__ __code__ __defaults__ __kwdefaults__ __closure__"
 ACCESSORS = (property, staticmethod, classmethod, functools.cached_property, functools._lru_cache_wrapper)

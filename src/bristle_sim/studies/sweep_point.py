@@ -40,10 +40,10 @@ TURN = 0.3
 """Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with it."""
 
 LARGEST_BATCH = 4096
-"""Points that are sent to a worker at most."""
+"""Most points that are sent to a worker at once."""
 
 ATTEMPTS = 3
-"""Losses of a worker in a row, with no result between them, after which it is the point's doing and not chance."""
+"""Successive losses of a worker without a result between them, after which the point is taken for the cause."""
 
 
 def evaluate_points(function: Function, points: list[Point]) -> list[tuple[Point, Outcome]]:
@@ -85,7 +85,7 @@ def evaluated(
     size, lost, known = 1, 0, False
 
     def tasks() -> Iterator[Any]:
-        """Points that are left over of a turn, then new ones, at last those of lost workers, each alone."""
+        """Yield points left over from a turn, then new ones, and last those of lost workers, one at a time."""
         while batch := left_over.popleft() if left_over else list(itertools.islice(points, size)):
             under_way[batch[0][0]] = batch
             yield joblib.delayed(call)(function, batch)

@@ -16,11 +16,11 @@ from bristle_sim.studies.sweep import sweep
 from bristle_sim.studies.sweep_point import FAILURE
 
 MOST_KEYS = 2
-"""Keys of a table that can be drawn: as lines over one, as maps over two."""
+"""Most keys of a table, so that it can be drawn: as lines over one, as maps over two."""
 
 
 FORMULA = " by formula"
-"""What the name of a quantity's value by formula ends in, within a sweep."""
+"""Suffix of the name of a quantity's value by formula, within a sweep."""
 
 
 def sweep_scenario(
@@ -41,8 +41,8 @@ def sweep_scenario(
         workers, store, progress: as :func:`bristle_sim.sweep` takes them.
 
     Returns:
-        The simulated values of the report's quantities by their names, or those by formula of a quantity that is nowhere
-        simulated, NaN where there are none, with ``units`` and ``long_name``; and ``failure``, which says why a point lacks some: the error, or the report's answer.
+        The simulated values of the report's quantities by name (by formula if never simulated; NaN if missing), with ``units``
+        and ``long_name``; and ``failure``, the reason why a point lacks some: the error, or the report's answer.
 
     Raises ValueError for no keys or more than two, and as :func:`bristle_sim.sweep` does.
     """

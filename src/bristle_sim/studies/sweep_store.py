@@ -30,10 +30,10 @@ UNWRITTEN = 9.969209968386869e36
 """Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN."""
 
 ABANDONED = 60.0
-"""Age of a file half written, of which a program was killed while it wrote it, s."""
+"""Age from which a half-written file counts as left by a killed program, s."""
 
 BLOCK = 4096
-"""Points of a chunk, which is a file, at most."""
+"""Most points of a chunk, which is a file."""
 
 
 class SweepStore:
@@ -58,7 +58,7 @@ class SweepStore:
         self.arrays = {name: self._array(name, inner) for name, inner in {FAILURE: [], **self.shapes}.items()}
 
     def _array(self, name: str, inner: Sequence[int]) -> Any:
-        """Return the array of a variable on the grid, with the axes of its own at the end; create it if it is not there."""
+        """Return the array of a variable on the grid, followed by the variable's own axes; create it if it does not exist."""
         if name in self.group:
             return self.group[name]
         chunk, room = list[int](), BLOCK
@@ -81,7 +81,7 @@ class SweepStore:
         return {"units": self.units[name]} if name in self.units else {}
 
     def missing(self) -> NDArray[np.bool_]:
-        """Return which points are to be computed, on the grid; parts that are damaged or lost are logged and cleared."""
+        """Return which points of the grid must be computed; damaged or lost parts are logged and cleared."""
         missing, lost = np.zeros(self.shape, bool), np.zeros(self.shape, bool)
         for name, array in self.arrays.items():
             for corner in np.ndindex(array.cdata_shape):
@@ -166,7 +166,7 @@ class SweepStore:
 
 
 def check_name(what: str, name: str) -> None:
-    """Raise ValueError for a name that is none for an array in a folder."""
+    """Raise ValueError for a name that an array in a folder cannot have."""
     if not name or "/" in name or name.startswith((".", "__")) or name == "zarr.json":
         raise ValueError(f"{what} {name!r} must have a name without /, that begins with neither . nor __")
 

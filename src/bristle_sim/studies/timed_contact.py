@@ -1,8 +1,8 @@
 """A bristle's contact of a given compression time, and perhaps of a given impulse.
 
-A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its
-impulse and duration part from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until
-the contact in the scene has what is requested.
+A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its impulse
+and duration differ from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until the contact in
+the scene has what is requested.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def timed_contact(
     rate: float | None = None,
     impulse: float | None = None,
 ) -> TimedContact:
-    """Strike with a contact whose compression takes that long, s.
+    """Simulate a strike whose contact has the given compression time, s.
 
     The impact angle is in rad. Either the rate of the bristle, rad/s, or the compressive impulse, N s, must be given; for an
     impulse the rate is found.

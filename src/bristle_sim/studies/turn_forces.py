@@ -1,4 +1,4 @@
-"""Forces on a bristle in its turns: impulses at instants, and time series of sustained contacts between them.
+"""Forces on a bristle over its turns: impulses of impacts, and time series of the sustained contacts between them.
 
 Normal and tangential are those of a contact record; moments are about the hub's centre, positive in the hub's sense.
 
