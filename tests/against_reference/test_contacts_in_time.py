@@ -20,9 +20,9 @@ from bristle_sim.reference import simulate_reference, simulate_row_reference
 ACCURACY = 1e-6
 
 
-def timed(duration: float, friction: float = 0.31, restitution: float = 0.42) -> bs.Tool:
+def timed(duration: float, friction: float = 0.31, restitution: float = 0.42, compliance: float = 0.0) -> bs.Tool:
     part = bs.Workpart(friction=friction, restitution=restitution)
-    return bs.Tool(contact=bs.Contact("compliant", duration), workpart=part)
+    return bs.Tool(contact=bs.Contact("compliant", duration, compliance), workpart=part)
 
 
 def stiffness(run: bs.Trajectory) -> float:
@@ -37,11 +37,16 @@ def touches(run: bs.Trajectory) -> list[float]:
 
 
 @pytest.mark.parametrize(
-    ("duration", "friction", "restitution"),
-    [*itertools.product((2e-3, 5e-4), (0.31, 0.6), (0.42, 0.0)), (1e-4, 0.31, 0.42), (3e-5, 0.31, 0.42)],
+    ("duration", "friction", "restitution", "compliance"),
+    [
+        *itertools.product((2e-3, 5e-4), (0.31, 0.6), (0.42, 0.0), (0.0, 1.21)),
+        *itertools.product((1e-4, 3e-5), (0.31,), (0.42,), (0.0, 1.21)),
+        (5e-4, 0.31, 0.8, 0.1),
+    ],
 )
-def test_a_whole_pass(duration: float, friction: float, restitution: float) -> None:
-    tool = timed(duration, friction, restitution)
+def test_a_whole_pass(duration: float, friction: float, restitution: float, compliance: float) -> None:
+    """Also elastic along the surface, eta^2 = 1.21 for steel."""
+    tool = timed(duration, friction, restitution, compliance)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY))
     exact = simulate_reference(tool, contact_stiffness=stiffness(run), accuracy=1e-9)
     assert run.stop_reason == exact.stop_reason

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from bristle_sim.parameters import Bristle, Hub, Tool, Workpart
+from bristle_sim.parameters import Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference, strike_reference
 from bristle_sim.reference.contacts import Point, obstacles_of
 from bristle_sim.reference.mechanics import Chain
+from bristle_sim.theory.impact import energetic_impact
 
 GAMMA, RATIO, RESTITUTION, SPEED = math.radians(23.4), 3.23, 0.42, 261.8
 
@@ -124,3 +125,41 @@ class TestCompliantStrike:
         tool = Tool(bar=None)
         with pytest.raises(ValueError, match="must bring the wire's end to the workpart"):
             strike_reference(tool, -1.0, [-1.0], [800.0], 1e5, longest=1e-4)
+
+
+class TestTangentialSpring:
+    """The spring beside the normal one: with a contact's duration the law's answer, of K alone, is approached in first order."""
+
+    @pytest.mark.parametrize(
+        ("links", "squared", "friction", "restitution"),
+        [
+            (1, 1.21, (0.33, 0.33), 1.0),
+            (1, 0.2, (0.22, 0.39), 0.8),
+            (2, 0.05, (0.42, 0.42), 0.8),
+            (2, 1.5, (0.73, 0.73), 0.0),
+            (2, 6.7, (0.09, 0.63), 0.42),
+            (3, 0.93, (0.3, 0.17), 0.42),
+        ],
+    )
+    def test_tends_to_the_law(self, links, squared, friction, restitution):
+        """A hundred times the stiffness, a tenth of the error, but for a fiftieth of it: no other limit is as near."""
+        rng = np.random.default_rng(links)
+        angles, rates = -GAMMA + 0.1 * rng.normal(size=links), RATIO * SPEED * (1.0 + 0.1 * rng.normal(size=links))
+        bristle = Bristle(links=links)
+        tip = Chain.of(Tool(bristle=bristle), -GAMMA).centre_line(0.0, angles, rates)[0][-1]
+        part = Workpart(friction[0], friction[1], restitution, 0.0545 + tip.imag)
+        tool = Tool(bristle=bristle, bar=None, workpart=part, contact=Contact(tangential_compliance=squared))
+        chain = Chain.of(tool, -GAMMA)
+        motion = chain.kinematics(0.0, angles, rates)
+        touch = obstacles_of(tool)["workpart"].touch(chain, motion, Point("workpart", links - 1, True))
+        rows = np.array([touch.normal_row, touch.tangential_row])
+        inverse_mass = rows @ np.linalg.solve(chain.mass_matrix(motion.turn), rows.T)
+        law = energetic_impact(
+            0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction[0], restitution, friction[1], None, squared
+        )
+        errors = []
+        for stiffness in (1e9, 1e11):
+            longest = 1e-2 / math.sqrt(stiffness / 1e5)
+            found = strike_reference(tool, -GAMMA, angles.tolist(), rates.tolist(), stiffness, longest=longest)
+            errors.append(np.subtract(found.impulse, (law.impulse_normal, law.impulse_tangential)) / law.impulse_normal)
+        assert np.abs(errors[1]).max() < 0.12 * np.abs(errors[0]).max() < 0.01

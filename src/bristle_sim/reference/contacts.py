@@ -18,6 +18,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+from bristle_sim.theory.impact import LEAST_COMPLIANCE
 
 
 class Point(NamedTuple):
@@ -29,13 +30,14 @@ class Point(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Kinematics of a contact at one instant."""
+    """Kinematics of a contact at one instant; ``along`` is its place along a flat surface, m."""
 
     gap: float
     normal_row: Array
     tangential_row: Array
     velocity: tuple[float, float]
     bias: tuple[float, float]
+    along: float = 0.0
 
 
 @dataclass(slots=True)
@@ -45,13 +47,24 @@ class Spring:
     N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
     delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r. It is measured from where the contact began, ``surface``:
     in the dent that another one has left, below the workpart's.
+
+    Where the tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the point to a foot on the surface.
+    A foot that sticks is at ``anchor``, T = -k/eta^2 (x - anchor); one that slides in the sense s has T = -mu s N, and moves at
+    v_t - mu s eta^2 N'/k (Stronge, Impact Mechanics; Maw, Barber and Fawcett 1976).
     """
 
     stiffness: float
     restitution: float
     surface: float = 0.0
+    compliance: float = 0.0
+    anchor: float = 0.0
     deepest: float = 0.0
     loading: bool = True
+
+    @property
+    def steepest(self) -> float:
+        """Largest change of a force by a way, N/m."""
+        return self.stiffness / min(1.0, self.restitution**2 or 1.0, self.compliance or 1.0)
 
     @property
     def left(self) -> float:
@@ -63,6 +76,23 @@ class Spring:
         if self.loading:
             return self.stiffness * (self.surface - gap)
         return self.stiffness / self.restitution**2 * (self.surface - gap - self.left) if self.restitution else 0.0
+
+    def rub(self, touch: Touch, friction: float, slip: int) -> float | None:
+        """Return the tangential force, N; None where the contact is rigid along the surface, and friction alone gives it."""
+        if not self.compliance:
+            return None
+        if slip:
+            return -friction * slip * self.force(touch.gap)
+        return self.stiffness / self.compliance * (self.anchor - touch.along)
+
+    def foot(self, touch: Touch, friction: float, slip: int) -> float:
+        """Return the velocity of the foot in the sense of its slip, m/s; that of the point where they are one."""
+        stiffer = 1.0 if self.loading else self.restitution**-2
+        return slip * touch.velocity[1] + friction * self.compliance * stiffer * touch.velocity[0]
+
+    def stretch(self, touch: Touch, pull: float) -> None:
+        """Let the foot stick where the tangential force is now ``pull``, N."""
+        self.anchor = touch.along + pull * self.compliance / self.stiffness
 
 
 def touch_of(
@@ -104,6 +134,7 @@ class Bar:
     reach: float
     wire_radius: float
     surface: Surface
+    compliance: float = 0.0
 
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
@@ -144,6 +175,7 @@ class Workpart:
 
     depth: float
     surface: Surface
+    compliance: float = 0.0  # eta^2
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
@@ -158,7 +190,9 @@ class Workpart:
         arm = complex(chain.pieces.ends[point.piece] * motion.turn[link])
         corner = complex(motion.joint[link]) + arm
         moving = complex(motion.velocity[link] + 1j * motion.rates[link] * arm)
-        return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)
+        return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)._replace(
+            along=corner.real
+        )
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
@@ -168,7 +202,9 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)
         found["bar"] = Bar(complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface)
     if tool.workpart is not None:
-        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart)
+        elastic = tool.contact.tangential_compliance >= LEAST_COMPLIANCE  # a stiffer one is rigid, as in the impact law
+        compliance = tool.contact.tangential_compliance if elastic else 0.0
+        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart, compliance)
     return found
 
 
@@ -193,7 +229,7 @@ class _Place(NamedTuple):
 class WirePairs:
     """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
 
-    name = "wire"
+    name, compliance = "wire", 0.0
 
     def __init__(self, wires: int, diameter: float, surface: Surface) -> None:
         self.diameter, self.surface = diameter, surface

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
-from bristle_sim.reference.forces import Acting, acting, closed, resolve
+from bristle_sim.reference.forces import EDGE, Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
-from bristle_sim.reference.system import State, Sustained, System
+from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
@@ -45,13 +45,17 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     springs = [each for each in system.sustained if each.spring is not None]
     points = system.rigid
     if new is not None and new.obstacle in system.stiffness:
-        touch = system.at(state).touch(new)
-        spring = Spring(system.stiffness[new.obstacle], system.obstacles[new.obstacle].surface.restitution, touch.gap)
+        touch, obstacle = system.at(state).touch(new), system.obstacles[new.obstacle]
+        stiffness, springy = system.stiffness[new.obstacle], (obstacle.compliance, touch.along)
+        spring = Spring(stiffness, obstacle.surface.restitution, touch.gap, *springy)
         springs.append(Sustained(new, 0, state, touch.velocity, spring))
     elif new is not None and new not in points:
         points.append(new)
     state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
     instant, still = system.at(state), system.still(state)
+    for each in springs:
+        if each.spring is not None and each.spring.compliance:
+            each.slip = _foot(system, instant, each, each.spring)
     resting = [point for point in points if abs(instant.touch(point).velocity[0]) <= still]
     contacts = [Acting(instant.touch(point), system.friction(point), 0) for point in resting]
     kept = acting(instant.mass, instant.forces, [*contacts, *instant.acting(springs)], still)
@@ -75,6 +79,18 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     return system.closed(state)
 
 
+def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
+    """Return the sense in which the foot of a tangential spring slides, 0 where it sticks, with the force cut to the cone."""
+    touch, mu = instant.touch(each.point), system.friction(each.point, spring)
+    pull, most = spring.rub(touch, mu, each.slip) or 0.0, mu * max(spring.force(touch.gap), 0.0)
+    pull = min(max(pull, -most), most)
+    sense = int(-np.sign(pull) or np.sign(touch.velocity[1]))
+    if not mu or (abs(pull) >= (1.0 - EDGE) * most and spring.foot(touch, mu, sense) > 0.0):
+        return sense or 1
+    spring.stretch(touch, pull)
+    return 0
+
+
 def _end(system: System, log: Log, state: State, staying: dict[Point, int], outcome: str) -> None:
     """Record the rigid sustained contacts that do not stay, then note their release if the run goes on."""
     ending = [each for each in system.sustained if each.spring is None and each.point not in staying]
@@ -95,9 +111,19 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
 
 def end_compression(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
     """Begin a compliant contact's restitution, or end the contact where there is none."""
-    spring.deepest, spring.loading = spring.surface - system.at(state).touch(each.point).gap, False
+    spring.deepest = spring.surface - system.at(state).touch(each.point).gap
+    change_phase(system, each, spring, state)
     each.compression = each.sums
     return decide(system, log, state) if spring.restitution else end_compliant_contact(system, log, each, state)
+
+
+def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
+    """Begin restitution, or compression again: the tangential force stays, within the cone of the other friction."""
+    touch = system.at(state).touch(each.point)
+    if each.slip and (pull := spring.rub(touch, system.friction(each.point, spring), each.slip)) is not None:
+        spring.stretch(touch, pull)
+        each.slip = 0
+    spring.loading = not spring.loading
 
 
 def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
@@ -129,7 +155,7 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
     instant, surface = system.at(state), system.obstacles[point.obstacle].surface
     touch = instant.touch(point)
-    change, hit = resolve(instant.mass, touch, surface.friction, surface.restitution, surface.friction_in_restitution)
+    change, hit = resolve(instant.mass, touch, surface, system.obstacles[point.obstacle].compliance)
     after = state._replace(rates=state.rates + change)
     log.impacts.append(state.time)
     for own in log.of(point):

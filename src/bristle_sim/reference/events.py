@@ -14,6 +14,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import (
+    change_phase,
     close_contact,
     decide,
     end_compliant_contact,
@@ -121,10 +122,16 @@ def _force_events(system: System, log: Log, state: State, number: int) -> list[E
         return float(at.balance.normal[number]) * response + acceleration
 
     def sliding(at: Instant) -> float:
-        return slip * at.contacts[number].touch.velocity[1] - level
+        touch = at.contacts[number].touch
+        return each.spring.foot(touch, mu, slip) if each.spring else slip * touch.velocity[1]
 
     def cone(at: Instant) -> float:
         return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
+
+    def beyond(value: Callable[[Instant], float], rounding: float) -> Callable[[Instant], float]:
+        """Return a function less its value at the beginning, where that is not above 0, and rounding."""
+        level = min(value(system.at(state)), 0.0) - rounding
+        return lambda at: value(at) - level
 
     if each.spring is None:
         found = [Event(pressing, -1, acceleration, go_on)]
@@ -132,12 +139,13 @@ def _force_events(system: System, log: Log, state: State, number: int) -> list[E
         found = _spring_events(system, log, each, each.spring)
     if mu and slip:
         # Slip that begins after stick may start from a velocity that is rounding, of either sign.
-        level = min(slip * system.at(state).touch(each.point).velocity[1], 0.0) - 1e-3 * system.still(state)
-        found.append(Event(sliding, -1, ROUNDING * speed, go_on))
+        found.append(Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on))
         if each.spring is None:
             found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
     elif mu:
-        found.append(Event(cone, -1, acceleration * float(system.chain.masses.sum()), go_on))
+        force = acceleration * float(system.chain.masses.sum())
+        force += each.spring.steepest * GAP_ROUNDING * system.size if each.spring else 0.0
+        found.append(Event(beyond(cone, force) if each.spring else cone, -1, force, go_on))
     return found
 
 
@@ -172,7 +180,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
         return spring.surface - instant.touch(each.point).gap - level
 
     def reload(state: State) -> State:
-        spring.loading = True
+        change_phase(system, each, spring, state)
         return decide(system, log, state)
 
     if spring.loading:

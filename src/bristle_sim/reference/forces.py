@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameters import Surface
 from bristle_sim.reference.contacts import Touch
 from bristle_sim.theory.impact import Impact, energetic_impact
 
@@ -27,19 +28,20 @@ EDGE = 1e-10  # at the edge of the friction cone both stick and slip are consist
 
 
 class Acting(NamedTuple):
-    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its force where that is known."""
+    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its forces where springs tell them."""
 
     touch: Touch
     friction: float
     slip: int
     push: float | None = None
+    rub: float | None = None
 
     @property
     def sticks(self) -> bool:
         """Whether friction stops it; a rigid contact of a single moving link keeps that at rest, and friction idles."""
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
         idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
-        return self.slip == STICK and self.friction > 0.0 and not idle
+        return self.slip == STICK and self.friction > 0.0 and self.rub is None and not idle
 
     @property
     def ratio(self) -> float:
@@ -65,7 +67,11 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     size = len(forces)
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]
-    known = sum((each.push * each.pushed for each in contacts if each.push is not None), np.zeros(size))
+    known = np.zeros(size)
+    for each in contacts:
+        if each.push is not None:
+            rub = each.ratio * each.push if each.rub is None else each.rub
+            known += each.push * each.touch.normal_row + rub * each.touch.tangential_row
     rows = [each.touch.normal_row for each in rigid] + [each.touch.tangential_row for each in sticking]
     pushed = [each.pushed for each in rigid] + [each.touch.tangential_row for each in sticking]
     biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
@@ -78,9 +84,9 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     solved = iter(found[size : size + len(rigid)])
     normal = np.array([next(solved) if each.push is None else each.push for each in contacts])
     stuck = iter(found[size + len(rigid) :])
-    tangential = np.array(
-        [next(stuck) if each.sticks else each.ratio * push for each, push in zip(contacts, normal, strict=True)]
-    )
+    slides = np.array([each.ratio * push for each, push in zip(contacts, normal, strict=True)])
+    springs = ((each.rub, next(stuck) if each.sticks else slide) for each, slide in zip(contacts, slides, strict=True))
+    tangential = np.array([friction if rub is None else rub for rub, friction in springs])
     return Balance(np.asarray(found[:size]), normal, tangential)
 
 
@@ -96,6 +102,7 @@ def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float)
     for each in contacts:
         may_stick = each.friction > 0.0 and abs(each.touch.velocity[1]) <= still
         slips = (STICK, 1, -1) if may_stick else (int(np.sign(each.touch.velocity[1])) or 1,)
+        slips = slips if each.rub is None else (each.slip,)
         options.append(slips if each.push is not None else (*slips, None))
     for modes in itertools.product(*options):
         chosen = {i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None}
@@ -123,6 +130,8 @@ def _pushes(
     mass: Array, forces: Array, accelerations: Array, each: Acting, normal: float, tangential: float, still: float
 ) -> bool:
     """Whether a contact that is kept pushes, and its stick or slip is consistent; a spring's force may end below 0 by rounding."""
+    if each.rub is not None:
+        return True
     if (normal < 0.0 and each.push is None) or (
         each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal
     ):
@@ -147,16 +156,14 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
 
 
-def resolve(
-    mass: Array, touch: Touch, friction: float, restitution: float, friction_in_restitution: float
-) -> tuple[Array, Impact]:
+def resolve(mass: Array, touch: Touch, surface: Surface, compliance: float) -> tuple[Array, Impact]:
     """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(mass, rows.T)
     inverse_mass = rows @ response
-    hit = energetic_impact(
-        0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction, restitution, friction_in_restitution
-    )
+    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
+    symmetric = 0.5 * (inverse_mass + inverse_mass.T)
+    hit = energetic_impact(symmetric, touch.velocity, *coefficients, tangential_compliance=compliance)
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
     return np.asarray(response @ impulse), hit
 

@@ -122,8 +122,9 @@ class Instant:
         found = []
         for each in sustained:
             touch = self.touch(each.point)
-            push = None if each.spring is None else each.spring.force(touch.gap)
-            found.append(Acting(touch, self.system.friction(each.point, each.spring), each.slip, push))
+            mu, spring = self.system.friction(each.point, each.spring), each.spring
+            known = (None, None) if spring is None else (spring.force(touch.gap), spring.rub(touch, mu, each.slip))
+            found.append(Acting(touch, mu, each.slip, *known))
         return found
 
     @cached_property
