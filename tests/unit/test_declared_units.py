@@ -189,16 +189,3 @@ def test_a_part_checks_the_fields_it_declares():
     with pytest.raises(ValueError, match="word") as refusal:
         Choice("word", ("one",), "a source").parse("x" * 100_000)
     assert len(str(refusal.value)) < 150
-
-
-def test_the_documentation_is_the_declaration():
-    assert (
-        Part.__doc__
-        == """A part.
-
-Attributes:
-    length: how long it is, m. Must be 0 < length <= 2000. Default 0.5 (a source).
-    extra: another one, s. Must be -1 <= extra <= 1. Default None (none).
-    word: a word. Must be one | two. Default one (chosen).
-    links: how many. Must be whole number from 1 to 64. Default 1 (a source)."""
-    )
