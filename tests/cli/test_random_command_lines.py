@@ -14,6 +14,7 @@ import logging
 import math
 import os
 import random
+import re
 import signal
 import time
 import traceback
@@ -41,6 +42,9 @@ SMALL = {
     "film": ("map_durations=2", "map_dampings=2", "wire_links=2", "workers=1"),
 }
 """Settings that keep scenarios short that take many passes, with progress and time left, by default."""
+
+PROGRESS = re.compile(r"\s*\d+%\|")
+"""A progress bar, which long work may show before it is refused."""
 
 SCENARIOS = {name: command.load(path) for name, path in command.scripts().items() if name not in FIXED_WORK}
 
@@ -148,7 +152,8 @@ def fault(given: Answer) -> str:
         forecast = given.err.endswith("too long") and given.forecast_at < LATEST_FORECAST
         return "" if forecast else f"no exit status: {given.err[-600:]}"
     if given.status == 2:
-        one_line = not given.out and given.err.count("\n") == 1 and given.err.endswith("\n")
+        said = [line for line in given.err.splitlines() if line and not PROGRESS.match(line)]
+        one_line = not given.out and len(said) == 1 and given.err.endswith("\n")
         return "" if one_line and "Traceback" not in given.err else f"not one line: {given.out[:200]} {given.err[:600]}"
     if given.status not in (0, 1) or "Traceback" in given.err:
         return f"exit status {given.status}: {given.err[:600]}"
