@@ -39,6 +39,7 @@ SMALL = {
     "tolerances": ("samples=2",),
     "cue_map": ("map_points=2", "accuracy=0.0001", "reference=no"),
     "neighbours": ("search=no",),
+    "bent_bristles": ("wire_links=1",),
     "film": ("map_durations=2", "map_dampings=2", "wire_links=2", "workers=1"),
 }
 """Settings that keep scenarios short that take many passes, with progress and time left, by default."""

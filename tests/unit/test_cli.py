@@ -25,7 +25,7 @@ import pytest
 
 from bristle_sim import __version__
 from bristle_sim.cli import Scenario, ending, main, output
-from bristle_sim.commit import commit
+from bristle_sim.commit import named_commit
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.parameters import Measurement
 from bristle_sim.units import choice, quantity, validate
@@ -165,7 +165,7 @@ def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str], t
         "scenario": "fake",
         "answer": "Momentum is mass times speed.",
         "version": __version__,
-        "commit": commit(),
+        **named_commit(),
         "parameters": {"mass": 2.0, "speed": 0.5, "drag": None, "law": "elastic"},
         "outcome": "rebound",
         "quantities": [
