@@ -79,9 +79,9 @@ RANGES: dict[str, Range] = {
         ("mass_ratio", "1", 1e-30, 1e12, "physics: positive; rounding: n + 3 keeps either's digits"),
         ("angle_1 angle_2", "rad", -0.5 * math.pi, 0.5 * math.pi, "physics: the rods reach the surface from above"),
         ("rate rate_1 rate_2", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
-        ("tangential_compliance", "1", 0.0, 1e4, "as the energetic law's"),
-        ("resting_speed", "length/time", 0.0, 1e300, "any number"),
-        ("duration", "time", 0.0, 1e9, "engine: NaN and infinity would pass"),
+        ("tangential_compliance", "1", 0.0, 1e4, "rounding: as for the energetic law"),
+        ("resting_speed", "length/time", 0.0, 1e300, "physics: any finite speed"),
+        ("duration", "time", 0.0, 1e9, "physics: a finite step; the engine would take NaN"),
     )
     for key in keys.split()
 }
