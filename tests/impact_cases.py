@@ -14,8 +14,8 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact
 
 ROUGH = Surface(friction=0.5, restitution=0.5)
-TRAPEZOIDAL = (math.pi / 5.0) ** 3 / 24.0
-"""Relative error of an impulse where a phase is a single interval, at most a fifth of half a wave of force: that of its chord."""
+TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
+"""Relative error of an impulse summed by the trapezoidal rule over the 24 intervals of a record."""
 
 
 def bristle(state: Strike | None = None, contact: Contact | None = None, **surface: float) -> Impacts:

@@ -19,6 +19,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle, WorkpartObstacle
+from bristle_sim.scene.contact.samples import filled
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.trajectory import ContactHistory
@@ -70,10 +71,6 @@ class ContactCourse:
         """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
         time, _, _, *motion = self.rows[-1]
         self.rows[-1] = (time, 0.0, 0.0, *motion)
-
-    def history(self) -> ContactHistory:
-        """Return the samples."""
-        return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
 
     def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
         """Return the names of the phases in order, without those too short to matter; a jam's last phase always counts."""
@@ -127,6 +124,12 @@ class Spring:
     stick_force: float = 0.0
     course: ContactCourse = field(default_factory=ContactCourse)
     elastic: ClassVar[bool] = False
+
+    def history(self) -> ContactHistory:
+        """Return the samples, with others between them in the rigid-body limit of a contact that is rigid along the surface."""
+        rows = np.array(self.course.rows)
+        every = rows if self.expected.moves or self.elastic else filled(rows, self.inverse_mass)
+        return ContactHistory(*np.ascontiguousarray(every.T))
 
     def force(self, scene: Scene, obstacle: Obstacle) -> SpringForce:
         """Return the spring's force as a load."""

@@ -112,5 +112,5 @@ class Sustained:
             rates_before=first.rates,
             rates_after=last.rates,
             phases=() if course is None else course.phase_names(normal, jams=outcome == Outcome.JAM),
-            history=None if course is None else course.history(),
+            history=None if self.spring is None else self.spring.history(),
         )
