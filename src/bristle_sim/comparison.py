@@ -1,4 +1,4 @@
-"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule for what agrees."""
+"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule of agreement."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 Values = Mapping[str, float | None]
-"""Numbers by the names of their quantities; None for what is not known."""
+"""Numbers by the names of their quantities; None where a number is not known."""
 
 SIDES = ("simulated", "theory", "reference", "printed")
 
@@ -138,7 +138,7 @@ class Report:
 
 
 class Unfinished(KeyboardInterrupt):
-    """The user's interruption of long work, with a report of what was finished by then."""
+    """The user's interruption of long work, with a report of the finished part."""
 
     def __init__(self, report: Report) -> None:
         super().__init__("interrupted")
@@ -146,7 +146,7 @@ class Unfinished(KeyboardInterrupt):
 
 
 def finite(value: float | None) -> float | None:
-    """The number, or None for what is not one."""
+    """Return the number, or None if it is absent or not finite."""
     return float(value) if value is not None and math.isfinite(value) else None
 
 

@@ -67,7 +67,7 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Tell whether a path names an open stream, or what is neither a regular file nor a folder: a device, a pipe, a socket."""
+    """Tell whether a path names an open stream, a device, a pipe or a socket."""
     return _descriptor(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 
@@ -80,7 +80,7 @@ def _descriptor(path: Path) -> int | None:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """Open what is special for writing; an open stream is written on, since opening its name anew would empty its file."""
+    """Open a special file for writing. Opening an open stream by its name would empty its file, so the stream itself is used."""
     number = _descriptor(path)
     if number is None:
         return path.open("wb")

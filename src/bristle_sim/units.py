@@ -67,7 +67,7 @@ class Range:
     def parse(self, text: str) -> float:
         """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
 
-        Raises ValueError in one line, for what is no number, of another dimension, or out of range.
+        Raises ValueError in one line, if the text is no number, has another dimension, or is out of range.
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])

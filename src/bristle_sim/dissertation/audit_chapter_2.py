@@ -117,7 +117,7 @@ BELOW_STICTION = np.linspace(0.0, 0.42, 22)
 
 
 def strike(friction: Any = None, impact_angle: Any = IMPACT_ANGLE, **other: Any) -> MonofilamentImpact:
-    """Return the monofilament's impact at the operating point but for what is given, by names of its arguments."""
+    """Return the monofilament's impact at the operating point, with the given arguments changed."""
     workpart = tool.workpart
     assert workpart is not None
     given: dict[str, Any] = {"mass": mass, "length": length, "hub_radius": radius, "hub_speed": tool.hub.speed}

@@ -235,7 +235,7 @@ def impact_curve(
     read: Callable[[ContactRecord], float | None],
     places: Mapping[str, Array],
 ) -> Curve:
-    """Return a closed form over x, and what is read from simulated impacts at some places by law.
+    """Return a closed form over x, with points at some places that are read from simulated impacts of each law.
 
     An impact without an end, or without the quantity, is left out.
     """

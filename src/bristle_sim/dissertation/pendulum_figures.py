@@ -69,7 +69,7 @@ def heavy_rod_figure() -> Redrawn:
 
 
 def _impact(chain: Chain, surface: Surface, mass_ratio: float, friction: float) -> tuple[Chain, Surface]:
-    """Return a double pendulum with another ratio of its first rod's mass to its second's, and what it strikes."""
+    """Return a double pendulum with another ratio of its first rod's mass to its second's, and the struck surface."""
     masses = (mass_ratio * chain.masses[1], chain.masses[1])
     return dataclasses.replace(chain, masses=masses), dataclasses.replace(surface, friction=friction)
 

@@ -1,4 +1,4 @@
-"""Parameters of what was measured or cuts: force history, measured impacts, crater."""
+"""Parameters of force history, crater, measured impacts, and the map of the film."""
 
 from __future__ import annotations
 

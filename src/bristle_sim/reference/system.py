@@ -59,7 +59,7 @@ class System:
         self.fastest = chain.fastest_rate
 
     def at(self, state: State) -> Instant:
-        """Return a state with what follows from it."""
+        """Return a state with the quantities that follow from it."""
         return Instant(self, state)
 
     @property

@@ -7,7 +7,7 @@ In reading order:
 - ``run``: the loop, from one change of contact to the next, and the decision which contacts stay closed after it.
 - ``motion``: one smooth motion between two changes, integrated interval by interval; ``progress``: the state of a run.
 - ``spring_contact``: the phases of a contact resolved in time.
-- ``results``: what was recorded, in SI units.
+- ``results``: the recorded motion and contacts in SI units.
 - ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
 
 Subpackages:

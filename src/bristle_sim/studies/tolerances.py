@@ -154,7 +154,7 @@ def propagated(
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
-    """Return the ends of every input's interval, cut off at the bounds of what the input may be."""
+    """Return the ends of every input's interval, cut off at the bounds of its range."""
     found = dict[str, tuple[float, float]]()
     for part, keys in tool_keys().items():
         for key, (name, declared) in keys.items():

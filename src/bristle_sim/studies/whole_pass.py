@@ -148,7 +148,7 @@ def _why_not(tool: Tool, run: Trajectory) -> str:
 
 
 def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the quantities of a run, None for what did not happen; events and extremes are samples."""
+    """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
     touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]

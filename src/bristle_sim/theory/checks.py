@@ -35,14 +35,14 @@ def finite(name: str, value: Any, unit: str) -> None:
 
 
 def positive(name: str, value: Any, unit: str) -> None:
-    """Refuse what is not finite and above zero."""
+    """Refuse a number that is not finite and above zero."""
     rule = f"must be a finite number with {name} > 0 ({_in(unit)})"
     array = numbers(name, value, rule)
     require(name, array, np.isfinite(array) & (array > 0.0), rule)
 
 
 def _floats(value: Any) -> Array | None:
-    """Return an array of floats; None for what does not consist of real numbers: text, truth values, complex numbers, ragged lists."""
+    """Convert to a float array, or return None if an entry is not a real number (text, truth value, complex) or rows differ."""
     if _has_truth_value(value):
         return None
     try:

@@ -213,7 +213,7 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
 
 
 def _check(time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None) -> None:
-    """Refuse what is not one row of increasing times, more than the unknowns, of one contact where its start is known."""
+    """Refuse forces unless their times are one ascending row, with more samples than unknowns, of one contact."""
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths")
     if not (np.isfinite(time).all() and np.isfinite(force).all() and (np.diff(time) > 0.0).all()):

@@ -1,6 +1,6 @@
-"""What accuracy costs in time: error against CPU time for this project's methods and for other tools' on the same cases.
+"""The cost of accuracy: error against CPU time of this project's methods and of other packages on the same cases.
 
-``cases`` says what is computed and what is exact; ``own_methods``, ``scipy_methods``, ``mujoco_methods`` and
-``exudyn_methods``, ``heyoka_methods`` each offer attempts at a case; ``measure`` finds errors and times in separate passes; ``effects`` prices
-every part of a scene; ``study`` runs it all and writes the report.
+``cases`` has the cases with their exact answers. ``own_methods``, ``scipy_methods`` and ``peers`` (MuJoCo, Exudyn, heyoka)
+list the attempts at each case. ``measure`` takes errors and times in separate passes, and ``effects`` the cost of each part of
+a scene. ``study`` runs them and writes the report (``results``).
 """

@@ -1,4 +1,4 @@
-"""The cases: what is computed, what the exact answer is, and where it comes from.
+"""The cases: each computed quantity with its exact answer and the source of that answer.
 
 Each case has an answer of a few numbers. An error is the largest of their differences from the exact ones, each
 relative to its own natural size, so that one definition serves closed forms and converged references alike.

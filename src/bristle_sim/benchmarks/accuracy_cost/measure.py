@@ -1,9 +1,8 @@
 """Error and time of attempts at a case, in separate passes.
 
 First every attempt is run once and its error noted, which also warms it up. Then all attempts are timed in rounds, each
-round going through all of them in turn, so that whatever else the machine is doing hits all alike. Times are CPU times
-of the process. The least of the rounds is what the attempt costs; what is above it is the machine's noise, which the
-median shows.
+round going through all of them in turn, so that other work on the machine disturbs all of them alike. Times are CPU times
+of the process. The cost of an attempt is the least time of the rounds. The median shows the machine's noise above it.
 """
 
 from __future__ import annotations
@@ -85,7 +84,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What was added to a scene, what it cost (CPU s) and how that compares with the first row of its kind.
+    """An addition to a scene, its cost (CPU s), and the ratio of that cost to the first row of its kind.
 
     ``what`` is ``engine step``, or ``links`` or ``bristles``, whose number the effect is; ``holds`` counts what the scene has.
     """
@@ -98,7 +97,7 @@ class Effect:
 
 
 def plain(record: Point | Effect) -> dict[str, Any]:
-    """Return the record as plain values, None for what is not finite."""
+    """Return the record as plain values, None for numbers that are not finite."""
     values = dataclasses.asdict(record).items()
     return {key: None if isinstance(each, float) and not math.isfinite(each) else each for key, each in values}
 

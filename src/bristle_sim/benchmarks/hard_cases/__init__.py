@@ -1,4 +1,4 @@
-"""Hard cases: tables of what is tried and promised, measures that many of them share, and the report of what was reached.
+"""Hard cases: tables of trials and promises, the measures that they share, and the report of the results.
 
 Which cases are tried is declared here, so that the command line answers before an engine is loaded.
 """

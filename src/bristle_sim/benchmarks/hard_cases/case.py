@@ -1,4 +1,4 @@
-"""A hard case: what is tried, what is promised, and what was reached."""
+"""A hard case: a trial, its promise and its result."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Result of one trial: what was reached, in words equal at every run, whether the promise was kept, and the engine's steps."""
+    """Result of one trial: a text that is equal at every run, whether the promise was kept, and the number of engine steps."""
 
     reached: str
     ok: bool
@@ -24,7 +24,7 @@ class HardCase:
 
     Attributes:
         theme: what makes it hard.
-        name: what is tried, with the figures that make it hard.
+        name: of the trial, with the figures that make it hard.
         promise: what must hold, with its limit and where the limit comes from.
         measure: runs the case.
         quick: whether it is tried at quick effort too.

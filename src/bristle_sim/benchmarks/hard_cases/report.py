@@ -1,4 +1,4 @@
-"""Every requested hard case tried, as a report: what was promised, what was reached, and how many promises were kept."""
+"""Try every requested hard case, and report each promise with its result and the number of promises kept."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _report(tried: Tried, wall_s: float) -> Report:
 
 
 def answer(tried: Tried) -> str:
-    """Return whether all cases keep their promise, or those that break it with what was reached."""
+    """Return whether all cases keep their promise, or those that break it, with their results."""
     broken = [f"{_named(case)} ({finding.reached})" for case, finding in tried if not finding.ok]
     if broken:
         return f"No: {len(broken)} of {len(tried)} hard cases break their promise: {'; '.join(broken)}."

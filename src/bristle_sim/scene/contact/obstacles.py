@@ -43,7 +43,7 @@ class ClosestApproach(NamedTuple):
         kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
         piece: which straight piece of the centre line is closest, from 0 at the joint; of two wires, which of their four ends.
-        partner_arm: contact point seen from the joint of the other wire's link; None on what is fixed.
+        partner_arm: contact point seen from the joint of the other wire's link; None on a fixed obstacle.
     """
 
     gap: float
