@@ -8,11 +8,13 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Contact, Surface
+from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.render.impact_figure import impact_figure
 from bristle_sim.scene.contact.compliant import CompliantLaw
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
+from bristle_sim.studies.impacts import oblique_impact
 
 GAMMA = math.radians(23.4)
 BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,), 0.0275, 261.8, -GAMMA)
@@ -78,3 +80,13 @@ def test_no_compliance_no_spring_along_the_surface(squared: float) -> None:
 def test_the_engine_knows_no_such_contact() -> None:
     with pytest.raises(ValueError, match=r"^tangential_compliance = 1: must be 0 with contact = engine"):
         Contact("engine", tangential_compliance=1.0)
+
+
+def test_an_elastic_strike_is_not_judged_by_formulas_of_a_rigid_surface() -> None:
+    """Print, answer and picture say which contact each number and line is of."""
+    report = oblique_impact(Hub(), Bristle(), Strike(), Surface(), Contact(tangential_compliance=1.21), Settings())
+    assert "rigid along the surface" in report.answer
+    assert "by formula" not in report.answer
+    assert {row.ok for row in report.quantities} == {None}
+    (axes,) = impact_figure(report.subject).axes
+    assert any("rigid along the surface" in text.get_text() for text in (*axes.texts, *axes.figure.texts))

@@ -30,6 +30,8 @@ def impact_figure(impacts: Impacts) -> Figure:
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
     later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
     words = f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
+    if impacts.elastic:
+        words += "; lines: rigid along the surface, crosses: elastic, in time"
     axes = add_panel(figure, (LEFT, FOOT, WIDTH, HEIGHT), "the impact over its normal impulse", words)
     resolved = impacts.strikes.get("compliant")
     history = None if resolved is None else resolved.contact.history

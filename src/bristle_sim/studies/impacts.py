@@ -220,9 +220,8 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
     )
     words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(one.outcome, "sticks")
     impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}"
-    answer = (
-        f"{agreement(rows)}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
-    )
+    known = "The formulas are for a contact that is rigid along the surface" if impacts.elastic else agreement(rows)
+    answer = f"{known}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
     return Report(
         outcome=outcome_of(one),
         quantities=tuple(rows),
@@ -232,7 +231,7 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         wall_s=requested.wall_s,
         remarks=(
             *(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
-            *(("theory is that of a contact which is rigid along the surface",) if impacts.elastic else ()),
+            *(("theory: of a contact that is rigid along the surface",) if impacts.elastic else ()),
         ),
         tables=(Table("the contact laws compared", head, tuple(cells)),),
         extra={"laws": laws},
