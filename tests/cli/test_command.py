@@ -78,30 +78,6 @@ def test_a_distribution_carries_its_commit(tmp_path: Path, monkeypatch: pytest.M
     assert commits.commit.__wrapped__() == "0123456789ab"
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("cue_and_imapct", "did you mean cue_and_impact?"),
-        ("zzz", "bristle-sim alone lists"),
-        ("single_pendulum --set rat=1", "single_pendulum: error: --set 'rat=1': unknown key 'rat'; did you mean rate?"),
-        ("--set rate=1", "--set: must come after the name of a scenario"),
-        ("single_pendulum rate=1", "unrecognized arguments: rate=1; did you mean --set rate=1?"),
-        ("tolerances --csv a.csv", "--csv a.csv; bristle-sim tolerances --help lists the options"),
-        (
-            "cue_timing --parameters none.toml",
-            "error: --parameters = 'none.toml': must be a readable file (No such file",
-        ),
-        ("cue_timing --parameters .", "error: --parameters = '.': must be a readable file (Is a directory)"),
-        ("dissertation_audit --parameters none.toml", "--parameters"),
-    ],
-)
-def test_a_wrong_line_is_refused_in_one_line(line: str, words: str, capsys: pytest.CaptureFixture[str]):
-    assert command.main(line.split()) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert words in err
-
-
 def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     script = partial(runpy.run_path, str(ROOT / "scenarios" / "oblique_impact.py"))
     module = partial(runpy.run_module, "bristle_sim")
@@ -157,24 +133,6 @@ def test_a_tool_file_gives_parameters_and_set_overrides_them(tmp_path: Path, cap
         out, err = capsys.readouterr()
         assert json.loads(out)["parameters"]["hub_speed"] == speed
         assert err == (f"bristle-sim oblique_impact: warning: {path}: {warning}" if bar else "")
-
-
-@pytest.mark.parametrize(
-    ("text", "advice"),
-    [
-        ("hub_sped = 3", "unknown key 'hub_sped'; did you mean hub_speed?"),
-        ("bar = false", "bar = false: must be present for cue_and_impact"),
-        ("hub_speed = -1", "hub_speed = '-1': must be"),
-    ],
-)
-def test_a_faulty_tool_file_is_refused_in_one_line(
-    text: str, advice: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
-    (tmp_path / "tool.toml").write_text(text)
-    assert command.main(["cue_and_impact", "--parameters", str(tmp_path / "tool.toml")]) == 2
-    err = capsys.readouterr().err
-    assert f"{tmp_path / 'tool.toml'}: {advice}" in err
-    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -78,28 +78,6 @@ def test_every_figure(tmp_path: Path, capsys):
     assert {row["name"].rpartition("_")[0] for row in rows} == {name for name in names if name != "table_3.1"}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        *((("dissertation_figures", "--only", text), (f"only = {text!r}", "2.24")) for text in ("2.25", "", "4.18")),
-        (("dissertation_figures", "--only", "4.6", "--plot", "{file}"), ("--plot", "must be a folder")),
-        (("force_history", "--set", "force_csv=none.csv"), ("force_csv", "must be a readable file")),
-        (("crater_depth", "--set", "plies=2.5"), ("plies = '2.5'", "must be a whole number")),
-        (("crater_depth", "--set", "hub_radius=4e-5"), ("compression_time = 5e-05: must be shorter", "in s")),
-    ],
-)
-def test_a_refusal_draws_nothing(arguments: tuple[str, ...], words: tuple[str, ...], tmp_path: Path, capsys):
-    target = tmp_path / "file.png"
-    target.write_text("")
-    name, *others = (each.format(file=target) for each in arguments)
-    plot = ["--plot", str(tmp_path / ("new" if name == "dissertation_figures" else "new.png"))]
-    assert command.main([name, *plot, *others]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert all(word in err for word in words)
-    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("file.png", "")]
-
-
 def test_points_of_a_file_are_fitted_and_drawn(tmp_path: Path, capsys):
     """A ball's impact: a bristle on a turning hub has no such contact, so that there is nothing to compare."""
     points, picture = tmp_path / "ball.csv", tmp_path / "picture.png"

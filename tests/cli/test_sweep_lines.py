@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import sys
 from pathlib import Path
 
 import pytest
@@ -58,37 +57,3 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(capsys: pyt
     assert len({row["merchant_crater_depth_limit (m)"] for row in rows}) == 1
     few, many = (float(row["merchant_crater_depth (m)"]) for row in rows)
     assert few < many < float(rows[0]["merchant_crater_depth_limit (m)"])
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--sweep", "friction=1"), "must be KEY=FROM:TO:N with N from 1"),
-        (("--sweep", "friction=0:1:0"), "must be KEY=FROM:TO:N with N from 1"),
-        (("--sweep", "frition=0:1:3"), "did you mean friction"),
-        (("--sweep", "contact=1:2:3"), "must name a key that is a number, not a word"),
-        (("--sweep", "friction=0:-1:3"), "friction = '-1': must be"),
-        (("--sweep", "friction=0:1:3", "--sweep", "friction=0:1:2"), "must name each key once"),
-        (("--sweep", "friction=0:1:3", "--video", "a.mp4"), "--video: must be left out with --sweep"),
-        (("--sweep", "friction=0:1:3", "--workers", "0"), "workers = 0: must be"),
-        (("--workers", "2"), "must be given with --sweep"),
-        (("--sweep", "penetration=0.03:0.04:2", "--plot", "none.png"), "--plot: must have results to draw"),
-        (
-            tuple(f"--sweep={key}=0.1:0.2:2" for key in ("friction", "restitution", "penetration")),
-            "must be one key or two",
-        ),
-    ],
-)
-def test_bad_input_is_one_line(words: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]):
-    assert called(*words) == 2
-    error = capsys.readouterr().err
-    assert told in error
-    assert error.count("\n") == 1
-
-
-def test_without_the_extra_the_command_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
-    monkeypatch.setitem(sys.modules, "bristle_sim.cli.sweep", None)
-    assert called("--sweep", "friction=0.1:0.2:2") == 2
-    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep]" in capsys.readouterr().err

@@ -1,0 +1,108 @@
+"""The table of command lines that are refused: exit status 2, one line with what it must be, and no file left behind."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from bristle_sim.cli import Scenario, command
+
+MASS = "must be a finite number with 1e-30 <= rod_mass <= 1e+06 (in kg"
+SWEPT = "cue_and_impact --sweep friction=0:1:3"
+
+REFUSED = [
+    ("cue_and_imapct", "unknown scenario 'cue_and_imapct'; did you mean cue_and_impact?"),
+    ("zzz", "bristle-sim alone lists"),
+    ("--set rate=1", "--set: must come after the name of a scenario"),
+    *((f"single_pendulum --set rod_mass={text}", f"rod_mass = '{text}': {MASS})") for text in ("abc", "", "nan", "0")),
+    (r"single_pendulum --set 'rod_mass=1\n2'".replace(r"\n", "\n"), rf"rod_mass = '1\n2': {MASS})"),
+    ("single_pendulum --set rod_mass=2m", f"rod_mass = '2m': {MASS}, to which m cannot be converted)"),
+    ("single_pendulum --set contact=Engine", "contact = 'Engine': must be one of energetic | compliant | engine"),
+    ("single_pendulum --set contact_duration=1e-4", "contact_duration = 0.0001: must be left out unless contact = compliant"),
+    *((f"single_pendulum --set '{text}'", f"--set {text!r}: must be KEY=VALUE") for text in ("", "rate", "rate:3")),
+    ("single_pendulum --set =1", "--set '=1': unknown key ''; --list-keys shows all keys"),
+    ("single_pendulum --set hub_radius=1", "--set 'hub_radius=1': unknown key 'hub_radius'; --list-keys shows all keys"),
+    *((f"single_pendulum --set {key}=1", f"unknown key '{key}'; did you mean rate?") for key in ("rat", "Rate")),
+    ("single_pendulum rate=1", "unrecognized arguments: rate=1; did you mean --set rate=1?"),
+    ("single_pendulum --unknown", "--unknown; bristle-sim single_pendulum --help lists the options"),
+    ("single_pendulum --jso -", "--jso"),
+    ("single_pendulum --set", "--set"),
+    ("single_pendulum --list-keys=yes", "--list-keys"),
+    ("tolerances --csv a.csv", "--csv a.csv"),  # of a scenario without a motion
+    ("single_pendulum --write-tool tool.toml", "--write-tool"),  # of a scenario without a tool
+    ("cue_and_impact --video a.gif --size big", "--size: 'big': must be WIDTHxHEIGHT, such as 1280x720 (in px)"),
+    ("cue_and_impact --size 640x480", "--size, --fps: must be given with --video"),
+    ("cue_and_impact --plot a.bmp", "--plot = 'a.bmp': must be a file name that ends in .png, .svg, .pdf"),
+    ("cue_and_impact --video a", "--video = 'a': must be a file name that ends in .mp4, .gif"),
+    ("cue_and_impact --report a.pdf", "--report = 'a.pdf': must be a file name that ends in .html"),
+    ("cue_and_impact --csv a.xlsx", "--csv = 'a.xlsx': must be a file name that ends in .csv"),
+    ("cue_and_impact --csv - --json -", "--csv = '-': must be a file where --json is on standard output"),
+    ("cue_and_impact --json no/a.json", "--json = 'no/a.json': must be in an existing, writable folder"),
+    ("cue_and_impact --json .", "--json = '.': must be a file, not a folder"),
+    ("cue_and_impact --plot a.png --json a.png", "--plot = 'a.png': must be another file than that of --json"),
+    ("cue_and_impact --plot a.png --json link", "--plot = 'a.png': must be another file than that of --json"),
+    ("force_history --set force_csv=points.csv --json points.csv", "must be another file than that of force_csv"),
+    ("force_history --set force_csv=none.csv", "force_csv = 'none.csv': must be a readable file"),
+    ("cue_timing --parameters none.toml", "--parameters = 'none.toml': must be a readable file (No such file"),
+    ("cue_timing --parameters .", "--parameters = '.': must be a readable file (Is a directory)"),
+    ("dissertation_audit --parameters none.toml", "--parameters"),
+    ("cue_and_impact --parameters sped.toml", "sped.toml: unknown key 'hub_sped'; did you mean hub_speed?"),
+    ("cue_and_impact --parameters bar.toml", "bar.toml: bar = false: must be present for cue_and_impact"),
+    ("cue_and_impact --parameters slow.toml", "slow.toml: hub_speed = '-1': must be"),
+    *((f"dissertation_figures --only '{number}' --plot new", "2.24") for number in ("2.25", "", "4.18")),
+    ("dissertation_figures --only 4.6 --plot f.png", "--plot = 'f.png': must be a folder, or a file name that ends in .pdf"),
+    ("crater_depth --set plies=2.5", "plies = '2.5': must be a whole number"),
+    *((f"cue_and_impact --sweep {axis}", "must be KEY=FROM:TO:N with N from 1") for axis in ("friction=1", "friction=0:1:0")),
+    ("cue_and_impact --sweep frition=0:1:3", "did you mean friction"),
+    ("cue_and_impact --sweep contact=1:2:3", "must name a key that is a number, not a word"),
+    ("cue_and_impact --sweep friction=0:-1:3", "friction = '-1': must be"),
+    (f"{SWEPT} --sweep friction=0:1:2", "must name each key once"),
+    (f"{SWEPT} --sweep restitution=0:1:3 --sweep hub_speed=1:2:2", "must be one key or two"),
+    (f"{SWEPT} --video a.mp4", "--video: must be left out with --sweep"),
+    (f"{SWEPT} --workers 0", "workers = 0: must be"),
+    ("cue_and_impact --workers 2", "must be given with --sweep"),
+    ("explore none.toml", "none.toml"),
+    ("explore --port 99999", "must be a whole number from 0 to"),
+    ("compare tool.toml none.toml", "none.toml"),
+]  # fmt: skip
+
+REFUSED_BY_THE_RUN = [
+    ("oblique_impact --csv a.csv", "contact = energetic: must be compliant"),
+    ("crater_depth --set hub_radius=4e-5 --plot a.png", "compression_time = 5e-05: must be shorter"),
+    ("cue_and_impact --sweep penetration=0.03:0.04:2 --plot a.png", "--plot: must have results to draw"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    files = {"sped": "hub_sped = 3", "bar": "bar = false", "slow": "hub_speed = -1", "tool": ""}
+    for name, text in files.items():
+        (tmp_path / f"{name}.toml").write_text(text)
+    (tmp_path / "points.csv").write_text("0,0")
+    (tmp_path / "link").symlink_to(tmp_path / "a.png")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("line", "words"), REFUSED + REFUSED_BY_THE_RUN)
+def test_a_line_is_refused_in_one_line(line: str, words: str, folder: Path, capsys, monkeypatch: pytest.MonkeyPatch):
+    """Before anything is computed, if the line alone says that it is wrong."""
+    if (line, words) in REFUSED:
+        monkeypatch.setattr(Scenario, "answer", lambda *_: pytest.fail("ran"))
+    before = {path: path.is_symlink() or path.read_text() for path in folder.iterdir()}
+    assert command.main(shlex.split(line)) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith("bristle-sim")
+    assert "error: " in err
+    assert words in err
+    assert {path: path.is_symlink() or path.read_text() for path in folder.iterdir()} == before
+
+
+def test_without_its_extra_a_sweep_names_it(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    monkeypatch.setitem(sys.modules, "bristle_sim.cli.sweep", None)
+    assert command.main(shlex.split(SWEPT)) == 2
+    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep]" in capsys.readouterr().err
