@@ -90,13 +90,10 @@ def sweep(
     target: Any = zarr.storage.MemoryStore()
     if store is not None:
         coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
-        same, digest = identity_of(function, version)[:32], joblib.hash((coordinates, dict(grid.sizes)))
-        target = Path(store) / f"{same}-{digest[:16]}.zarr"
+        digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
+        target = Path(store) / f"{digest}.zarr"
         target.mkdir(parents=True, exist_ok=True)
     results = SweepStore(target, grid, units)
-    if store is not None and not results.shapes:
-        for other in target.parent.glob(f"{same}-*.zarr"):
-            results.adopt(other)
     try:
         for _ in range(ROUNDS):
             if not (missing := np.flatnonzero(results.missing())).size:
@@ -185,9 +182,9 @@ def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
 def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool | None) -> None:
     """Write outcomes to the store at intervals, and the finished ones also when an error ends the sweep."""
     finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-    shown = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}
-    with closing(outcomes), tqdm(total=total, unit="point", mininterval=0.1 if terminal else PATIENCE, **shown) as bar:
+    options = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}
+    options["mininterval"] = 0.1 if sys.stderr is not None and sys.stderr.isatty() else PATIENCE
+    with closing(outcomes), tqdm(total=total, unit="point", **options) as bar:
         try:
             for outcome in outcomes:
                 finished.append(outcome)

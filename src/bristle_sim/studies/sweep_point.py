@@ -17,7 +17,7 @@ from typing import Any
 
 import joblib
 import numpy as np
-from joblib.externals.loky.process_executor import BrokenProcessPool, TerminatedWorkerError
+from joblib.externals.loky.process_executor import BrokenProcessPool
 from joblib.parallel import get_active_backend
 
 from bristle_sim.arrays import Array
@@ -107,11 +107,8 @@ def evaluated(
                     yield from found
         except (Exception, CancelledError) as error:
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            unsent = isinstance(error, BrokenProcessPool) and not isinstance(
-                error, TerminatedWorkerError
-            )  # loky's class
             gone = isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
-            if unsent or not gone:
+            if type(error) is BrokenProcessPool or not gone:  # loky's class, of tasks that a worker could not read
                 words = f"function = {name_of(function)}: must be picklable, to be sent to the workers ({reason})"
                 raise ValueError(words) from error
             lost += 1

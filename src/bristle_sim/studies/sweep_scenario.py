@@ -15,10 +15,6 @@ from bristle_sim.comparison import Report
 from bristle_sim.studies.sweep import sweep
 from bristle_sim.studies.sweep_point import FAILURE
 
-MOST_KEYS = 2
-"""Most keys of a table, so that it can be drawn: as lines over one, as maps over two."""
-
-
 FORMULA = " by formula"
 """Suffix of the name of a quantity's value by formula, within a sweep."""
 
@@ -36,7 +32,7 @@ def sweep_scenario(
 
     Args:
         run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
-        axes: the values of each key, in SI units.
+        axes: the values of each key, in SI units; one key can be drawn as lines, two as maps.
         units: of the keys; those of the quantities come from the report.
         workers, store, progress: as :func:`bristle_sim.sweep` takes them.
 
@@ -46,24 +42,22 @@ def sweep_scenario(
 
     Raises ValueError for no keys or more than two, and as :func:`bristle_sim.sweep` does.
     """
-    if not 1 <= len(axes) <= MOST_KEYS:
+    if len(axes) not in (1, 2):
         raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")
     space = {key: np.asarray(values, dtype=float) for key, values in axes.items()}
-    found = sweep(
-        functools.partial(_quantities, run), space, units=units, workers=workers, store=store, progress=progress
-    ).load()
+    options: dict[str, Any] = {"units": units, "workers": workers, "store": store, "progress": progress}
+    found = sweep(functools.partial(_quantities, run), space, **options).load()
     known = [np.isfinite(each.values) for name, each in found.data_vars.items() if name != FAILURE]
     finished = np.argwhere(np.any(known, axis=0))
     if finished.size:  # a report there knows labels and units
         point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
-        quantities = {each.name: each for each in run(**point).quantities}
-        for name in quantities:
-            if name + FORMULA in found and not np.isfinite(found[name]).any():
-                found[name] = found[name + FORMULA]
-        found = found[[*quantities, FAILURE]]
-        for name, each in quantities.items():
-            found[name].attrs = {"units": each.unit, "long_name": each.label}
-        complete = np.all([np.isfinite(found[name].values) for name in quantities], axis=0)
+        quantities = run(**point).quantities
+        for each in quantities:
+            if each.name + FORMULA in found and not np.isfinite(found[each.name]).any():
+                found[each.name] = found[each.name + FORMULA]
+            found[each.name].attrs = {"units": each.unit, "long_name": each.label}
+        found = found[[*(each.name for each in quantities), FAILURE]]
+        complete = np.all([np.isfinite(found[each.name].values) for each in quantities], axis=0)
         found[FAILURE] = found[FAILURE].where(~complete, "")
     return found
 

@@ -1,12 +1,11 @@
 """Results of a sweep as zarr arrays on its grid: written as they come, checked before more are computed, read by xarray.
 
-Zarr, because a part of an array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the
-others intact, and xarray reads no more than is used. A netCDF is one file that a crash can spoil; xarray reads no npz.
+In zarr a part of an array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the others
+intact, and xarray reads no more than is used.
 """
 
 from __future__ import annotations
 
-import contextlib
 import json
 import logging
 import math
@@ -42,29 +41,30 @@ class SweepStore:
     def __init__(self, target: Any, grid: xr.Dataset, units: Mapping[str, str]) -> None:
         self.target, self.grid, self.units, self.shape = target, grid, units, tuple(grid.sizes.values())
         words = {name: each.astype(str).astype(object) for name, each in grid.coords.items() if each.dtype == object}
-        written = grid.assign_coords(words)
+        written, options = grid.assign_coords(words), {"zarr_format": 3, "consolidated": False}
         for each in target.rglob("*.partial") if isinstance(target, Path) else ():
             if time.time() - each.stat().st_mtime > ABANDONED:
                 each.unlink()
         try:
             found = str(zarr.open_group(target, mode="r").attrs["results"])
-            written.assign_attrs(results=found).to_zarr(target, mode="a", zarr_format=3, consolidated=False)
-            self.group, self.shapes = zarr.open_group(target, mode="r+"), dict[str, Any](json.loads(found))
+            written.assign_attrs(results=found).to_zarr(target, mode="a", **options)
+            self.shapes = dict[str, Any](json.loads(found))
         except Exception as error:  # of the many kinds that zarr raises for files that are absent or damaged
             if not isinstance(error, FileNotFoundError):
                 logging.getLogger(__name__).warning("%s is damaged and computed again (%s)", target, error)
-            written.assign_attrs(results="{}").to_zarr(target, mode="w", zarr_format=3, consolidated=False)
-            self.group, self.shapes = zarr.open_group(target, mode="r+"), {}
+            written.assign_attrs(results="{}").to_zarr(target, mode="w", **options)
+            self.shapes = {}
+        self.group = zarr.open_group(target, mode="r+")
         self.arrays = {name: self._array(name, inner) for name, inner in {FAILURE: [], **self.shapes}.items()}
 
     def _array(self, name: str, inner: Sequence[int]) -> Any:
         """Return the array of a variable on the grid, followed by the variable's own axes; create it if it does not exist."""
         if name in self.group:
             return self.group[name]
-        chunk, room = list[int](), BLOCK
+        chunk, points = list[int](), BLOCK
         for size in reversed(self.shape):  # of points that follow each other
-            chunk.insert(0, min(size, room))
-            room //= chunk[0]
+            chunk.insert(0, min(size, points))
+            points //= chunk[0]
         return self.group.create_array(
             name,
             shape=(*self.shape, *inner),
@@ -73,12 +73,9 @@ class SweepStore:
             fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
             compressors=[ZstdCodec(), Crc32cCodec()],
             dimension_names=[*map(str, self.grid.sizes), *(f"{name}_{axis}" for axis in range(len(inner)))],
-            attributes=({} if name == FAILURE else {"missing_value": UNWRITTEN}) | self._units(name),
+            attributes={} if name == FAILURE else {"missing_value": UNWRITTEN},
             config={"write_empty_chunks": True},
         )
-
-    def _units(self, name: str) -> dict[str, Any]:
-        return {"units": self.units[name]} if name in self.units else {}
 
     def missing(self) -> NDArray[np.bool_]:
         """Return which points of the grid must be computed; damaged or lost parts are logged and cleared."""
@@ -86,9 +83,9 @@ class SweepStore:
         for name, array in self.arrays.items():
             for corner in np.ndindex(array.cdata_shape):
                 region = tuple(slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True))
-                points = region[: len(self.shape)]
+                points, own_axes = region[: len(self.shape)], tuple(range(len(self.shape), len(region)))
                 try:
-                    found = _unwritten(np.asarray(array[region]), len(self.shape))
+                    found = (np.asarray(array[region]) == array.fill_value).any(axis=own_axes)
                 except Exception:  # of the many kinds that codecs raise for damaged bytes
                     array[region], found = array.fill_value, np.array(True)
                     lost[points] = True
@@ -99,36 +96,10 @@ class SweepStore:
             logging.getLogger(__name__).warning(words, self.target, lost.sum())
         return missing
 
-    def adopt(self, path: Path) -> None:
-        """Write the finished points of another sweep of the same function that has some of the same values on its axes."""
-        with contextlib.suppress(
-            Exception
-        ):  # of the many kinds that damaged files raise: its points are computed again
-            other = xr.open_zarr(path, chunks=None, consolidated=False, mask_and_scale=False)
-            plain = all(each.dims == (name,) and each.dtype != object for name, each in self.grid.coords.items())
-            if not plain or set(other.coords) != set(self.grid.coords):
-                return
-            places = {name: other.indexes[name].get_indexer(self.grid.indexes[name]) for name in self.grid.sizes}
-            shared = other.isel({name: at[at >= 0] for name, at in places.items()}).transpose(*places, ...).load()
-            ours = np.ix_(*(np.flatnonzero(at >= 0) for at in places.values()))
-            numbers = np.ravel_multi_index(np.broadcast_arrays(*ours), self.shape).ravel().tolist()
-            values = {
-                str(name): each.values.reshape(len(numbers), *each.shape[len(places) :])
-                for name, each in shared.data_vars.items()
-            }
-            finished = np.flatnonzero(~np.any([_unwritten(each, 1) for each in values.values()], axis=0)).tolist()
-            reasons = values.pop(FAILURE)
-            self.write(
-                [
-                    ((numbers[i], {}), ({name: each[i] for name, each in values.items()}, str(reasons[i])))
-                    for i in finished
-                ]
-            )
-
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
         """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
 
-        Raises ValueError for the name of a result that means something else.
+        Raises ValueError for a result that is named as a parameter, or as no array can be.
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         for name, value in (item for _, (values, _) in outcomes for item in values.items()):
@@ -142,8 +113,8 @@ class SweepStore:
                     column[i] = values[name]
                 elif name in values:
                     reasons[i] = f"{name} has the shape {values[name].shape}, at other points {column.shape[1:]}"
-            _put(self.arrays[name], numbers, column)
-        _put(self.arrays[FAILURE], numbers, reasons)
+            self._put(name, numbers, column)
+        self._put(FAILURE, numbers, reasons)
 
     def _add(self, name: str, inner: list[int]) -> None:
         """Add a result, which points that are computed already do not have."""
@@ -154,14 +125,23 @@ class SweepStore:
         self.group.attrs["results"] = json.dumps(self.shapes)
         self.arrays[name] = self._array(name, inner)
         computed = np.flatnonzero(self.arrays[FAILURE][...] != NOT_COMPUTED)
-        _put(self.arrays[name], computed, np.full((computed.size, *inner), math.nan))
+        self._put(name, computed, np.full((computed.size, *inner), math.nan))
+
+    def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
+        """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
+        array, inner = self.arrays[name], math.prod(values.shape[1:])
+        if numbers.size and not array.shape:
+            array[...] = values[0]
+        elif numbers.size:
+            places = (numbers[:, None] * inner + np.arange(inner)).ravel()
+            array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
 
     def dataset(self) -> xr.Dataset:
         """Return the results in the order of their names, read when they are used; without chunks Dask has no part in it."""
         found: xr.Dataset = xr.open_zarr(self.target, chunks=None, consolidated=False)
         found = found[sorted(map(str, found.data_vars))].assign_coords(self.grid.coords)
         for name, each in found.variables.items():
-            each.attrs = self._units(str(name))
+            each.attrs = {"units": self.units[str(name)]} if name in self.units else {}
         return found.assign_attrs(self.grid.attrs)
 
 
@@ -169,19 +149,3 @@ def check_name(what: str, name: str) -> None:
     """Raise ValueError for a name that an array in a folder cannot have."""
     if not name or "/" in name or name.startswith((".", "__")) or name == "zarr.json":
         raise ValueError(f"{what} {name!r} must have a name without /, that begins with neither . nor __")
-
-
-def _unwritten(values: NDArray[Any], axes: int) -> NDArray[np.bool_]:
-    """Return whether a point has a part that is not written, for points along the first axes."""
-    marked = values == (UNWRITTEN if values.dtype == float else NOT_COMPUTED)
-    return np.asarray(marked.any(axis=tuple(range(axes, values.ndim))))
-
-
-def _put(array: Any, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
-    """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
-    if numbers.size and not array.shape:
-        array[...] = values[0]
-    elif numbers.size:
-        inner = math.prod(values.shape[1:])
-        places = (numbers[:, None] * inner + np.arange(inner)).ravel()
-        array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
