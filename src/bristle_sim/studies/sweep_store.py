@@ -41,7 +41,7 @@ class SweepStore:
     def __init__(self, target: Any, grid: xr.Dataset, units: Mapping[str, str]) -> None:
         self.target, self.grid, self.units, self.shape = target, grid, units, tuple(grid.sizes.values())
         words = {name: each.astype(str).astype(object) for name, each in grid.coords.items() if each.dtype == object}
-        written, options = grid.assign_coords(words), {"zarr_format": 3, "consolidated": False}
+        written, options = grid.assign_coords(words), dict[str, Any](zarr_format=3, consolidated=False)
         for each in target.rglob("*.partial") if isinstance(target, Path) else ():
             if time.time() - each.stat().st_mtime > ABANDONED:
                 each.unlink()
