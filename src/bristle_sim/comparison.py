@@ -1,9 +1,9 @@
-"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule of agreement."""
+"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule of agreement, and its words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from types import MappingProxyType
@@ -11,6 +11,8 @@ from typing import Any
 
 Values = Mapping[str, float | None]
 """Numbers by the names of their quantities; None where a number is not known."""
+
+UNKNOWN: Values = MappingProxyType({})
 
 SIDES = ("simulated", "theory", "reference", "printed")
 
@@ -40,19 +42,24 @@ class Quantity:
 
     @property
     def judge_name(self) -> str | None:
-        """What the simulated value is compared with: ``reference`` if there is one, else ``theory``, else ``print``."""
-        sides = {"reference": self.reference, "theory": self.theory, "print": self.printed}
-        return next((name for name, value in sides.items() if value is not None), None)
+        """The side that the simulated value is compared with: ``reference`` if there is one, else ``theory``, else ``print``."""
+        if self.reference is not None:
+            return "reference"
+        if self.theory is not None:
+            return "theory"
+        return None if self.printed is None else "print"
 
     @property
     def judge(self) -> float | None:
-        """The value that the simulated one is compared with."""
-        return next((each for each in (self.reference, self.theory, self.printed) if each is not None), None)
+        """The value of that side."""
+        first = self.theory if self.reference is None else self.reference
+        return self.printed if first is None else first
 
     @property
     def relative_difference(self) -> float | None:
         """(simulated - judge) / |judge|; None where it has no meaning."""
-        return (self.simulated - self.judge) / abs(self.judge) if self.simulated is not None and self.judge else None
+        judge = self.judge
+        return (self.simulated - judge) / abs(judge) if self.simulated is not None and judge else None
 
     @property
     def ok(self) -> bool | None:
@@ -71,19 +78,17 @@ class Quantity:
 def rows(
     units: Mapping[str, str | tuple[str, str]],
     simulated: Values,
-    theory: Values = MappingProxyType({}),
-    reference: Values = MappingProxyType({}),
-    printed: Values = MappingProxyType({}),
+    theory: Values = UNKNOWN,
+    reference: Values = UNKNOWN,
+    printed: Values = UNKNOWN,
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
     """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name."""
-    within = tolerance if callable(tolerance) else lambda _: tolerance
-    sides = dict(zip(SIDES, (simulated, theory, reference, printed), strict=True))
     found = []
     for name, declared in units.items():
         label, unit = ("", declared) if isinstance(declared, str) else declared
-        values = {side: given.get(name) for side, given in sides.items()}
-        found.append(Quantity(name, unit, tolerance=within(name), label=label, **values))
+        sides = simulated.get(name), theory.get(name), reference.get(name), printed.get(name)
+        found.append(Quantity(name, unit, *sides, tolerance(name) if callable(tolerance) else tolerance, label))
     return tuple(found)
 
 
@@ -97,10 +102,7 @@ class Table:
 
     def __str__(self) -> str:
         """Return the title and the aligned table for a terminal; columns but the first stand at the right."""
-        lines = [self.head, *self.rows]
-        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        aligned = [side_by_side([[cell] for cell in line], widths, range(1, len(line)))[0] for line in lines]
-        return "\n".join([f"{self.title}:", *aligned])
+        return "\n".join([f"{self.title}:", *aligned([self.head, *self.rows], 1)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +153,16 @@ def finite(value: float | None) -> float | None:
 
 
 WIDTH = 100  # columns that a table fits in
-WIDEST = ("reference", "within")  # columns that are left out, in this order, where a table would be too wide with them
+
+LAYOUTS = (
+    (6, ()),
+    (5, ()),
+    (6, ("reference",)),
+    (5, ("reference",)),
+    (4, ("reference",)),
+    (4, ("reference", "within")),
+)
+"""Digits, and columns that are left out, of ever narrower tables."""
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
@@ -168,13 +179,12 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     The relative difference names the side that it is from. Where the table would be too wide, the reference's own
     column is left out first, then the tolerance.
     """
-    for digits, left_out in ((6, ()), (5, ()), (6, WIDEST[:1]), (5, WIDEST[:1]), (4, WIDEST[:1]), (4, WIDEST)):
-        found = cells(quantities, digits, left_out)
-        widths = [max(map(len, column)) for column in zip(*found, strict=True)]
-        lines = [side_by_side([[cell] for cell in row], widths, range(2, len(row)))[0] for row in found]
-        if (needed := max(map(len, lines))) <= width:
+    for layout in LAYOUTS:
+        head, *lines = aligned(cells(quantities, *layout), 2)
+        needed = max(map(len, [head, *lines]))
+        if needed <= width:
             break
-    return "\n".join([lines[0], "-" * needed, *lines[1:]])
+    return "\n".join([head, "-" * needed, *lines])
 
 
 def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
@@ -193,13 +203,19 @@ def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[st
     return [[line[i] for i in kept if head[i] not in left_out] for line in lines]
 
 
+def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
+    """Return the rows of a table as text; its first columns stand at the left, the others at the right."""
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    return [side_by_side([[cell] for cell in line], widths, range(left, len(line)))[0] for line in lines]
+
+
 def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()) -> list[str]:
     """Join cells of several lines each into the lines of a row; those whose number is in ``right`` stand at the right."""
     lines = []
     for parts in zip_longest(*columns, fillvalue=""):
         padded = zip(parts, widths, strict=True)
-        aligned = [f"{part:>{width}}" if i in right else f"{part:<{width}}" for i, (part, width) in enumerate(padded)]
-        lines.append("  ".join(aligned).rstrip())
+        shown = [part.rjust(width) if i in right else part.ljust(width) for i, (part, width) in enumerate(padded)]
+        lines.append("  ".join(shown).rstrip())
     return lines
 
 
@@ -207,13 +223,12 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
     """Return the unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
     base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
     largest = max((abs(value) for value in values if value is not None and math.isfinite(value)), default=0.0)
-    if base not in LARGEST_PREFIX or largest == 0.0:
-        return unit, 1.0
-    most, least = PREFIXES[LARGEST_PREFIX[base]], PREFIXES[SMALLEST_PREFIX.get(base, "n")]
-    customary = [(prefix, size) for prefix, size in PREFIXES.items() if least <= size <= most]
-    fitting = (each for each in customary if largest >= each[1] * own * (1.0 - 1e-9))
-    prefix, size = next(fitting, customary[-1])
-    return prefix + base, size * own
+    if base in LARGEST_PREFIX and largest:
+        most, least = PREFIXES[LARGEST_PREFIX[base]], PREFIXES[SMALLEST_PREFIX.get(base, "n")]
+        for prefix, size in PREFIXES.items():
+            if size <= most and (size == least or largest >= size * own * (1.0 - 1e-9)):
+                return prefix + base, size * own
+    return unit, 1.0
 
 
 def _relative(value: float | None, sign: str = "") -> str:
@@ -223,3 +238,48 @@ def _relative(value: float | None, sign: str = "") -> str:
     if 1e-4 <= abs(value) < 10.0:
         return f"{100.0 * value:{sign}.3g} %"
     return f"{value:{sign}.0e}" if abs(value) < 1.0 else f"{value:{sign}.2g} times"
+
+
+LEAST_SIZE = 1e-12
+"""Reference values below this, in SI units, count as zero; no relative difference from them is computed."""
+
+
+def amount(value: float, unit: str, digits: int = 3) -> str:
+    """Return a number with its unit, prefixed as an engineer writes it: ``2.75 mN s``."""
+    shown, factor = readable_unit(unit, [value])
+    written = {"deg": "°", "1": ""}.get(shown, f" {shown}")
+    return f"{value / factor:.{digits}g}{written}"
+
+
+def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
+    """Return the quantity whose simulated value is relatively farthest from a side, with both: ``x 3 N, printed 4 N``.
+
+    Empty where no quantity has both values.
+    """
+    farthest, shown = -1.0, ""
+    for each in quantities:
+        one, other = each.simulated, getattr(each, side) or 0.0
+        if one is not None and abs(other) > LEAST_SIZE and abs(one / other - 1.0) > farthest:
+            farthest = abs(one / other - 1.0)
+            shown = f"{each.label} {amount(one, each.unit)}, {word} {amount(other, each.unit)}"
+    return shown
+
+
+def differences(quantities: Sequence[Quantity]) -> str:
+    """Return a sentence on the largest differences from the formulas and from print; empty if there is nothing to compare."""
+    formula, printed = (
+        most_different(quantities, *each) for each in (("theory", "by formula"), ("printed", "printed"))
+    )
+    found = "; ".join(filter(None, (formula, printed)))
+    return f" What differs most: {found}." if found else ""
+
+
+def agreement(quantities: Sequence[Quantity]) -> str:
+    """Return whether the simulated values follow the closed forms: ``Yes, to 2e-16``, or the one that differs most."""
+    judged = [each for each in quantities if each.ok is not None]
+    missed = [each for each in judged if not each.ok]
+    if judged and not missed:
+        worst = max(abs(each.relative_difference or 0.0) for each in judged)
+        return f"Yes, to {worst:.0e}" if worst else "Yes, to the last digit"
+    differing = most_different(missed or quantities, "theory", "by formula")
+    return f"{'No' if missed else 'Not exactly'} ({differing})" if differing else "There is no closed form"

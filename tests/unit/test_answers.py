@@ -6,9 +6,9 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.benchmarks.hard_cases.report import answer as hard_cases_answer
-from bristle_sim.comparison import Quantity
+from bristle_sim.comparison import Quantity, agreement, amount, differences
 from bristle_sim.dissertation.figures import Selection, figures_report
-from bristle_sim.studies.answers import agreement, amount, beside_radial, differences
+from bristle_sim.studies.strike_point import beside_radial
 from bristle_sim.studies.tolerances import answer as tolerances_answer
 
 

@@ -19,9 +19,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
-from bristle_sim.comparison import WIDTH, Quantity, Report, side_by_side
+from bristle_sim.comparison import WIDTH, Quantity, Report, amount, side_by_side
 from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
-from bristle_sim.studies.answers import amount
 from bristle_sim.units import Declared, choice
 
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"

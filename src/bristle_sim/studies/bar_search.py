@@ -21,10 +21,10 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import (
     GivenUpError,
     NotCuedError,
-    cued_strike,
     reference_accuracy,
     start_angle,
     strike_measures,
+    strike_of_keys,
 )
 from bristle_sim.theory import cueing
 
@@ -154,7 +154,7 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
 
 def simulation(settings: Settings) -> Strike:
     """Return the strike by the simulation."""
-    return functools.partial(cued_strike, settings=settings)
+    return functools.partial(strike_of_keys, settings)
 
 
 def reference_solution(settings: Settings) -> Strike:

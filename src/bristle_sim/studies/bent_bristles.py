@@ -16,11 +16,10 @@ from typing import Literal
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, amount
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import compression_end, trapezoidal_sums
 from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory

@@ -21,11 +21,10 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Values, rows
+from bristle_sim.comparison import Quantity, Report, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import contact_fields, timed_contact, work_row
 from bristle_sim.theory.crater import (

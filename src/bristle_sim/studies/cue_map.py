@@ -15,11 +15,10 @@ import time as clock
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bristle_sim.comparison import Report, Table, Values, rows
+from bristle_sim.comparison import Report, Table, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount, beside_radial
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
     Measures,
@@ -33,7 +32,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, require_rigid, strike_of_keys
+from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, beside_radial, require_rigid, strike_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:

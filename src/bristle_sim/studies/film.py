@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, finite, rows
+from bristle_sim.comparison import Quantity, Report, Table, amount, finite, rows
 from bristle_sim.parameters import FilmGrid, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.bent_bristles import slide_of
 from bristle_sim.studies.contact_course import compression_end
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, rows
+from bristle_sim.comparison import Quantity, Report, amount, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import crater_depth, outcome_of
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import newton
 
-from bristle_sim.comparison import Report, rows
+from bristle_sim.comparison import Report, amount, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import require_result, require_rigid
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory

@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, Values, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
 from bristle_sim.studies.strike_point import (
     IMPACT,

@@ -1,21 +1,26 @@
 """Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact law at its strike.
 
-All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it.
+All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it, and so
+is the geometry of a rigid wire's contacts with bar and workpart. Points and directions are complex numbers x + i y from the
+hub's centre, m; arrays have n instants first.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.wire_contact import complex_points, levers, nearest, touched, wire_lines
 from bristle_sim.trajectory import ContactRecord, Trajectory
+
+Points = NDArray[np.complex128]
 
 MAGNIFIED = 10.0
 """Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
@@ -31,13 +36,15 @@ the motion's time scale, and that far from the rigid-body limit."""
 SAME_INSTANT = 1e-9
 """Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time."""
 
-GROUPS = {
-    "energy": ("energy_balance",),
-    "gap": ("deepest_overlap",),
-    "impulse law": ("impulse_momentum_error", "restitution_work_error"),
-    "friction": ("friction_cone_excess", "friction_work"),
+WORDS = {
+    "energy_balance": "energy",
+    "deepest_overlap": "gap",
+    "impulse_momentum_error": "impulse law",
+    "restitution_work_error": "impulse law",
+    "friction_cone_excess": "friction",
+    "friction_work": "friction",
 }
-"""Invariants by the words of the sentence that says that they hold."""
+"""Words of the sentence that says which invariants hold."""
 
 
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
@@ -51,30 +58,29 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     ``friction_work``: largest work that friction does in a contact, of the largest kinetic energy.
     Energy balance and impulse-momentum error are those of a rigid bristle, and None for a wire of several links.
     """
-    compliant, bristle = tool.contact.law == "compliant", tool.bristle
-    tolerance = max(LEAST_COMPLIANT_TOLERANCE if compliant else LEAST_TOLERANCE, MAGNIFIED * settings.accuracy)
-    found = dict.fromkeys(name for names in GROUPS.values() for name in names) | _strike_errors(tool, run)
-    found["deepest_overlap"] = _deepest_overlap(tool, run)
+    least = LEAST_COMPLIANT_TOLERANCE if tool.contact.law == "compliant" else LEAST_TOLERANCE
+    within = dict.fromkeys(WORDS, max(least, MAGNIFIED * settings.accuracy))
+    found = dict.fromkeys(WORDS) | _strike_errors(tool, run) | {"deepest_overlap": _deepest_overlap(tool, run)}
     # A bristle at rest moves by rounding alone, whose energy balances with nothing.
-    static = bristle.mass * math.hypot(*bristle.centre)
+    static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
     field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
-    size, uncertainty = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field), 0.0
+    size = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field)
     if size > 0.0:
         works = (sum(each[1] for each in (c.compressive_work, c.restitutive_work) if each) for c in run.contacts)
         found["friction_work"] = max(0.0, *works, 0.0) / size
-        if bristle.links == 1:
+        if tool.bristle.links == 1:
             energy, uncertainty = _energy_imbalance(tool, run)
-            found["energy_balance"], uncertainty = energy / size, uncertainty / size
+            found["energy_balance"] = energy / size
+            within["energy_balance"] += uncertainty / size
     theory = {name: None if value is None else 0.0 for name, value in found.items()}
-    widened = {"energy_balance": tolerance + uncertainty}
-    return rows(dict.fromkeys(found, "1"), found, theory, tolerance=lambda name: widened.get(name, tolerance))
+    return rows(dict.fromkeys(WORDS, "1"), found, theory, tolerance=within.get)
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
     """Return the sentence that says to what the invariants hold, by the largest error of those that hold and apply."""
-    errors = {each.name: abs(each.simulated) for each in invariants if each.ok and each.simulated is not None}
-    kept = [word for word, names in GROUPS.items() if any(name in errors for name in names)]
-    return f"{' and '.join(filter(None, [', '.join(kept[:-1]), kept[-1]]))} hold to {max(errors.values()):.0e}"
+    kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
+    *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
+    return f"{' and '.join(filter(None, [', '.join(others), last]))} hold to {max(kept.values()):.0e}"
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
@@ -86,8 +92,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     """
     bristle, omega, damping, weight = tool.bristle, tool.hub.speed, tool.belt_damping, tool.bristle.mass * tool.gravity
     relative, inertia = run.relative_rate, bristle.inertia_about_root
-    root = wire_lines(tool, run.hub_angle, run.angles[:, 0])[:, 0]
-    arm = complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
+    root, arm = complex_points(run.centre_line[:, 0]), complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
     place = root + arm
     energy = 0.5 * inertia * relative**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
     jacobi = energy + bristle.mass * (tool.gravity * place.imag - 0.5 * omega**2 * abs(place) ** 2)
@@ -96,34 +101,33 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     power = damping * relative**2 - omega * weight * place.real
     forward = -omega * root.imag - run.rates[:, 0] * arm.imag
     slope = 2.0 * damping * relative * acceleration - omega * weight * forward
+
+    def lost(at: Array) -> float:
+        """Integrate the power over samples by the trapezoidal rule, which slopes make one of fourth order, J."""
+        step = np.diff(run.time[at])
+        return float((0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])).sum())
+
     found, uncertain = [0.0], [0.0]
     for flight in _flights(run):
-        # The trapezoidal rule, corrected by the slopes at both ends, is of fourth order.
-        fine, coarse = (
-            float((0.5 * step * (power[at][1:] + power[at][:-1]) + step**2 / 12.0 * -np.diff(slope[at])).sum())
-            for at in (flight, np.unique(np.append(flight[::2], flight[-1])))
-            for step in (np.diff(run.time[at]),)
-        )
-        found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + fine))
-        uncertain.append(abs(fine - coarse))
+        found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + lost(flight)))
+        uncertain.append(abs(lost(flight) - lost(np.unique([*flight[::2], flight[-1]]))))
     for each in run.contacts:
         if _is_rigid(tool, each):
             before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
             work = float(np.dot(each.impulse, np.add(each.velocity_before, each.velocity_after) / 2.0))
             if each.compressive_work is not None and each.restitutive_work is not None:
                 work = sum(each.compressive_work) + sum(each.restitutive_work)
-            moment = float(_arms_at(tool, run, each) @ each.impulse)
+            moment = float(_arms_at(tool, run, each)[0] @ each.impulse)
             found.append(abs(0.5 * inertia * (after**2 - before**2) - work + omega * moment))
     return max(found), max(uncertain)
 
 
 def _flights(run: Trajectory) -> list[Array]:
     """Return the rows of the samples of each flight, from one contact to the next."""
-    middle = 0.5 * (run.time[1:] + run.time[:-1])
-    free = np.diff(run.time) > 0.0
+    middle, free = 0.5 * (run.time[1:] + run.time[:-1]), np.diff(run.time) > 0.0
     for each in run.contacts:
         free &= (middle < each.time) | (middle > each.time + each.duration)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], free.astype(int), [0]))))
+    edges = np.flatnonzero(np.diff(free, prepend=False, append=False))
     return [np.arange(start, end + 1) for start, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
@@ -133,12 +137,11 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 
 
-def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord, *, of_root: bool = False) -> Array:
-    """Return the moments of unit normal and tangential forces at a contact about the hub's centre, or the root; shape (2,), m."""
-    hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
-    lines = wire_lines(tool, hub_angle, np.array(contact.angles))
+def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
+    """Return the moments of unit normal and tangential forces at a contact about the hub's centre, and the root; m."""
+    lines = wire_lines(tool, run.hub_angle[:1] + run.hub_speed * contact.time, np.array(contact.angles))
     normal, point = touched(tool, contact.obstacle, lines)
-    return np.asarray(levers(normal, point - lines[:, 0] if of_root else point)[0])
+    return levers(normal, point)[0], levers(normal, point - lines[:, 0])[0]
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
@@ -146,13 +149,13 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
     A contact resolved in time over a requested duration leaves a crater, which is no error.
     """
-    deepest = 0.0
+    depths = [0.0]
     if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
-        deepest = max(deepest, float((-tool.workpart_depth - run.tip[:, 1]).max()))
+        depths.append(float((-tool.workpart_depth - run.tip[:, 1]).max()))
     if tool.bar is not None:
         point = nearest(tool, complex_points(run.centre_line))[2]
-        deepest = max(deepest, float((tool.bar_reach - abs(point - complex(*tool.bar.centre))).max()))
-    return deepest / tool.bristle.length
+        depths.append(float((tool.bar_reach - abs(point - complex(*tool.bar.centre))).max()))
+    return max(depths) / tool.bristle.length
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
@@ -166,7 +169,7 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float | None]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
-        arms = _arms_at(tool, run, strike, of_root=True)
+        arms = _arms_at(tool, run, strike)[1]
         gain = arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root
         change = np.subtract(strike.velocity_after, strike.velocity_before)
         errors["impulse_momentum_error"] = float(np.abs(change - gain).max()) / speed
@@ -178,3 +181,43 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     if strike.outcome != "stiction" and works[0] and works[1] and works[0][0]:  # stiction leaves no restitution
         errors["restitution_work_error"] = abs(works[1][0] + part.restitution**2 * works[0][0]) / abs(works[0][0])
     return errors
+
+
+def complex_points(points: Any) -> Points:
+    """Return points or vectors with their coordinates in the last axis as complex numbers."""
+    return np.asarray(points @ np.array([1.0, 1j]))
+
+
+def wire_lines(tool: Tool, hub_angle: Array, angle: Array) -> Points:
+    """Return root, knee and tip of the wire's centre line, shape (n, corners); angles in rad."""
+    path = complex_points(np.array([(0.0, 0.0), *tool.bristle.path]))
+    return np.asarray(
+        -1j * tool.hub.radius * np.exp(1j * hub_angle)[:, np.newaxis] + np.outer(np.exp(1j * angle), path)
+    )
+
+
+def levers(normal: Points, point: Points) -> Array:
+    """Return the moments about the origin of unit normal and tangential forces at a point, shape (n, 2), m."""
+    arm = np.conj(point) * normal
+    return np.stack([arm.imag, -arm.real], axis=-1)
+
+
+def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
+    """Return the piece of each centre line, shape (n, corners), nearest to the bar, the fraction along it, and the point."""
+    assert tool.bar is not None
+    centre, start, along = complex(*tool.bar.centre), lines[:, :-1], np.diff(lines, axis=1)
+    fraction = np.clip((np.conj(along) * (centre - start)).real / abs(along) ** 2, 0.0, 1.0)
+    points = start + fraction * along
+    piece, each = abs(points - centre).argmin(axis=-1), np.arange(len(lines))
+    return piece, fraction[each, piece], points[each, piece]
+
+
+def touched(tool: Tool, obstacle: str, lines: Points) -> tuple[Points, Points]:
+    """Return the obstacle's normal and the contact point of each centre line, each of shape (n,)."""
+    if obstacle == "workpart":
+        return np.full(len(lines), 1j), lines[:, -1]
+    assert tool.bar is not None
+    point = nearest(tool, lines)[2]
+    away = point - complex(*tool.bar.centre)
+    normal = away / abs(away)
+    return normal, point - 0.5 * tool.bristle.wire_diameter * normal

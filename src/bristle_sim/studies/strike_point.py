@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
-from bristle_sim.parameters import Bar, Bristle, Tool
+from bristle_sim.comparison import amount
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -34,34 +34,45 @@ IMPACT = {
 }
 """A strike's impulses, works and rates: label and unit of each quantity."""
 
+STRIKE_UNITS = {
+    **{name: (STATE | IMPACT)[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work")},
+    "crater_depth": "m",
+}
+"""Units of a cued strike's measures."""
+
+RADIAL = 0.005
+"""Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
+
+CLEAR_OF_BAR = math.radians(5.0)
+"""Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
+
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
     """Return the bristle's lag behind the radial direction, its rate relative to the hub and its tip's speed.
 
-    All in the units of STATE; None without a contact.
+    All in the units of STATE; None without a contact. Lag and rate of a wire that bends, whose links vibrate, are those of the
+    line from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
-    if tool.bristle.links == 1:
-        lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
-        rate = contact.rates_before[0] - tool.hub.speed
-    else:
+    lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
+    rate = contact.rates_before[0]
+    if tool.bristle.links > 1:
         before = int(abs(run.time - contact.time).argmin())
-        angle, rate = (float(each[before]) for each in from_radial(run, tool.bristle))
-        lag = -angle
-    return dict(zip(STATE, (math.degrees(lag), rate, math.hypot(*contact.velocity_before)), strict=True))
+        (root, tip), (root_velocity, tip_velocity) = (
+            each[before, [0, -1]] @ [1.0, 1j] for each in (run.centre_line, run.centre_line_velocity)
+        )
+        lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
+        rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
+    values = math.degrees(lag), rate - tool.hub.speed, math.hypot(*contact.velocity_before)
+    return dict(zip(STATE, values, strict=True))
 
 
-def from_radial(run: Trajectory, bristle: Bristle) -> tuple[Array, Array]:
-    """Return the bristle's angle from the radial direction and its rate relative to the hub, rad and rad/s, at all samples.
-
-    Of a wire that bends, whose links vibrate, they are those of the line from root to tip, as of a rigid bristle.
-    """
-    if bristle.links == 1:
-        return run.relative_angle, run.relative_rate
-    ends, velocities = (each[:, [0, -1]] @ [1.0, 1j] for each in (run.centre_line, run.centre_line_velocity))
-    line, unbent = ends[:, 1] - ends[:, 0], ends[:, 0] * complex(*bristle.tip) * 1j
-    return np.angle(line / unbent), ((velocities[:, 1] - velocities[:, 0]) / line).imag - run.hub_speed
+def beside_radial(lag: float) -> str:
+    """Return a lag in degrees in words: ``2.74° short of radial``."""
+    if abs(lag) < RADIAL:
+        return "radial"
+    return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
@@ -87,6 +98,12 @@ def ran(run: Trajectory) -> dict[str, Any]:
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
 
+def stopped(run: Trajectory) -> dict[str, Any]:
+    """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
+    reason, time = run.stop_reason, float(run.time[-1])
+    return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
+
+
 def reference_accuracy(settings: Settings) -> float:
     """Accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
     return max(1e-10, 0.1 * settings.accuracy)
@@ -102,6 +119,10 @@ class GivenUpError(ValueError):
     """The solver gave up a run; the motion that would follow is unknown."""
 
 
+class NotCuedError(ValueError):
+    """The pass has no strike cued by the bar."""
+
+
 def require_result(run: Trajectory, settings: Settings) -> None:
     """Raise GivenUpError for a run that was given up."""
     if run.stop_reason.gives_up:
@@ -111,41 +132,16 @@ def require_result(run: Trajectory, settings: Settings) -> None:
         )
 
 
-def stopped(run: Trajectory) -> dict[str, Any]:
-    """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
-    reason, time = run.stop_reason, float(run.time[-1])
-    return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
-
-
-STRIKE_UNITS = {
-    **{name: (STATE | IMPACT)[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work")},
-    "crater_depth": "m",
-}
-"""Units of a cued strike's measures."""
-
-BEFORE_BAR = math.radians(30.0)
-"""A whole pass over any bar starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""
-
-CLEAR_OF_BAR = math.radians(5.0)
-"""Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
-
-
-class NotCuedError(ValueError):
-    """The pass has no strike cued by the bar."""
-
-
 def strike_of_keys(
     settings: Settings | None = None, tool: Tool | None = None, /, **values: float
 ) -> dict[str, float | None]:
-    """Return lag, speeds, impulse, work and crater depth of a tool's strike at other values of its keys, as STRIKE_UNITS has them."""
-    return cued_strike((tool or Tool()).replace(**values), settings or Settings())
+    """Return lag, speeds, impulse, work and crater depth of a tool's strike at other values of its keys, as STRIKE_UNITS has them.
 
-
-def cued_strike(tool: Tool, settings: Settings) -> dict[str, float | None]:
-    """Return the measures of the strike of a pass from 90 degrees before the workpart, or earlier if the bar stands there.
+    The pass begins 90 degrees before the workpart, or earlier if the bar stands there.
 
     Raises ValueError if the run is given up, or has no cued strike.
     """
+    settings, tool = settings or Settings(), (tool or Tool()).replace(**values)
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
     return strike_measures(tool, run)
@@ -153,25 +149,23 @@ def cued_strike(tool: Tool, settings: Settings) -> dict[str, float | None]:
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     """Return lag and relative speed at the strike of a pass with a bar; None where there is none, with the reason."""
-    direction = math.atan2(bar.horizontal, bar.vertical)
-    row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": math.degrees(direction)}
+    direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
+    row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
     row |= {"lag_deg_at_contact": None, "relative_speed_at_contact": None}
-    turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
     try:
-        placed = dataclasses.replace(tool, bar=bar)
-        run = simulate(placed, turning, start_hub_angle=-direction - BEFORE_BAR, stop_after="strike")
-        return row | {name: each for name, each in strike_measures(placed, run).items() if name in row}
+        turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
+        found = strike_of_keys(turning, dataclasses.replace(tool, bar=bar))
     except ValueError as error:
         return row | {"no_strike": str(error)}
+    return row | {name: each for name, each in found.items() if name in row}
 
 
 def start_angle(tool: Tool) -> float:
     """Angle of the hub at which a radial bristle is clear of the bar, at most -pi/2, rad."""
     if tool.bar is None:
         raise ValueError("bar = None: must be a Bar, or nothing cues the bristle")
-    distance = math.hypot(*tool.bar.centre)
     direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-    covered = math.asin(min(1.0, tool.bar_reach / distance))
+    covered = math.asin(min(1.0, tool.bar_reach / math.hypot(*tool.bar.centre)))
     return -max(0.5 * math.pi, direction + covered + CLEAR_OF_BAR)
 
 

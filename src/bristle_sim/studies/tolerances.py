@@ -23,10 +23,9 @@ import numpy as np
 from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.comparison import Quantity, Report, Unfinished, amount
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
-from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import IMPACT, STATE, STRIKE_UNITS, strike_of_keys
 from bristle_sim.units import Range
 

@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.wire_contact import complex_points, levers, nearest, touched, wire_lines
+from bristle_sim.studies.pass_invariants import complex_points, levers, nearest, touched, wire_lines
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Impact = tuple[float, float]

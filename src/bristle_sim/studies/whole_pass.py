@@ -12,17 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bristle_sim.comparison import Quantity, Report, rows
+from bristle_sim.comparison import UNKNOWN, Report, Values, amount, differences, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.studies.answers import amount, beside_radial, differences
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.studies.strike_point import (
     IMPACT,
     STATE,
+    beside_radial,
     contact_quantities,
     outcome_of,
     ran,
@@ -41,10 +41,6 @@ LEAST_ERROR = 1e-8
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """Factors by which these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
 small slope."""
-
-ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contact")
-"""Differences of two angles of some radians."""
-
 
 QUANTITIES = {
     "release_time": ("time of release from the bar", "s"),
@@ -77,8 +73,8 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
     Raises ValueError if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
-    run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
-    contact, cost, reached = run.first_contact("workpart"), run.cost, f"{1e3 * run.time[-1]:.4f} ms"
+    run, reference, referred = simulate(tool, settings), None, UNKNOWN
+    contact, cost = run.first_contact("workpart"), run.cost
     if contact is None:
         require_result(run, settings)
     if with_reference:
@@ -89,102 +85,104 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         referred = _measured(tool, reference)
 
     def tolerance(name: str) -> float | None:
-        value = referred.get(name)
+        value, unit = referred.get(name), QUANTITIES[name][1]
         if value is None:
             return None
-        size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
+        # Angles are differences of two of some radians, the relative speed one of rates of the hub's size.
+        size = math.degrees(1.0) if unit == "deg" else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
         own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
 
-    printed = {name: printed_number(place) for name, place in PRINTED.items()} if tool == Tool() else {}
-    found = rows(QUANTITIES, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
+    printed = {name: printed_number(place) for name, place in PRINTED.items()} if tool == Tool() else UNKNOWN
+    measured = _measured(tool, run)
+    found = rows(QUANTITIES, measured, _formulas(tool), referred, printed, tolerance)
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
     estimate += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
+    remarks = [
+        invariants_in_words(invariants),
+        f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
+        f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
+    ]
+    if run.stop_reason.gives_up:
+        remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds")
     return Report(
         outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
         quantities=(*found, *(each for each in invariants if each.ok is False)),
         phases=contact.phases if contact is not None else (),
         **ran(run),
-        remarks=(
-            invariants_in_words(invariants),
-            f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
-            f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
-            *([f"given up at {reached}; {run.stop_advice}; what happened before holds"] * run.stop_reason.gives_up),
-        ),
+        remarks=tuple(remarks),
         extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
-        answer=_answer(tool, run, found),
+        answer=f"The bristle does not strike the workpart: {_why_not(tool, run)}."
+        if contact is None
+        else _strike_in_words(measured, outcome_of(contact)) + differences(found),
     )
 
 
-def _answer(tool: Tool, run: Trajectory, quantities: tuple[Quantity, ...]) -> str:
-    contact, found = run.first_contact("workpart"), {each.name: each.simulated or 0.0 for each in quantities}
-    if contact is None:
-        return f"The bristle does not strike the workpart: {_why_not(tool, run)}."
+def _strike_in_words(measured: Values, outcome: str) -> str:
+    found = {name: value or 0.0 for name, value in measured.items()}
     speed = found["relative_speed_at_contact"]
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
-    tip = f"its tip at {amount(found['tip_speed_at_contact'], 'm/s')}"
-    impulse = f"a normal impulse of {amount(found['normal_final_impulse'], 'N s')}"
     by_bar = "" if found["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes at {amount(contact.time, 's', 4)}{by_bar}, {beside_radial(found['lag_deg_at_contact'])},"
-        f" {relative}, {tip}, with {impulse} ({outcome_of(contact)}).{differences(quantities)}"
+        f"The bristle strikes at {amount(found['contact_time'], 's', 4)}{by_bar}, {beside_radial(found['lag_deg_at_contact'])},"
+        f" {relative}, its tip at {amount(found['tip_speed_at_contact'], 'm/s')}, with a normal impulse of"
+        f" {amount(found['normal_final_impulse'], 'N s')} ({outcome})."
     )
 
 
 def _why_not(tool: Tool, run: Trajectory) -> str:
     if tool.workpart is None:
         return "the tool has no workpart"
+    if run.stop_reason is StopReason.END:
+        return f"its tip stays {amount(tool.workpart_depth + float(run.tip[:, 1].min()), 'm')} above it"
+    ended = str(run.stop_reason)
     if run.stop_reason is StopReason.RETRACTION_LIMIT:
-        limit = math.degrees(float(np.abs(run.relative_angle).max()))
-        return f"it folds back by {limit:.0f}° at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
-    if run.stop_reason is not StopReason.END:
-        return f"{run.stop_reason} at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
-    lowest = tool.workpart_depth + float(run.tip[:, 1].min())
-    return f"its tip stays {amount(lowest, 'm')} above it"
+        ended = f"it folds back by {math.degrees(float(np.abs(run.relative_angle).max())):.0f}°"
+    return f"{ended} at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
 
 
-def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
+def _measured(tool: Tool, run: Trajectory) -> Values:
     """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
     touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]
     release, retraction = max(touches, default=None), None
     if release is not None:
-        retraction = -math.degrees(run.relative_angle[int(abs(run.time - release).argmin())])
+        retraction = math.degrees(run.retraction[int(abs(run.time - release).argmin())])
     return {
         "release_time": release,
         "release_retraction_deg": retraction,
-        "largest_retraction_deg": -math.degrees(run.relative_angle[run.time <= until].min()),
+        "largest_retraction_deg": math.degrees(run.retraction[run.time <= until].max()),
         "contact_time": None if contact is None else contact.time,
         **state_at_strike(tool, run, contact),
         **contact_quantities(contact),
     }
 
 
-def _formulas(tool: Tool) -> dict[str, float | None]:
+def _formulas(tool: Tool) -> Values:
     """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
     bristle, hub, bar, part = tool.bristle, tool.hub, tool.bar, tool.workpart
     if bristle.knee_angle_deg or bar is None or part is None or not tool.belt.stiffness or not hub.speed:
-        return {}
+        return UNKNOWN
     geometry = (hub.radius, bristle.length)
     try:
         retraction = float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, tool.bar_reach, *geometry))
         cue = cueing.cue(tool, retraction)
     except ValueError:
-        return {}
+        return UNKNOWN
     release = (math.pi / 2.0 - math.atan2(bar.horizontal, bar.vertical) + cue.tip_lag) / hub.speed
     rate = cue.highest_relative_speed + hub.speed
     tip_speed = bristle.length * rate + hub.radius * hub.speed
     retractions = [math.degrees(retraction)] * 2
     chain = (release, *retractions, release + cue.cue_time, 0.0, cue.highest_relative_speed, tip_speed)
-    values: dict[str, float | None] = dict(zip(QUANTITIES, chain, strict=False))
+    values: Values = dict(zip(QUANTITIES, chain, strict=False))
     if not cue.impact_angle > 0.0:
         return values
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
-    return values | {name: float(getattr(impact, name)) for name in IMPACT}
+    return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}

@@ -13,8 +13,7 @@ from bristle_sim.benchmarks.accuracy_cost.effects import effects
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, measure, package_of, plain, thinned
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
-from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.studies.answers import amount
+from bristle_sim.comparison import Quantity, Report, Unfinished, amount
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
