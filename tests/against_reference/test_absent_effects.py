@@ -54,9 +54,7 @@ def census(monkeypatch: pytest.MonkeyPatch) -> Census:
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.2])
 def test_a_run_builds_only_what_its_tool_has(census: Census, bar: bool, workpart: bool, damping_ratio: float) -> None:
     tool = Tool(
-        belt=Belt(damping_ratio=damping_ratio),
-        bar=Bar() if bar else None,
-        workpart=Workpart() if workpart else None,
+        belt=Belt(damping_ratio=damping_ratio), bar=Bar() if bar else None, workpart=Workpart() if workpart else None
     )
     simulate(tool, stop_after="strike")
     assert census.count(pymunk.Body) == 2

@@ -87,8 +87,7 @@ def test_the_verdict_counts_what_agrees_and_names_what_does_not():
 
 
 @pytest.mark.parametrize(
-    ("film", "element"),
-    [("f.mp4", '<video controls src="data:video/mp4;base64,'), ("f.gif", 'src="data:image/gif;')],
+    ("film", "element"), [("f.mp4", '<video controls src="data:video/mp4;base64,'), ("f.gif", 'src="data:image/gif;')]
 )
 def test_a_page_shows_every_picture_of_a_folder_and_a_film(film: str, element: str, tmp_path: Path):
     def plot(_: Report, folder: Path) -> None:

@@ -14,18 +14,7 @@ import numpy as np
 
 from bristle_sim import parameters
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
-from bristle_sim.parameters import (
-    Bar,
-    Belt,
-    Bristle,
-    Contact,
-    DoublePendulum,
-    Hub,
-    Strike,
-    Surface,
-    Tool,
-    Workpart,
-)
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool

@@ -124,19 +124,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         friction_off(1e-7),
         [f"jam: {which}, friction 0.001 off the jam" for which in ("pass, tip pushed", "default pass")],
     ),
-    "a restitution 1e-12 off": (
-        restitution_off(1e-12),
-        ["grazing: strike at 1e-12 rad"],
-    ),
+    "a restitution 1e-12 off": (restitution_off(1e-12), ["grazing: strike at 1e-12 rad"]),
     "an approach taken for none": (law(slow_is_none), ["grazing: strike at 1e-12 rad"]),
-    "a jam without its name": (
-        (EnergeticLaw, "resolve", nameless),
-        ["jam: rod pushed, friction 0.001 off the jam"],
-    ),
-    "energy gained": (
-        (EnergeticLaw, "resolve", gaining),
-        ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"],
-    ),
+    "a jam without its name": ((EnergeticLaw, "resolve", nameless), ["jam: rod pushed, friction 0.001 off the jam"]),
+    "energy gained": ((EnergeticLaw, "resolve", gaining), ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"]),
     "compliance in stick from K alone": (
         law(lambda *given: energetic_impact(*given[:5])),
         ["mass_ratio: n = 1e+12, stick"],

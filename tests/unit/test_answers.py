@@ -7,7 +7,6 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.benchmarks.hard_cases.report import answer as hard_cases_answer
 from bristle_sim.comparison import Quantity, agreement, amount, differences
-from bristle_sim.dissertation.figures import Selection, figures_report
 from bristle_sim.studies.strike_point import beside_radial
 from bristle_sim.studies.tolerances import answer as tolerances_answer
 
@@ -47,10 +46,6 @@ def test_agreement_follows_from_the_rows() -> None:
     assert agreement([near, far]) == "No (b 2 N, by formula 1 N)"
     assert agreement([Quantity("c", "N", 1.5, 1.0)]) == "Not exactly (c 1.5 N, by formula 1 N)"
     assert agreement([Quantity("c", "N", 1.5)]) == "There is no closed form"
-
-
-def test_points_of_the_figures_lie_on_their_curves() -> None:
-    assert figures_report(Selection("2.24")).answer == "Yes: all 2 sets of points that must lie on a curve do."
 
 
 def test_hard_cases_that_break_their_promise_are_named() -> None:

@@ -29,11 +29,7 @@ from bristle_sim.theory.crater_kinematics import (
     path_force,
 )
 from bristle_sim.theory.force_history import BRISTLE
-from bristle_sim.theory.merchant import (
-    PRINTED_ANGLES,
-    ShearAngleError,
-    oblique_angles,
-)
+from bristle_sim.theory.merchant import PRINTED_ANGLES, ShearAngleError, oblique_angles
 
 GAMMA = math.radians(23.4)
 END = 5e-5

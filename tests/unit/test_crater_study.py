@@ -9,13 +9,8 @@ import pytest
 
 from bristle_sim.parameters import Bristle, Crater, Hub
 from bristle_sim.settings import Settings
-from bristle_sim.studies.crater_study import (
-    MEASURED,
-    constants_over,
-    crater_study,
-    merchant_depth_course,
-)
-from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
+from bristle_sim.studies.crater_study import MEASURED, constants_over, crater_study, merchant_depth_course
+from bristle_sim.theory.crater import merchant_crater_depth
 from bristle_sim.theory.merchant import oblique_angles
 
 GAMMA = math.radians(23.4)
@@ -102,14 +97,6 @@ def test_a_contact_that_cannot_be_simulated_is_missing_or_refused():
     assert "there is no simulated contact (speed_ratio: must let the tip strike" in found.answer
     with pytest.raises(ValueError, match=r"compression_time.*: must be shorter"):
         crater_study(Hub(speed=1e6), Bristle(), Crater(), Settings())
-
-
-def test_no_constant_makes_a_crater_deeper_than_least_work():
-    deepest = float(merchant_crater_depth())
-    assert constant_for_crater_depth(deepest) == pytest.approx(math.pi / 2, abs=1e-7)
-    for depth in (1.001 * deepest, math.nan):
-        with pytest.raises(ValueError, match=r"^depth = "):
-            constant_for_crater_depth(depth)
 
 
 def test_the_chip_ends_where_the_shear_plane_stays_below():

@@ -121,25 +121,6 @@ def test_motion_and_width(figures):
     assert width.levels[0].value == 6.51e-4
 
 
-def test_depths(figures):
-    exact, rounded = figures["4.13"].panels[0].curves
-    at = {int(n): depth for n, depth in zip(exact.x, exact.theory, strict=True)}
-    assert at[300] == pytest.approx(1.3940e-4, abs=5e-9)
-    # 140.79, 141.81 and 142.13 um with rounded angles at 1e3, 1e4 and 1e5 plies; the grid has its own whole numbers.
-    np.testing.assert_allclose(
-        np.interp(np.log([1e3, 1e4, 1e5]), np.log(rounded.x), rounded.theory),
-        [1.4079e-4, 1.4181e-4, 1.4213e-4],
-        atol=2e-8,
-    )
-    # 139.59 um with 300 plies and the rounded angles.
-    assert figures["4.13"].panels[0].marks[0].y == pytest.approx(1.3959e-4, abs=5e-9)
-    stress = figures["4.17"].panels[0].curves[-1]
-    np.testing.assert_allclose(stress.theory * stress.x, 1.3940e-4 * 1.2e8, rtol=5e-5)
-    total, share = figures["4.19"].panels[0].curves
-    assert np.interp(300.0, total.x, total.theory) == pytest.approx(9.65e-3, rel=0.01)
-    assert np.interp(5.0, share.x, share.theory) == pytest.approx(7.578e-5, rel=1e-3)
-
-
 def test_a_point_off_its_curve_is_seen():
     x = np.linspace(0.0, 1.0, 5)
     curve = curve_of("line", lambda grid: 2.0 * grid, x, {"printed": ([0.3, 0.5], [0.6, 1.01])})

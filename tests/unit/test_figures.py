@@ -15,7 +15,7 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.cli import Scenario, command
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
-from bristle_sim.render.cost_figure import LEAST, best_methods, cost_figure, verdict
+from bristle_sim.render.cost_figure import LEAST, cost_figure
 from bristle_sim.render.crater_figure import MEASURED, MICRO
 from bristle_sim.render.dissertation_figures import contact_sheet, draw
 from bristle_sim.render.style import add_panel, blank_figure
@@ -130,16 +130,6 @@ def test_the_crater_says_first_which_estimate_is_nearest():
     assert bars[0] == pytest.approx(MICRO * MEASURED * 139.4 / 130.0, rel=1e-3)  # model.md: 139.40 um
 
 
-@pytest.mark.nightly
-def test_the_map_names_what_it_draws():
-    pytest.importorskip("xarray")
-    figure = drawn("cue_map", "")
-    assert faults(figure) == []
-    named = "\n".join(text.get_text() for text in figure.legends[0].get_texts())
-    for words in ("fastest tip at this distance", "bar at its distance from the hub", "lag zero"):
-        assert words in named
-
-
 def at(method: str, error: float, cpu_s: float) -> Point:
     return Point("case", method, "step=1", error, cpu_s, cpu_s, 1, "" if np.isfinite(error) else "failed")
 
@@ -173,26 +163,6 @@ def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_dr
     assert "grey: scipy rk45" in said
     assert "mujoco" not in said
     assert "to $10^{-6}$: simulate 0.6 ms, scipy dop853 0.8 ms" in said
-
-
-@pytest.mark.parametrize(
-    ("points", "best", "words"),
-    [
-        (REACHED, {"bristle_sim": "bristle_sim simulate", "scipy": "scipy dop853"}, "to $10^{-6}$: simulate 0.6 ms"),
-        ([at("bristle_sim energetic", 2e-16, 1e-3)], None, "to $10^{-6}$: energetic 1 ms, no peer gets there"),
-        # A package that does not get to 1e-6 is judged by the least error that it reaches.
-        (
-            [at("numpy rk44", 1e-2, 1e-3), at("mujoco euler", 1e-1, 1e-2), at("mujoco rk4", 1e-2, 1e-1)],
-            {"numpy": "numpy rk44", "mujoco": "mujoco rk4"},
-            "none of our methods is within 1",
-        ),
-    ],
-)
-def test_the_best_methods_and_the_words_above_the_panel(points: list[Point], best: dict[str, str] | None, words: str):
-    assert best is None or best_methods(points) == best
-    assert verdict(points).startswith(words)
-    with pytest.raises(ValueError, match="must be one case or more"):
-        cost_figure(SimpleNamespace(cases=(), effects=(), of=None))  # type: ignore[arg-type]
 
 
 def test_a_fault_is_seen():

@@ -47,18 +47,6 @@ class Dot(Film):
         return "", ""
 
 
-def test_what_is_still_is_drawn_once(monkeypatch):
-    film, drawn, places = Dot(), [], []
-    draw = film.canvas.draw
-    monkeypatch.setattr(film.canvas, "draw", lambda: drawn.append(draw()))
-    for time in (0.0, 1.0):
-        rows, columns = np.nonzero(np.asarray(film.frame(time))[10:, :, 0] < 128)  # below the header
-        places.append([10.0 + rows.mean(), columns.mean()])
-    assert len(drawn) == 1
-    # Rows count from the top: y = 20 of 48 is row 28, and a pixel's centre is half a pixel off its index.
-    assert np.array(places) == pytest.approx(np.array([[28.0, 10.0], [28.0, 40.0]]), abs=1.0)
-
-
 # The reader of imageio-ffmpeg leaves its pipes to the garbage collector.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_mp4_has_every_frame_in_the_format_that_plays_everywhere(run, tmp_path):

@@ -50,12 +50,6 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     assert "compression 50 µs (as printed, for the film)" in written
 
 
-def test_films_show_a_requested_duration() -> None:
-    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
-    assert ImpactFilm(shown, width=320, height=180).motion.touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
-    assert shown.timing == "contact_duration as requested"
-
-
 def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
     tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
     slow = rods(rate_1=-1e-5, rate_2=-2e-5)
@@ -82,13 +76,6 @@ def test_film_shows_the_motion(pendulum: Impacts) -> None:
         assert scene.texts[0] == caption
     scene.show(scene.warp.film[-1])
     assert scene.texts[0] == "rebound"
-
-
-@pytest.mark.parametrize("state", [Strike(impact_angle_deg=1.0), Strike(impact_angle_deg=90.0)])
-def test_films_of_grazing_and_head_on_strikes(state: Strike) -> None:
-    scene = ImpactFilm(bristle(state, friction=0.001), width=320, height=180, duration=1.0)
-    assert scene.frame(0.5).size == (320, 180)
-    assert (scene.tip.stretch > 1.0) == (state.impact_angle_deg < 45.0)
 
 
 def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:

@@ -12,14 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bristle_sim.theory.impact import LAWS as BY_NAME
-from bristle_sim.theory.impact import (
-    OUTCOMES,
-    PHASES,
-    Impact,
-    energetic_impact,
-    newton_impact,
-    poisson_impact,
-)
+from bristle_sim.theory.impact import OUTCOMES, PHASES, Impact, energetic_impact, newton_impact, poisson_impact
 
 LAWS = list(BY_NAME.values())
 every_law = pytest.mark.parametrize("law", LAWS)

@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impulse_course import contact_inverse_mass, energetic_course, recorded_course, tip_velocity
+from bristle_sim.studies.impulse_course import energetic_course, recorded_course, tip_velocity
 
 IDENTICAL_RODS = Chain((5.0, 5.0), (1.0, 1.0), (-math.pi / 9.0, -math.pi / 6.0), (0.1, 0.2))
 """Stronge's double pendulum (Zhang 2020, fig. 2.28 at n = 1)."""
@@ -19,25 +19,11 @@ ROUNDING = 1e-11
 """Relative: a few hundred operations on doubles, amplified by what cancels in K near a jam."""
 GAMMA = math.radians(23.4)
 BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (3.23 * 261.8,), 0.0275, 261.8, -GAMMA)
-ROD = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,))
 THREE_RODS = Chain((3.0, 1.5, 0.7), (0.4, 0.9, 0.6), (0.3, -0.5, -0.9), (-1.0, 2.0, 3.0))
 PRESSED = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(-30.0), math.radians(40.0)), (0.3, -0.1))
 """Its slip goes the way that friction would press the tip back: with enough of it in restitution, slip at rest."""
 STICKY = Surface(friction=0.7, restitution=0.5)
 ROUGH = Surface(friction=0.5, restitution=0.5)
-
-
-def test_inverse_mass_of_one_rod() -> None:
-    # A rod's tip weighs m/3 across the rod and nothing gives along it.
-    across = np.array([math.sin(-GAMMA), math.cos(-GAMMA)])
-    expected = 3.0 / ROD.masses[0] * np.outer(across, across)
-    np.testing.assert_allclose(contact_inverse_mass(ROD), expected, rtol=ROUNDING)
-
-
-def test_inverse_mass_of_identical_rods_has_the_printed_stick_threshold() -> None:
-    inverse_mass = contact_inverse_mass(IDENTICAL_RODS)
-    threshold = abs(inverse_mass[0, 1]) / inverse_mass[1, 1]
-    assert threshold == pytest.approx(0.623401, abs=5e-7)  # eq. 2.90 at 20, 30 deg, to the digits given
 
 
 @pytest.mark.parametrize(

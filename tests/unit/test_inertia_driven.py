@@ -12,10 +12,7 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.render.tool_films import inertia_film
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import inertia_driven
-from bristle_sim.theory.inertia_drive import (
-    largest_retraction,
-    time_to_radial,
-)
+from bristle_sim.theory.inertia_drive import largest_retraction, time_to_radial
 
 INERTIA = 8.387e-5 * 0.027**2 / 3.0
 STIFFNESS = math.degrees(0.00041)

@@ -128,8 +128,3 @@ def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
 def test_motion_outside_the_run_is_refused(run: Trajectory, time):
     with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
         run.at(time)
-
-
-def test_a_side_must_be_one_of_two(run: Trajectory):
-    with pytest.raises(ValueError, match=r"^side = 'left': must be before or after$"):
-        run.at(0.0, side="left")

@@ -22,8 +22,7 @@ def values(report: Report) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("squared", "most"),
-    [(1.15, (0.045, 27.0, 0.47)), (1.21, (0.03, 26.0, 0.45)), (0.0, (0.055, 74.0, 1.2))],
+    ("squared", "most"), [(1.15, (0.045, 27.0, 0.47)), (1.21, (0.03, 26.0, 0.45)), (0.0, (0.055, 74.0, 1.2))]
 )
 def test_spheres(squared: float, most: tuple[float, float, float]) -> None:
     """Nothing is fitted: the limits are the resolution of points that were read off figures."""

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from bristle_sim import Bristle, Tool, Trajectory, simulate, simulate_reference
-from bristle_sim.render.drawing import WireDrawing
 from bristle_sim.render.pass_figure import pass_figure, spread
 from bristle_sim.render.story import key_events, phase_at, phases, story_end
 from bristle_sim.render.tool_films import pass_film
@@ -154,11 +152,3 @@ def _distance(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
     along = end - start
     fraction = min(max(float((point - start) @ along / (along @ along)), 0.0), 1.0)
     return float(np.hypot(*(point - start - fraction * along)))
-
-
-def test_a_wire_is_as_thick_as_the_drawing_shows_it():
-    """0.7 mm in a picture of 10 mm that is 5 inches, 360 points, wide; and half a point so that a hair can be seen."""
-    axes = Figure(figsize=(5.0, 5.0)).add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set(xlim=(0.0, 10.0), ylim=(0.0, 10.0))
-    tool = Tool(bristle=Bristle(wire_diameter=7e-4))
-    assert WireDrawing(axes, tool).wire.get_linewidth() == pytest.approx(0.5 + 0.7 * 36.0)

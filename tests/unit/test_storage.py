@@ -42,23 +42,6 @@ def test_a_file_holds_everything(run: Trajectory, tmp_path: Path, monkeypatch: p
         assert Trajectory.load("pass") == each
 
 
-def test_a_failed_save_leaves_the_old_file_and_nothing_else(run: Trajectory, saved: Path, monkeypatch):
-    before = saved.read_bytes()
-
-    def half(stream: Any, **_: Any) -> None:
-        stream.write(b"half")
-        raise OSError("no space left")
-
-    monkeypatch.setattr(np, "savez_compressed", half)
-    with pytest.raises(OSError, match="no space left"):
-        run.save(saved)
-    assert [each.name for each in saved.parent.iterdir()] == ["run.npz"]
-    assert saved.read_bytes() == before
-    with pytest.raises(FileNotFoundError) as refusal:
-        run.save(saved.parent / "nowhere" / "a.npz")
-    assert refusal.value.filename == str(saved.parent / "nowhere" / "a.npz")
-
-
 def refused(path: Path, why: str = "") -> None:
     with pytest.raises(ValueError, match=rf"{re.escape(path.name)}: cannot be read as a trajectory [^\n]*{why}"):
         Trajectory.load(path)

@@ -9,7 +9,7 @@ from PIL import Image
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.style import blank_figure, save_figure, scale_for, signed
+from bristle_sim.render.style import save_figure, scale_for, signed
 from swinging_bristle import END, make_trajectory
 
 
@@ -29,29 +29,6 @@ def test_figures_are_written_whole_and_alike(tmp_path, suffix):
     if suffix == ".png":
         with Image.open(first) as picture:
             assert picture.width == pytest.approx(16.0 / 2.54 * 200.0, abs=1.0)  # px: 16 cm at 200 dots per inch
-
-
-def test_bad_figure_targets_are_refused_in_one_line(tmp_path):
-    for path in (tmp_path / "a.bmp", tmp_path / "none" / "a.png"):
-        with pytest.raises(ValueError, match=r"a\.(bmp|png)") as refusal:
-            save_figure(blank_figure(2.0, 2.0), path)
-        assert "\n" not in str(refusal.value)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_failing_figure_leaves_the_old_file(tmp_path, monkeypatch):
-    target = tmp_path / "a.png"
-    target.write_bytes(b"old")
-    figure = blank_figure(2.0, 2.0)
-
-    def fail(partial, **_):
-        partial.write_bytes(b"half")
-        raise RuntimeError("no ink")
-
-    monkeypatch.setattr(figure, "savefig", fail)
-    with pytest.raises(RuntimeError, match="no ink"):
-        save_figure(figure, target)
-    assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("a.png", b"old")]
 
 
 @pytest.mark.parametrize(

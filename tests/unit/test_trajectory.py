@@ -34,16 +34,6 @@ def run() -> Trajectory:
     return simulate(Tool())
 
 
-def test_relative_motion(trajectory: Trajectory):
-    # Differences of numbers near 1: a few roundings.
-    np.testing.assert_allclose(trajectory.retraction, -trajectory.relative_angle, atol=1e-15)
-    np.testing.assert_allclose(trajectory.relative_angle, trajectory.angles[:, 0] - trajectory.hub_angle, atol=1e-15)
-    np.testing.assert_allclose(trajectory.relative_rate, trajectory.rates[:, 0] - 261.8, rtol=1e-15)
-    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, -1])
-    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, -1])
-    np.testing.assert_array_equal(trajectory.total_energy, trajectory.kinetic_energy + trajectory.potential_energy)
-
-
 def test_a_run_is_summarized_in_five_lines(run: Trajectory):
     lines = repr(run).splitlines()
     assert [line.split(":")[0] for line in lines] == ["Trajectory", "strike", "events", "stopped", "cost"]

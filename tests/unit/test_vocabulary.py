@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import io
 import json
 from pathlib import Path
@@ -30,6 +31,8 @@ def test_a_declaration_documents_its_field_and_names_its_key_in_refusals(part: t
         assert f" ({declared.source})" in entry, field
         with pytest.raises(ValueError, match=rf"^{declared.key} = "):
             part(**{field: object()})
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(part(), field, getattr(part(), field))
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

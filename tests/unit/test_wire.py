@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Tool
-from bristle_sim.theory.wire import (
-    beam_frequencies,
-    chain_frequencies,
-    hinge_damping,
-    hinge_stiffness,
-)
+from bristle_sim.theory.wire import beam_frequencies, chain_frequencies, hinge_damping, hinge_stiffness
 
 TOOL = Tool()
 WIRE = (TOOL.bristle.mass, TOOL.bristle.length, TOOL.bristle.wire_diameter, TOOL.bristle.modulus)
