@@ -155,7 +155,6 @@ class TestImpact:
 def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:
     def turned(*arguments):
         touch, space = true(*arguments)
-        normal, tangential = space.response
-        return touch, replace(space, response=(normal, [-each for each in tangential]))
+        return touch, replace(space, response=space.response * [1.0, -1.0])
 
     return turned

@@ -7,9 +7,7 @@ import pymunk
 import pytest
 
 from bristle_sim.contact_space.impulse import contact_space
-from bristle_sim.contact_space.jacobian import MassCentres, joint_rows
 
-UP = (0.0, 1.0)
 ROUNDING = 1e-13
 """A dozen operations on numbers of order 1."""
 
@@ -124,18 +122,3 @@ def set_turning(first: pymunk.Body, second: pymunk.Body, knee: tuple[float, floa
 
 def kinetic(*bodies: pymunk.Body) -> float:
     return sum(0.5 * b.mass * b.velocity.dot(b.velocity) + 0.5 * b.moment * b.angular_velocity**2 for b in bodies)
-
-
-class TestJointsThatTurn:
-    """Two rods pinned at their centres to the ground, of moments 1 and I, one of which is struck at a lever of 1."""
-
-    def test_a_limit_of_what_cannot_turn_is_not_passed(self) -> None:
-        """Gears to the ground leave w = 0 but for rounding, which the terms of the limit's rate then consist of."""
-        space, body, wheel = pymunk.Space(), pymunk.Body(1.3, 0.7), pymunk.Body(2.0, 1.1)
-        gears = pymunk.GearJoint(space.static_body, wheel, 0.0, 1.3), pymunk.GearJoint(wheel, body, 0.0, 0.9)
-        ratchets = [pymunk.RatchetJoint(wheel, body, 0.0, tooth) for tooth in (-0.3, 0.3)]
-        space.add(body, wheel, *gears, *ratchets)
-        limits = [row for each in ratchets for row in joint_rows(each, MassCentres())]
-        for angle in np.linspace(0.0, 3.0, 10):
-            found = contact_space(body, (0.3, math.cos(angle)), UP, released=ratchets)
-            assert not any(found.passes(limit, (1.0, math.sin(angle))) for limit in limits)

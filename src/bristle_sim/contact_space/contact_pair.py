@@ -79,12 +79,10 @@ class ContactPair:
             tangential_compliance=tangential_compliance,
         )
         self.chained: Any = None
-        self._law = law
-        # The law gets no argument that it does not know.
-        self._further = {"tangential_compliance": compliance} if compliance else {}
+        self._law, self._further = law, {"tangential_compliance": compliance} if compliance else {}
         try:
-            if "stick_compliance" in inspect.signature(law).parameters:
-                self._further["stick_compliance"] = 1.0
+            # The law gets no argument that it does not know.
+            self._knows_stick = "stick_compliance" in inspect.signature(law).parameters
             answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
         except Exception as error:  # of any kind: the function is the user's
             if "tangential_compliance" in str(error):
@@ -96,11 +94,11 @@ class ContactPair:
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
         """Return the impact by the pair's law, without restitution for a contact that comes to rest."""
-        restitution = 0.0 if rests else self.restitution
-        return self._call(space.inverse_mass, space.velocity, restitution, space.stick_compliance)
+        return self._call(
+            space.inverse_mass, space.velocity, 0.0 if rests else self.restitution, space.stick_compliance
+        )
 
     def _call(self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float) -> Impact:
-        if "stick_compliance" in self._further:
-            self._further["stick_compliance"] = stick_compliance
+        further = {"stick_compliance": stick_compliance} if self._knows_stick else {}
         coefficients = (self.friction, restitution, self.restitution_friction)
-        return self._law(inverse_mass, velocity, *coefficients, **self._further)
+        return self._law(inverse_mass, velocity, *coefficients, **further, **self._further)

@@ -16,7 +16,6 @@ import pymunk
 from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
-from bristle_sim.contact_space.touching import TouchingPoint
 from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
 
@@ -76,13 +75,10 @@ class EnergeticContact:
             raise refusal("report", report, "must be None or a function of one LocatedImpact")
         if self.of(space) is not None:
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
-        self.space = space
         (self.resting_speed,) = checked_numbers(resting_speed=resting_speed)
-        self.report = report
-        self.time = 0.0
-        self.pairs: dict[frozenset[int], ContactPair] = {}
-        self._callbacks: list[tuple[Any, Any, ContactPair]] = []
-        self._filter: RestFilter | None = None
+        self.space, self.report, self.time = space, report, 0.0
+        self.pairs: dict[tuple[int, int], ContactPair] = {}
+        self._filter, self._callbacks = RestFilter(space), dict[tuple[int, int], Any]()
         self.add_pair(
             collision_type_a,
             collision_type_b,
@@ -116,16 +112,12 @@ class EnergeticContact:
         """
         types = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
         pair = ContactPair(types, friction, restitution, restitution_friction, tangential_compliance, law)
-        if pair.types in self.pairs:
-            given = (collision_type_a, collision_type_b)
+        given = (collision_type_a, collision_type_b)
+        if given in self.pairs or given[::-1] in self.pairs:
             raise ValueError(f"collision_type_a, collision_type_b = {given}: must be a pair that is not added yet")
-        self.pairs[pair.types] = pair
-        self.space.on_collision(collision_type_a, collision_type_b)
-        handler = _handlers(self.space)[collision_type_a, collision_type_b]
-        handler.data.setdefault("pre_solve", None)
-        callback = functools.partial(self._notice, pair)
-        pair.chained, handler.pre_solve = handler.pre_solve, callback
-        self._callbacks.append((handler, callback, pair))
+        self.pairs[given] = pair
+        self.space.on_collision(*given)
+        self._attach()
 
     def step(self, duration: float) -> None:
         """Advance the space by one step and resolve the impacts in it.
@@ -135,63 +127,54 @@ class EnergeticContact:
         """
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
-        rest = self._attached()
-        rest.begin(self.resting_speed)
+        self._attach()
+        contacts = self._filter
+        contacts.begin(self.resting_speed)
         try:
             self.space.step(duration)
         finally:
-            rest.end()
+            contacts.end()
         self.time += duration
-        if rest.met:
-            try:
-                if rest.skipped:
-                    self._resolve(rest, duration)
-            finally:
-                rest.clear()
-
-    def _resolve(self, rest: RestFilter, duration: float) -> None:
-        rest.motion.finish(duration)
-        sequence = ImpactSequence(rest, self._record)
-        sequence.resolve()
-        rest.jammed |= sequence.jammed
-        for body in sequence.struck:
-            self.space.reindex_shapes_for_body(body)
-
-    def _record(self, point: TouchingPoint, impact: Impact) -> None:
-        if self.report is not None:
-            self.report(point.located(impact, self.time))
+        if not contacts.met:
+            return
+        try:
+            if contacts.skipped:
+                contacts.motion.finish(duration)
+                sequence = ImpactSequence(contacts, self.report, self.time)
+                sequence.resolve()
+                contacts.jammed |= sequence.jammed
+                for body in sequence.struck:
+                    self.space.reindex_shapes_for_body(body)
+        finally:
+            contacts.clear()
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
         """Return the space's EnergeticContact, or None. Use it to find that of a copied space."""
-        owners = (_owner(each.pre_solve) for each in _handlers(space).values())
+        owners = (_owner(each.pre_solve) for each in space._handlers.values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 
     def detach(self) -> None:
         """Return all contacts to the engine and restore the users' callbacks, as if this object had never been attached."""
-        self._attached()
-        for handler, callback, pair in self._callbacks:
-            if handler.pre_solve is callback:
-                handler.pre_solve = pair.chained
-        self._callbacks.clear()
+        self._attach()
+        for types, pair in self.pairs.items():
+            self.space._handlers[types].pre_solve = pair.chained
         self.pairs.clear()
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state to copy: everything except the ``report`` function."""
-        jammed = set() if self._filter is None else self._filter.jammed
-        return {**self.__dict__, "report": None, "_callbacks": [], "_filter": None, "_jammed": jammed}
+        return {**self.__dict__, "report": None, "_callbacks": {}}
 
-    def _attached(self) -> RestFilter:
-        """Return the rest filter, and make sure that its callbacks run before any that users registered later."""
-        if self._filter is None:
-            self._filter = RestFilter(self.space)
-            self._filter.jammed |= self.__dict__.pop("_jammed", set())
-            ours = [each for each in _handlers(self.space).values() if _owner(each.pre_solve) is self]
-            self._callbacks = [(each, each.pre_solve, each.pre_solve.args[0]) for each in ours]
-        for handler, callback, pair in self._callbacks:
-            if handler.pre_solve is not callback:
-                pair.chained, handler.pre_solve = handler.pre_solve, callback
-        return self._filter
+    def _attach(self) -> None:
+        """Make sure that the callbacks of all pairs run before any that users have registered since."""
+        for types, pair in self.pairs.items():
+            # pymunk 7 has no public way to list existing handlers.
+            handler = self.space._handlers[types]
+            if types not in self._callbacks or handler.pre_solve is not self._callbacks[types]:
+                if _owner(handler.pre_solve) is not self:
+                    handler.data.setdefault("pre_solve", None)
+                    pair.chained, handler.pre_solve = handler.pre_solve, functools.partial(self._notice, pair)
+                self._callbacks[types] = handler.pre_solve
 
     def _notice(self, pair: ContactPair, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
@@ -199,15 +182,8 @@ class EnergeticContact:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)
         finally:
-            if self._filter is not None:
-                self._filter.divide(pair, arbiter)
-
-
-def _handlers(space: pymunk.Space) -> dict[Any, Any]:
-    """Return the space's collision handlers by types; pymunk 7 has no public way to list existing ones."""
-    return space._handlers
+            self._filter.divide(pair, arbiter)
 
 
 def _owner(callback: Any) -> object:
-    function = getattr(callback, "func", None)
-    return getattr(function, "__self__", None)
+    return getattr(getattr(callback, "func", None), "__self__", None)

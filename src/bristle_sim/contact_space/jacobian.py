@@ -17,12 +17,15 @@ The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
+import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import lib
+
+from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
@@ -62,17 +65,14 @@ def world(body: pymunk.Body, point: Vector) -> Vector:
     return place.x, place.y
 
 
-class MassCentres(dict[pymunk.Body, Vector]):
-    """World coordinates of bodies' mass centres (``position`` may be another point), each looked up once."""
-
-    def __missing__(self, body: pymunk.Body) -> Vector:
-        found = self[body] = world(body, body.center_of_gravity)
-        return found
+def mass_centre(body: pymunk.Body) -> Vector:
+    """Return the world coordinates of a body's mass centre; ``position`` may be another point."""
+    return world(body, lib.cpBodyGetCenterOfGravity(body._body))
 
 
-def point_entry(body: pymunk.Body, centre: Vector, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Return the row entry for the velocity of a body's world point along a direction; ``centre`` is its mass centre."""
-    x, y = direction
+def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
+    """Return the row entry for the velocity of a body's world point along a direction."""
+    (x, y), centre = direction, mass_centre(body)
     lever = (point[0] - centre[0]) * y - (point[1] - centre[1]) * x
     return body, sign * x, sign * y, sign * lever
 
@@ -102,10 +102,8 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
     return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
 
 
-def scaled_columns(
-    rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
-) -> tuple[list[list[float]], list[float]]:
-    """Return the columns of M^-1/2 J^T, one list of 3 bodies' numbers a row of J, and the diagonal of M^-1/2.
+def scaled_columns(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
+    """Return M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
     """
@@ -124,69 +122,61 @@ def scaled_columns(
                 column[first + 1] += linear * y
                 column[first + 2] += angular * turn
         columns.append(column)
-    return columns, scale
+    return np.array(columns).T, np.array(scale)
 
 
-def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]:
+def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
     """Return the rows of a joint; none for limits that are not reached.
 
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
     """
     if isinstance(joint, pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint):
-        return _anchored(joint, centres)
-    if isinstance(joint, pymunk.GrooveJoint):
-        return list(_groove(joint, centres))
-    return _turning(joint)
+        return _anchored(joint)
+    return _groove(joint) if isinstance(joint, pymunk.GrooveJoint) else _turning(joint)
 
 
-def _across(
-    joint: pymunk.Constraint, centres: MassCentres, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
-) -> JointRow:
+def _across(joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False) -> JointRow:
     """Return the row of the velocity of body a's end relative to body b's along a direction."""
-    pairs = zip((joint.a, joint.b), ends, (1.0, -1.0), strict=True)
-    entries = tuple([point_entry(body, centres[body], end, direction, sign) for body, end, sign in pairs])
-    return JointRow(joint, entries, 0.0, limit)
+    a, b = point_entry(joint.a, ends[0], direction, 1.0), point_entry(joint.b, ends[1], direction, -1.0)
+    return JointRow(joint, (a, b), 0.0, limit)
 
 
-def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint, centres: MassCentres) -> list[JointRow]:
+def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
     """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
-    a, b = joint.a, joint.b
-    ends = (x, y), (u, v) = world(a, joint.anchor_a), world(b, joint.anchor_b)
+    ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
-        (a_x, a_y), (b_x, b_y) = centres[a], centres[b]
-        first = JointRow(joint, ((a, 1.0, 0.0, a_y - y), (b, -1.0, 0.0, v - b_y)))
-        return [first, JointRow(joint, ((a, 0.0, 1.0, x - a_x), (b, 0.0, -1.0, b_x - u)))]
+        return [_across(joint, ends, direction) for direction in ((1.0, 0.0), (0.0, 1.0))]
     distance, (x, y) = _between(*ends)
     if distance == 0.0:
         return []
     if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
-        return [_across(joint, centres, ends, (x, y))]
+        return [_across(joint, ends, (x, y))]
     margin = REACHED * max(distance, joint.max)
     if distance >= joint.max - margin:
-        return [_across(joint, centres, ends, (x, y), limit=True)]
-    return [_across(joint, centres, ends, (-x, -y), limit=True)] if distance <= joint.min + margin else []
+        return [_across(joint, ends, (x, y), limit=True)]
+    return [_across(joint, ends, (-x, -y), limit=True)] if distance <= joint.min + margin else []
 
 
 def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
     """Return the distance between two points and the direction from one to the other; (0, 0) where they coincide."""
     span = pymunk.Vec2d(end[0] - start[0], end[1] - start[1])
-    along = span.normalized()
-    return span.length, (along.x, along.y)
+    return span.length, span.normalized()
 
 
-def _groove(joint: pymunk.GrooveJoint, centres: MassCentres) -> Iterator[JointRow]:
-    """Yield rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
+def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
+    """Return rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
     start, anchor = world(joint.a, joint.groove_a), world(joint.b, joint.anchor_b)
     length, (x, y) = _between(start, world(joint.a, joint.groove_b))
     reached = (anchor[0] - start[0]) * x + (anchor[1] - start[1]) * y
     within = min(max(reached, 0.0), length)
     ends = (start[0] + x * within, start[1] + y * within), anchor
-    yield _across(joint, centres, ends, (-y, x))
+    rows = [_across(joint, ends, (-y, x))]
     if reached <= REACHED * length:
-        yield _across(joint, centres, ends, (-x, -y), limit=True)
+        rows.append(_across(joint, ends, (-x, -y), limit=True))
     elif reached >= length * (1.0 - REACHED):
-        yield _across(joint, centres, ends, (x, y), limit=True)
+        rows.append(_across(joint, ends, (x, y), limit=True))
+    return rows
 
 
 def _turning(joint: Any) -> list[JointRow]:

@@ -15,7 +15,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import MassCentres, joint_rows, scaled_columns
+from bristle_sim.contact_space.jacobian import joint_rows, scaled_columns
 
 Flags = NDArray[np.bool_]
 
@@ -38,10 +38,9 @@ def of_length_one(columns: Array) -> Array:
 
 def joint_basis(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> tuple[Array, Array]:
     """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of M^-1/2; limits are rigid."""
-    centres = MassCentres()
-    rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
+    rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
-    return span(np.array(columns).T) if rows else np.zeros((len(scale), 0)), np.array(scale)
+    return span(columns) if rows else np.zeros((len(scale), 0)), scale
 
 
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
@@ -52,19 +51,17 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     Raises:
         RuntimeError: if limits take turns at pushing without end.
     """
-    centres = MassCentres()
-    rows = [row for joint in joints for row in joint_rows(joint, centres) if with_limits or not row.limit]
+    rows = [row for joint in joints for row in joint_rows(joint) if with_limits or not row.limit]
     if not rows:
         return
     rates, sizes = np.array([row.excess() for row in rows]).T
     limits: Flags = np.array([row.limit for row in rows])
     if not (np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes).any():
         return
-    listed, scale = scaled_columns([row.entries for row in rows], bodies)
-    columns = np.array(listed).T
+    columns, scale = scaled_columns([row.entries for row in rows], bodies)
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
-    change = np.array(scale) * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
+    change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)
         body.angular_velocity += turn

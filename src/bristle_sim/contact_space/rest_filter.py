@@ -13,7 +13,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 from bristle_sim.contact_space.contact_pair import ContactPair
 from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.step_motion import StepMotion
-from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, overlaps, shapes_of
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, BODIES, Met, Shapes, overlaps, shapes_of
 
 STEPS_OF_GRAVITY = 2.0
 """An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a
@@ -35,17 +35,23 @@ class RestFilter:
 
     def __init__(self, space: pymunk.Space) -> None:
         self.space, self.motion = space, StepMotion()
-        self.resting_speed = 0.0
+        self.resting_speed, self._resting, self._active = 0.0, -1.0, False
         self.met: list[Met] = []
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
         self._still_jammed: set[Shapes] = set()
-        self._active, self._resting = False, -1.0
-        self._ends = lib.cpSpaceGetStaticBody(space._space), ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
+
+    @property
+    def resting(self) -> float:
+        """The largest approach that counts as rest in this step."""
+        if self._resting < 0.0:
+            gravity = STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step
+            self._resting = max(self.resting_speed, gravity)
+        return self._resting
 
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
-        self.resting_speed, self._active, self._resting = resting_speed, True, -1.0
+        self.resting_speed, self._resting, self._active = resting_speed, -1.0, True
 
     def end(self) -> None:
         """End a step: contacts that jammed and were not met again are over."""
@@ -59,28 +65,21 @@ class RestFilter:
         self.skipped.clear()
         self.motion.clear()
 
-    def resting_approach(self) -> float:
-        """Return the largest approach that counts as rest in the last step."""
-        return max(self.resting_speed, STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step)
-
     def divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
         """Leave a contact at rest to the engine (with the pair's friction, without restitution); make it ignore an impact."""
         if not self._active:
             return
-        if self._resting < 0.0:
-            self._resting = self.resting_approach()
         raw = arbiter._arbiter
         found = lib.cpArbiterGetContactPointSet(raw)
-        approach, speeds = self._approach(raw, found)
+        approach, speeds = _approach(raw, found)
         lib.cpArbiterSetRestitution(raw, 0.0)
-        rests = approach <= self._resting or approach <= APPROACH_ROUNDING * speeds
+        rests = approach <= max(self.resting, APPROACH_ROUNDING * speeds)
         # Contacts at rest are many; their shapes are not even looked up.
         if not rests or self.jammed:
             shapes = shapes_of(raw)
-            jams = (key := frozenset(shapes)) in self.jammed
-            if jams:
+            if (key := frozenset(shapes)) in self.jammed:
                 self._still_jammed.add(key)
-            rests = rests or jams
+                rests = True
         if rests:
             lib.cpArbiterSetFriction(raw, pair.friction)
             self.met.append(Met(raw, pair))
@@ -91,29 +90,25 @@ class RestFilter:
                 self.motion.note(joined([each.body]))
         slide = lib.cpArbiterGetSurfaceVelocity(raw)
         self.skipped.add(key)
-        self.met.append(Met(raw, pair, shapes, overlaps(found), (slide.x, slide.y)))
+        self.met.append(Met(raw, pair, (shapes, overlaps(found), (slide.x, slide.y))))
         lib.cpArbiterSetFriction(raw, 0.0)
         for index in range(found.count):
             found.points[index].pointB = found.points[index].pointA
         lib.cpArbiterSetContactPointSet(raw, ffi.addressof(found))
         lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
 
-    def _approach(self, raw: Any, found: Any) -> tuple[float, float]:
-        """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding."""
-        still, first, second = self._ends
-        lib.cpArbiterGetBodies(raw, first, second)
-        a, b, x, y = first[0], second[0], found.normal.x, found.normal.y
-        fastest = (0.0, 0.0)
-        for index in range(found.count):
-            point = found.points[index].pointA
-            u = v = p = q = 0.0
-            if a != still:
-                moving = lib.cpBodyGetVelocityAtWorldPoint(a, point)
-                u, v = moving.x, moving.y
-            if b != still:
-                moving = lib.cpBodyGetVelocityAtWorldPoint(b, point)
-                p, q = moving.x, moving.y
-            approach = (u - p) * x + (v - q) * y
-            if approach > fastest[0]:
-                fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
-        return fastest
+
+def _approach(raw: Any, found: Any) -> tuple[float, float]:
+    """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding."""
+    first, second = BODIES
+    lib.cpArbiterGetBodies(raw, first, second)
+    fastest = (0.0, 0.0)
+    for index in range(found.count):
+        point = found.points[index].pointA
+        one = lib.cpBodyGetVelocityAtWorldPoint(first[0], point)
+        other = lib.cpBodyGetVelocityAtWorldPoint(second[0], point)
+        u, v, p, q = one.x, one.y, other.x, other.y
+        approach = (u - p) * found.normal.x + (v - q) * found.normal.y
+        if approach > fastest[0]:
+            fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
+    return fastest

@@ -8,7 +8,7 @@ impulses that make every contact part or keep closed, within the friction cones 
 
 Without friction's cone they minimise that energy, so they are found by projected gradients with Nesterov's momentum, restarted
 where it leads uphill (O'Donoghue and Candes 2015). The step is 1/D with a diagonal D >= W: D_ii sums, over both bodies, the
-body's part of W_ii times its number of rows. A few contacts are then solved exactly, each open, sticking or slipping (a
+body's part of W_ii times its number of rows. Up to ``FEW`` contacts are then solved exactly, each open, sticking or slipping (a
 semismooth Newton method), because with very different masses gradients need too many iterations. Restitution adds e p_n and e
 p_t (Poisson), and another plastic impact if that drives contacts together. As p.v <= -p.W p for plastic impulses, (1 + e) p
 loses energy for every e <= 1; the sum p of all is scaled by at most -2 p.v/(p.W p), which keeps them in the cones. So no energy
@@ -39,7 +39,7 @@ SETTLED = (
     1e-4  # change of the impulses in an iteration, as a fraction of the largest, with which they are as good as found
 )
 
-FEW = 8  # contacts up to which a plastic impact is solved exactly: some 0.5 ms
+FEW = 40  # contacts up to which a plastic impact is solved exactly: some 2 ms
 
 NEWTON_ROUNDS = 20  # of that solution; five or so are enough
 
@@ -222,7 +222,6 @@ def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
         motion.kick(bodies, -0.5)
         close_joints(bodies, joints)
         motion.kick(bodies, 0.5)
-        motion.forget(bodies)
         rigid, _ = joint_basis(bodies, joints)
         found.append(np.zeros((3 * len(index), rigid.shape[1])))
         found[-1][[3 * index[body] + at for body in bodies for at in range(3)]] = rigid

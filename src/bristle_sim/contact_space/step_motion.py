@@ -18,7 +18,7 @@ import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import lib
 
-from bristle_sim.contact_space.jacobian import Connected, Vector, world
+from bristle_sim.contact_space.jacobian import Connected, Vector, mass_centre
 from bristle_sim.contact_space.projection import allowed_part
 
 Motion = tuple[float, float, float]
@@ -45,7 +45,6 @@ class StepMotion:
         self.duration = 0.0
         self.gains: dict[pymunk.Body, Motion] = {}
         self._groups: list[Connected] = []
-        self._states: dict[pymunk.Body, tuple[Motion, Motion, Vector]] = {}
 
     def note(self, connected: Connected) -> None:
         """Record velocities of jointed bodies within the step, before the engine changes them."""
@@ -67,25 +66,16 @@ class StepMotion:
 
     def clear(self) -> None:
         """Discard the step's data."""
-        for each in (self.gains, self._groups, self._states):
-            each.clear()
+        self.gains.clear()
+        self._groups.clear()
 
     def steps(self, time: float) -> float:
         """Return how many gains the velocities change by from a time before the end of the step to after it."""
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
-        """Return a body's velocities after the step, its gains and its mass centre, cached until ``forget``."""
-        found = self._states.get(body)
-        if found is None:
-            found = velocity_of(body), self.gains.get(body, NONE), world(body, body.center_of_gravity)
-            self._states[body] = found
-        return found
-
-    def forget(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Discard the cached states of bodies whose velocities have changed."""
-        for body in bodies:
-            self._states.pop(body, None)
+        """Return a body's velocities after the step, its gains and its mass centre."""
+        return velocity_of(body), self.gains.get(body, NONE), mass_centre(body)
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
         """Move bodies forward or back by a time, as the engine moves them within the step."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
-from operator import attrgetter
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 import pymunk
@@ -23,13 +22,10 @@ HALVINGS = 4
 
 FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at the end of the step
 
-ENTRIES = attrgetter(*(each.name for each in fields(Impact)))  # all entries of an impact's record
-
 Shapes = frozenset[pymunk.Shape]
 
-
 _SHAPES = ffi.new("cpShape *[1]"), ffi.new("cpShape *[1]")
-_BODIES = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")
+BODIES = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")  # where the engine writes the bodies of an arbiter
 
 
 class Overlap(NamedTuple):
@@ -40,19 +36,21 @@ class Overlap(NamedTuple):
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Extrapolate linearly from this overlap through a later one."""
+        """Extrapolate place and normal linearly from this overlap through a later one."""
         (x, y), (u, v), (n_x, n_y), (m_x, m_y) = self.point, later.point, self.normal, later.normal
         n_x, n_y = n_x + factor * (m_x - n_x), n_y + factor * (m_y - n_y)
         length = math.hypot(n_x, n_y)
-        return Overlap((x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), 0.0)
+        return Overlap((x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), self.depth)
 
 
-def overlaps(found: Any, towards: float = -1.0) -> list[Overlap]:
-    """Return the overlaps of the engine's contact points, with normals towards their first shape (-1) or their second (1)."""
-    x, y, normal = found.normal.x, found.normal.y, (towards * found.normal.x, towards * found.normal.y)
+def overlaps(found: Any) -> list[Overlap]:
+    """Return the overlaps of the engine's contact points, with normals towards their first shape."""
+    x, y = found.normal.x, found.normal.y
     ends = [(found.points[index].pointA, found.points[index].pointB) for index in range(found.count)]
     # The distance that the engine gives has the sign of one order of the shapes only.
-    return [Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), normal, (a.x - b.x) * x + (a.y - b.y) * y) for a, b in ends]
+    return [
+        Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y) for a, b in ends
+    ]
 
 
 def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
@@ -63,33 +61,33 @@ def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
 
 
 class Met(NamedTuple):
-    """A contact that the engine has found: its arbiter, and its data from before the engine was made to ignore it.
+    """A contact that the engine has found: its arbiter, its pair, and its data from before the engine was made to ignore it.
 
-    Outside callbacks an arbiter may have its shapes in the other order.
+    The data are shapes, overlaps and surface velocity. Outside callbacks an arbiter may have its shapes in the other order.
     """
 
     arbiter: Any
     pair: ContactPair
-    shapes: tuple[pymunk.Shape, pymunk.Shape] | None = None
-    overlaps: list[Overlap] | None = None
-    slide: Vector | None = None
+    data: tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector] | None = None
 
     def bodies(self) -> list[pymunk.Body]:
-        """Return the two bodies, in any order."""
-        first, second = _BODIES
+        """Return the dynamic ones of the two bodies, in any order."""
+        first, second = BODIES
         lib.cpArbiterGetBodies(self.arbiter, first, second)
-        return [ffi.from_handle(lib.cpBodyGetUserData(first[0])), ffi.from_handle(lib.cpBodyGetUserData(second[0]))]
+        both = [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in (first, second)]
+        return [each for each in both if each.body_type == pymunk.Body.DYNAMIC]
 
     def points(self) -> list[TouchingPoint]:
         """Return the points where the shapes touch; empty for a sensor and for ignored contacts."""
-        if not lib.cpArbiterGetProcessCollision(self.arbiter):
+        arbiter = self.arbiter
+        if not lib.cpArbiterGetProcessCollision(arbiter):
             return []
-        if self.shapes is None or self.overlaps is None or self.slide is None:
-            shapes, found = shapes_of(self.arbiter), overlaps(lib.cpArbiterGetContactPointSet(self.arbiter))
-            slide = lib.cpArbiterGetSurfaceVelocity(self.arbiter)
+        if self.data is None:
+            slide = lib.cpArbiterGetSurfaceVelocity(arbiter)
+            shapes, found = shapes_of(arbiter), overlaps(lib.cpArbiterGetContactPointSet(arbiter))
             x, y = slide.x, slide.y
         else:
-            shapes, found, (x, y) = self.shapes, self.overlaps, self.slide
+            shapes, found, (x, y) = self.data
         if lib.cpShapeGetSensor(shapes[0]._shape) or lib.cpShapeGetSensor(shapes[1]._shape):
             return []
         bodies: Any = [each.body for each in shapes]
@@ -110,10 +108,9 @@ class TouchingPoint:
         overlap: where they touch, at the end of the step or at the instant of touch; its depth is that at the end.
         drift: speed at which the overlap grew during the step.
         time: of the touch, before the end of the step.
-        approach: speed at which the bodies approach at that instant. speed: largest speed of the two bodies here so far, which
-        scales the rounding of ``approach``.
+        approach: speed at which the bodies approach at that instant.
+        speed: largest speed of the two bodies here so far, which scales the rounding of ``approach``.
         impacts: number of impacts here so far.
-        key: the two shapes in any order.
     """
 
     pair: ContactPair
@@ -126,31 +123,30 @@ class TouchingPoint:
     approach: float = 0.0
     speed: float = 0.0
     impacts: int = 0
-    key: Shapes = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.key = frozenset(self.shapes)
+    @property
+    def key(self) -> Shapes:
+        """The two shapes in any order."""
+        return frozenset(self.shapes)
 
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
         """Compute the approach and the time of the touch from the present velocities.
 
         ``since``: time before the end of the step at which velocities changed; ``latest``: the touch is not before that.
         """
-        point, (x, y), depth = self.overlap
-        (u, v, turn), (gain_u, gain_v, turning), (at_x, at_y) = motion.state(self.bodies[0])
-        arm_x, arm_y = point[0] - at_x, point[1] - at_y
-        u, v, gain_u, gain_v = u - turn * arm_y, v + turn * arm_x, gain_u - turning * arm_y, gain_v + turning * arm_x
-        (p, q, turn), (gain_p, gain_q, turning), (at_x, at_y) = motion.state(self.bodies[1])
-        arm_x, arm_y = point[0] - at_x, point[1] - at_y
-        p, q, gain_p, gain_q = p - turn * arm_y, q + turn * arm_x, gain_p - turning * arm_y, gain_q + turning * arm_x
-        slide_x, slide_y = self.surface_velocity
-        growth = (p - u + slide_x) * x + (q - v + slide_y) * y
-        gain = (gain_p - gain_u) * x + (gain_q - gain_v) * y
-        self.speed = max(self.speed, abs(u) + abs(v), abs(p) + abs(q))
+        (at_x, at_y), (x, y), depth = self.overlap
+        growth, gain = self.surface_velocity[0] * x + self.surface_velocity[1] * y, 0.0
+        for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
+            (u, v, turn), (gain_u, gain_v, turning), (centre_x, centre_y) = motion.state(body)
+            arm_x, arm_y = at_x - centre_x, at_y - centre_y
+            u, v = u - turn * arm_y, v + turn * arm_x
+            growth += sign * (u * x + v * y)
+            gain += sign * ((gain_u - turning * arm_y) * x + (gain_v + turning * arm_x) * y)
+            self.speed = max(self.speed, abs(u) + abs(v))
         drift = growth - gain
         if since:
             depth += since * (drift - self.drift)
-            self.overlap = Overlap(point, (x, y), depth)
+            self.overlap = self.overlap._replace(depth=depth)
         self.drift = drift
         self.time = min(max(depth, 0.0) / drift if drift > 0.0 else math.inf if depth > 0.0 else 0.0, latest)
         self.approach = growth - motion.steps(self.time) * gain
@@ -166,8 +162,7 @@ class TouchingPoint:
                 growth = after.depth - half.depth
                 touch = 0.5 * time * after.depth / growth if growth > 0.0 else math.inf
                 self.time = min(touch, FARTHER * time, latest)
-                place = after.ahead(half, 2.0 * self.time / time)
-                self.overlap, self.drift = place._replace(depth=after.depth), 2.0 * growth / time
+                self.overlap, self.drift = after.ahead(half, 2.0 * self.time / time), 2.0 * growth / time
                 motion.drift(bodies, 0.5 * time - self.time)
                 return
             motion.drift(bodies, 0.5 * time)
@@ -184,6 +179,6 @@ class TouchingPoint:
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
         """Return the record of an impact here; ``end``: of the step."""
-        point, normal, _ = self.overlap
-        entries = (*ENTRIES(impact), end - self.time, point, normal, self.bodies)
+        place = end - self.time, self.overlap.point, self.overlap.normal, self.bodies
+        entries = *[getattr(impact, each.name) for each in fields(Impact)], *place
         return LocatedImpact(*entries)
