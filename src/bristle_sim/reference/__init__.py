@@ -5,9 +5,9 @@ With the scene it shares the parameters, the types of the result, the impact law
 hinges, and nothing else.
 
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch of bar, workpart or another wire, ``forces``
-forces of sustained contacts and impacts, ``system`` a state with its contacts, ``crossing`` where a function of time
-changes sign, ``events`` what ends an interval of smooth motion, and its extremes, ``decisions`` what follows, ``run`` the
-loop, ``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike.
+forces of sustained contacts and impacts, ``system`` a state with its contacts, ``events`` the ends of
+intervals of smooth motion, ``crossing`` the search for them and for extremes, ``decisions`` their consequences, ``run``
+the loop, ``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike.
 """
 
 from bristle_sim.reference.simulate import simulate_reference, simulate_row_reference

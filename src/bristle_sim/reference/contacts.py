@@ -1,4 +1,4 @@
-"""Contacts of wires with bar, workpart and each other: gaps, and what a force at the contact does to the links.
+"""Contacts of wires with bar, workpart and each other: gaps, and the levers of forces at them.
 
 The normal n points from the obstacle to the wire, the tangent is t = -i n. A contact is on the flank of a straight piece,
 whose normal turns with its link, or on a corner (between two pieces, or the wire's end), whose normal turns as the corner
@@ -22,7 +22,7 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE
 
 
 class Point(NamedTuple):
-    """Where an obstacle touches the wire: on the flank of a piece, or on the corner at a piece's end."""
+    """The place of a contact on the wire: the flank of a piece, or the corner at a piece's end."""
 
     obstacle: str
     piece: int
@@ -155,13 +155,13 @@ class Bar:
         joint, turn = motion.joint[link], motion.turn[link]
         along = direction * turn
         origin = joint + start * turn
-        held = length if point.corner else dot(along, self.centre - origin)
-        outward = origin + held * along - self.centre
+        away = length if point.corner else dot(along, self.centre - origin)
+        outward = origin + away * along - self.centre
         distance = abs(outward)
         normal = outward / distance
         spin = motion.rates[link]
         if point.corner:
-            corner = motion.velocity[link] + 1j * spin * (origin + held * along - joint)
+            corner = motion.velocity[link] + 1j * spin * (origin + away * along - joint)
             spin = dot(1j * normal, corner) / distance
         surface = self.centre + (distance - self.wire_radius) * normal
         # The place of contact stays on the bar, whose normal turns at ``spin``.
@@ -209,7 +209,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
 
 
 def follows(chain: Chain, piece: int) -> bool:
-    """Whether a piece begins where the one before it ends: not at a wire's root."""
+    """Tell whether a piece begins where the one before it ends: not at a wire's root."""
     return piece > 0 and piece - 1 not in chain.tips
 
 
@@ -284,7 +284,7 @@ class WirePairs:
 
 
 def _crossed(roots: Complexes, arms: Complexes, first: int, second: int) -> bool:
-    """Whether two centre lines cross."""
+    """Tell whether two centre lines cross."""
 
     def sides(own: int, other: int) -> float:
         """Return a number that is negative if one wire's ends lie on different sides of the other's line."""

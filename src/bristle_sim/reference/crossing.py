@@ -1,4 +1,4 @@
-"""Where a function of time changes sign, without stepping over a short dip.
+"""The instants of a step at which a function changes its sign: events and extremes; no short dip is stepped over.
 
 A smooth function on a short interval is its Chebyshev series to rounding, and a companion matrix gives all the roots of the
 series at once. Where 17 points do not resolve the function (a kink, a jump) the interval is halved. The roots only separate
@@ -8,12 +8,20 @@ intervals of one sign; the crossing itself is bracketed and located on the funct
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
+from bristle_sim.reference.contacts import Bar
+from bristle_sim.reference.events import ROUNDING as VALUE_ROUNDING
+from bristle_sim.reference.events import Event, Follow, Value
+from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log, Record
+from bristle_sim.reference.system import Instant, State, System
+
+IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
@@ -24,7 +32,7 @@ WEIGHTS[0] *= 0.5
 
 DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
 MOST_PIECES = 400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
-ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
+SERIES_ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
 
 
 def nodes(start: float, end: float) -> Array:
@@ -40,8 +48,8 @@ def of_one_sign(values: Array, resolution: float) -> int:
 
 
 def _resolved(series: Array, values: Array, resolution: float) -> bool:
-    """Whether the last coefficients are rounding, so that the series is the function."""
-    return bool(np.abs(series[-3:]).max() <= max(resolution, ROUNDING * np.abs(values).max()))
+    """Tell whether the last coefficients are rounding, so that the series is the function."""
+    return bool(np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max()))
 
 
 def crossings(function: Function, start: float, end: float, resolution: float) -> list[tuple[float, int]]:
@@ -85,3 +93,95 @@ def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[
             at = brentq(lambda time: float(function(np.array([time]))[0]), last, probe, xtol=1e-300, maxiter=400)
             yield float(at), int(np.sign(value))
         sign, last = (np.sign(value) if value else sign), probe
+
+
+class Step(NamedTuple):
+    """A step of the integrator: its motion, times -> states, and the instants at its nodes, see the module ``crossing``."""
+
+    system: System
+    motion: Callable[[Array], list[State]]
+    instants: list[Instant]
+    start: float
+    end: float
+
+    def sign(self, value: Value, resolution: float) -> int:
+        """Return the sign that a function of an instant has throughout the step; 0 if it may change."""
+        return of_one_sign(np.array([value(each) for each in self.instants]), resolution)
+
+    def along(self, value: Value) -> Callable[[Array], Array]:
+        """Return a function of an instant as one of times."""
+        return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
+
+
+def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
+    """Return the time of the first event on a step of the integrator, s, and its consequence."""
+    first, end = None, step.end
+    near = _near(step.system, step.instants[-1], end - step.start)
+    for event in events:
+        if event.place is not None and event.place not in near:
+            continue
+        if step.sign(event.value, event.resolution) == -event.direction:
+            continue
+        along = step.along(event.value)
+        if event.direction * along(np.array([step.start]))[0] > 0.0:
+            return step.start, event.follow
+        for time, direction in crossings(along, step.start, end, event.resolution):
+            if direction == event.direction:
+                first, end = (time, event.follow), time
+                break
+    return first
+
+
+def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
+    """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
+    chain = system.chain
+    top_speed = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
+    return {
+        (name, int(piece))
+        for name in system.obstacles
+        for piece in np.flatnonzero(instant.gaps(name) < 2.0 * top_speed * duration)
+    }
+
+
+def note_extremes(log: Log, own: Record, step: Step) -> float | None:
+    """Note where a wire lags most and its highest relative rate, up to the step's end; return the time at which the run ends there.
+
+    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    """
+    system, chain, link = step.system, own.chain, own.links.start
+
+    def rate(at: Instant) -> float:
+        return float(at.state.rates[link] - chain.speed)
+
+    def acceleration(at: Instant) -> float:
+        return float(at.balance.accelerations[link])
+
+    def changes(value: Value, resolution: float) -> list[tuple[float, int]]:
+        """Return instants and senses at which a function passes zero, if it does."""
+        if step.end <= step.start or step.sign(value, resolution):
+            return []
+        return crossings(step.along(value), step.start, step.end, resolution)
+
+    for time, direction in changes(rate, VALUE_ROUNDING * system.fastest):
+        if direction > 0:
+            own.turned.append(step.motion(np.array([time]))[0])
+            log.marks.append(time)
+            if log.stop_after == LARGEST_RETRACTION:
+                return time
+    touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
+    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step.start):
+        return None
+    for time, direction in changes(acceleration, VALUE_ROUNDING * system.fastest**2):
+        if direction < 0 and step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
+            own.event(PEAK, time)
+            log.marks.append(time)
+            return time if log.stop_after == PEAK else None
+    return None
+
+
+def _bar_ahead(system: System, own: Record, time: float) -> bool:
+    """Tell whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
+    bar = system.obstacles.get("bar")
+    if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
+        return False
+    return bool((bar.centre / own.chain.roots(time)[0]).imag > 0.0)

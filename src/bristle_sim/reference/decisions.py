@@ -1,4 +1,4 @@
-"""What happens at an event: impacts, which of the closed contacts stay closed, how they slip, and what ends a run."""
+"""The consequences of an event: impacts, the contacts that stay closed, the senses of their slip, the end of a run."""
 
 from __future__ import annotations
 

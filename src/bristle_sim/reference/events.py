@@ -1,4 +1,4 @@
-"""Events that end an interval of smooth motion, where an obstacle is touched or a sustained contact changes, and its extremes."""
+"""Events that end an interval of smooth motion: an obstacle is touched, or a sustained contact changes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
 from scipy.optimize import newton
 
-from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
-from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import (
     change_phase,
     close_contact,
@@ -22,28 +19,28 @@ from bristle_sim.reference.decisions import (
     move_contact,
 )
 from bristle_sim.reference.forces import normal_response
-from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Finished, Log, Record
+from bristle_sim.reference.log import Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
-Follow = Callable[[State], State]  # what follows an event: the state before it -> the state after it
+Value = Callable[[Instant], float]
+Follow = Callable[[State], State]  # the consequence of an event: the state before it -> the state after it
 INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
 PAST = 1e-13  # a contact has passed a corner by this fraction of the length: rounding does not bring it back
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
 GAP_ROUNDING = 1e-15  # rounding of a gap, as a fraction of hub radius and length
-IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 LOCKED = 1e-6
 """Friction is about to lock a contact where it lowers the response to a normal force to this fraction: the force has no bound."""
 
 
 class Event(NamedTuple):
-    """A function of an instant whose change of sign in one direction ends an interval, and what follows.
+    """A function of an instant whose change of sign in one direction ends an interval, and its consequence.
 
     The gap of an obstacle and a piece has a ``place``: it need not be looked at while it is far from closing.
     """
 
-    value: Callable[[Instant], float]
+    value: Value
     direction: int
     resolution: float
     follow: Follow
@@ -92,7 +89,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Whether a piece's nearest point is in contact already, or the corner that is."""
+    """Tell whether a piece's nearest point is in contact already, or the corner that is."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
     chain = system.chain
     if isinstance(system.obstacles[obstacle], Workpart):
@@ -102,7 +99,7 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 
 
 def _beside_contact(system: System, piece: int, instant: Instant) -> bool:
-    """Whether a piece's nearest point to the bar is the corner that it shares with a piece in contact, which is nearer."""
+    """Tell whether a piece's nearest point to the bar is the corner that it shares with a piece in contact, which is nearer."""
     touched = {each.point.piece for each in system.sustained if each.point.obstacle == "bar" and not each.point.corner}
     before = instant.feet[piece] <= 0.0 and follows(system.chain, piece) and piece - 1 in touched
     return before or (instant.feet[piece] >= system.chain.pieces.lengths[piece] and piece + 1 in touched)
@@ -128,25 +125,26 @@ def _force_events(system: System, log: Log, state: State, number: int) -> list[E
     def cone(at: Instant) -> float:
         return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
 
-    def beyond(value: Callable[[Instant], float], rounding: float) -> Callable[[Instant], float]:
-        """Return a function less its value at the beginning, where that is not above 0, and rounding."""
-        level = min(value(system.at(state)), 0.0) - rounding
-        return lambda at: value(at) - level
-
     if each.spring is None:
         found = [Event(pressing, -1, acceleration, go_on)]
     else:
         found = _spring_events(system, log, each, each.spring)
     if mu and slip:
         # Slip that begins after stick may start from a velocity that is rounding, of either sign.
-        found.append(Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on))
+        found.append(Event(_beyond(sliding, system.at(state), 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on))
         if each.spring is None:
             found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
     elif mu:
         force = acceleration * float(system.chain.masses.sum())
         force += each.spring.steepest * GAP_ROUNDING * system.size if each.spring else 0.0
-        found.append(Event(beyond(cone, force) if each.spring else cone, -1, force, go_on))
+        found.append(Event(_beyond(cone, system.at(state), force) if each.spring else cone, -1, force, go_on))
     return found
+
+
+def _beyond(value: Value, begun: Instant, rounding: float) -> Value:
+    """Return a function less rounding, and less its value where an interval begins if that is below 0."""
+    level = min(value(begun), 0.0) - rounding
+    return lambda at: value(at) - level
 
 
 def _free(number: int, instant: Instant) -> float:
@@ -210,95 +208,3 @@ def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
         passes = [(index, length, 1, Point(name, index, True)), (index, 0.0, -1, Point(name, index - 1, True))]
     # Nothing precedes a wire's root or follows its tip.
     return [event(*passes[0]), *([event(*passes[1])] if follows(system.chain, index + corner) else [])]
-
-
-class Step(NamedTuple):
-    """A step of the integrator: its motion, times -> states, and the instants at its nodes, see the module ``crossing``."""
-
-    system: System
-    motion: Callable[[Array], list[State]]
-    instants: list[Instant]
-    start: float
-    end: float
-
-    def sign(self, value: Callable[[Instant], float], resolution: float) -> int:
-        """Return the sign that a function of an instant has throughout the step; 0 if it may change."""
-        return of_one_sign(np.array([value(each) for each in self.instants]), resolution)
-
-    def along(self, value: Callable[[Instant], float]) -> Callable[[Array], Array]:
-        """Return a function of an instant as one of times."""
-        return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
-
-
-def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
-    """Return the time of the first event on a step of the integrator, s, and what follows it."""
-    first, end = None, step.end
-    near = _near(step.system, step.instants[-1], end - step.start)
-    for event in events:
-        if event.place is not None and event.place not in near:
-            continue
-        if step.sign(event.value, event.resolution) == -event.direction:
-            continue
-        along = step.along(event.value)
-        if event.direction * along(np.array([step.start]))[0] > 0.0:
-            return step.start, event.follow
-        for time, direction in crossings(along, step.start, end, event.resolution):
-            if direction == event.direction:
-                first, end = (time, event.follow), time
-                break
-    return first
-
-
-def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
-    """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
-    chain = system.chain
-    top_speed = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
-    return {
-        (name, int(piece))
-        for name in system.obstacles
-        for piece in np.flatnonzero(instant.gaps(name) < 2.0 * top_speed * duration)
-    }
-
-
-def note_extremes(log: Log, own: Record, step: Step) -> float | None:
-    """Note where a wire lags most and its highest relative rate, up to the step's end; return the time at which the run ends there.
-
-    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
-    """
-    system, chain, link = step.system, own.chain, own.links.start
-
-    def rate(at: Instant) -> float:
-        return float(at.state.rates[link] - chain.speed)
-
-    def acceleration(at: Instant) -> float:
-        return float(at.balance.accelerations[link])
-
-    def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
-        """Return instants and senses at which a function passes zero, if it does."""
-        if step.end <= step.start or step.sign(value, resolution):
-            return []
-        return crossings(step.along(value), step.start, step.end, resolution)
-
-    for time, direction in changes(rate, ROUNDING * system.fastest):
-        if direction > 0:
-            own.turned.append(step.motion(np.array([time]))[0])
-            log.marks.append(time)
-            if log.stop_after == LARGEST_RETRACTION:
-                return time
-    touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
-    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step.start):
-        return None
-    for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
-        if direction < 0 and step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
-            own.event(PEAK, time)
-            log.marks.append(time)
-            return time if log.stop_after == PEAK else None
-    return None
-
-
-def _bar_ahead(system: System, own: Record, time: float) -> bool:
-    """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
-    bar = system.obstacles.get("bar")
-    if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
-        return False
-    return bool((bar.centre / own.chain.roots(time)[0]).imag > 0.0)

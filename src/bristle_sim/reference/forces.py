@@ -38,7 +38,7 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether friction stops it; a rigid contact of a single moving link keeps that at rest, and friction idles."""
+        """Tell whether friction stops it. A rigid contact of a single moving link keeps that at rest, and friction idles."""
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
         idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
         return self.slip == STICK and self.friction > 0.0 and self.rub is None and not idle
@@ -50,7 +50,7 @@ class Acting(NamedTuple):
 
     @property
     def pushed(self) -> Array:
-        """What a unit normal force, with the friction of slip, does to the generalized forces."""
+        """Return the generalized forces of a unit normal force with the friction of slip."""
         return self.touch.normal_row + self.ratio * self.touch.tangential_row
 
 
@@ -114,7 +114,7 @@ def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float)
 def _consistent(
     mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
-    """Whether every chosen contact pushes within its friction cone and every other one opens."""
+    """Tell whether every chosen contact pushes within its friction cone and every other one opens."""
     try:
         found = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
@@ -129,7 +129,7 @@ def _consistent(
 def _pushes(
     mass: Array, forces: Array, accelerations: Array, each: Acting, normal: float, tangential: float, still: float
 ) -> bool:
-    """Whether a contact that is kept pushes, and its stick or slip is consistent; a spring's force may end below 0 by rounding."""
+    """Tell whether a closed contact pushes and sticks or slips consistently. A spring's force may end below 0 by rounding."""
     if each.rub is not None:
         return True
     if (normal < 0.0 and each.push is None) or (

@@ -1,4 +1,4 @@
-"""What a run records: samples of all wires, and events and contacts of each."""
+"""The record of a run: samples of all wires, and events and contacts of each."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class Pieces(NamedTuple):
 
 
 class Kinematics(NamedTuple):
-    """Where the links are and how they move; arrays of shape (..., n) over the links.
+    """Positions and motion of the links; arrays of shape (..., n) over the links.
 
     Attributes:
         turn: e^{i theta}.
@@ -114,14 +114,9 @@ class Chain:
         before = np.kron(np.eye(count), np.tri(links, k=-1).T)
         arms = (before.T * ends)[pieces.links]
         arms[np.arange(len(masses)), pieces.links] = pieces.middles
-        hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
-        if links > 1:
-            hinge = hinge_stiffness(*wire, links)
-            if zeta := bristle.bending_damping_ratio:
-                diameter, length, modulus = wire
-                damper = hinge_damping(bristle.mass, length, diameter, modulus, tool.belt.stiffness, zeta, links)
         tips = frozenset(range(len(lone.links) - 1, len(masses), len(lone.links)))
         bends = np.flatnonzero(pieces.directions[1:] != pieces.directions[:-1]).tolist()
+        hinge, damper = _hinge(tool)
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
@@ -219,13 +214,6 @@ class Chain:
         return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates * arms, rates
 
     @property
-    def swing_and_decay(self) -> tuple[float, float]:
-        """Return the natural rate of a lone wire on its belt, and c/I, twice the rate at which it decays, with rigid hinges, rad/s."""
-        inertia = float(self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
-        moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
-        return math.sqrt((float(self.stiffness[0]) + moment) / inertia), float(self.damping[0]) / inertia
-
-    @property
     def fastest_rate(self) -> float:
         """Return an upper bound of the rates at which free motion changes, rad/s.
 
@@ -237,6 +225,16 @@ class Chain:
         inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
         squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())
         return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
+
+
+def _hinge(tool: Tool) -> tuple[float, float]:
+    """Return stiffness, N m/rad, and damping, N m s/rad, of the hinge between two links."""
+    bristle, links = tool.bristle, tool.bristle.links
+    if links == 1:
+        return 0.0, 0.0
+    wire, zeta = (bristle.length, bristle.wire_diameter, bristle.modulus), bristle.bending_damping_ratio
+    damping = hinge_damping(bristle.mass, *wire, tool.belt.stiffness, zeta, links) if zeta else 0.0
+    return hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, links), damping
 
 
 def _cut(bristle: Bristle, links: int) -> Pieces:

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.crossing import nodes
+from bristle_sim.reference.crossing import Step, first_event, nodes, note_extremes
 from bristle_sim.reference.decisions import record
-from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
+from bristle_sim.reference.events import Follow, events_of
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import StopReason
@@ -62,7 +62,7 @@ class Run:
         return reason
 
     def _interval(self) -> Follow:
-        """Integrate to the next event; return what follows it."""
+        """Integrate to the next event; return its consequence."""
         events = events_of(self.system, self.log, self.state)
         solver = self._solver()
         while solver.status == "running":

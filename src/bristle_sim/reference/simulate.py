@@ -1,4 +1,4 @@
-"""Simulate a pass of one wire, or of a row of straight rigid bristles: check what was requested, run, return the results."""
+"""Simulate a pass of one wire, or of a row of straight rigid bristles: check the request, run, return the results."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ requested = functools.partial(quantity, source="requested", usual=ANY)
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What was requested, checked."""
+    """The arguments of a run, checked."""
 
     start_hub_angle: float = requested(0.0, "-1e6 <= start_hub_angle <= 1e6 rad")
     start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
@@ -176,13 +176,13 @@ def _simulate(
             record.event("workpart not reached", run.state.time)
     settings = dataclasses.asdict(request)
     begun = {name.removeprefix("start_"): settings.pop(name) for name in [*settings] if name.startswith("start_")}
-    told = {
+    given = {
         "stop_after": settings.pop("stop_after"),
         "settings": settings,
         "start": begun,
         "tool": dataclasses.asdict(tool),
     }
-    return log.trajectories(reason, cost, {"method": METHOD, **told, **shared})
+    return log.trajectories(reason, cost, {"method": METHOD, **given, **shared})
 
 
 def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
@@ -216,7 +216,10 @@ def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) 
 
 def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
-    swing, decay = chain.swing_and_decay
+    # Natural rate of the wire on its belt, with rigid hinges, and c/I, twice the rate at which it decays, rad/s.
+    inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
+    field = abs(complex(chain.moments.sum())) * (chain.hub_radius * chain.speed**2 + chain.gravity)
+    swing, decay = math.sqrt((float(chain.stiffness[0]) + field) / inertia), float(chain.damping[0]) / inertia
     moving = max(swing, chain.speed)
     period = 2.0 * math.pi / moving if moving else math.inf  # of the rigid rod or the hub; infinite if nothing moves it
     end = request.duration

@@ -1,4 +1,4 @@
-"""A chain among its obstacles: the contacts that are sustained, and what follows from a state: touches, forces, accelerations."""
+"""A chain among its obstacles: the contacts that are sustained, and the touches, forces and accelerations in a state."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class System:
         self.fastest = chain.fastest_rate
 
     def at(self, state: State) -> Instant:
-        """Return a state with the quantities that follow from it."""
+        """Return a state with its kinematics and forces."""
         return Instant(self, state)
 
     @property
