@@ -91,7 +91,7 @@ def test_wires_that_the_bar_folds_flat_on_each_other_jam(accuracy: float) -> Non
         assert [run.stop_reason for run in runs] == [StopReason.JAM] * 2
         assert runs[0].angles[-1] == pytest.approx(runs[1].angles[-1], abs=10.0 * ACCURACY)
     # A step of the reference fails within 1e-3 radians of its fastest motion before the wires lie flat.
-    early = 1e-3 / Chain.of(Tool(), 0.0).fastest_rate
+    early = 1e-3 / Chain(Tool(), 0.0).fastest_rate
     assert reference[0].time[-1] == pytest.approx(scene[0].time[-1], abs=early)
 
 
@@ -114,9 +114,6 @@ def test_wires_in_each_other_at_the_start_are_refused(pitch: float) -> None:
         simulate_row(Tool(), bristles=2, pitch=pitch, **ELASTIC)
 
 
-@pytest.mark.parametrize(
-    ("solve", "bristles"), [(simulate_row, 0), *((simulate_row_reference, n) for n in (2.0, True, 0))]
-)
-def test_a_number_of_bristles_is_a_whole_one(solve, bristles) -> None:
-    with pytest.raises(ValueError, match=r"bristles = .*: must be a whole number"):
-        solve(Tool(), bristles=bristles, pitch=0.3, **ELASTIC)
+def test_a_number_of_bristles_is_a_whole_one() -> None:
+    with pytest.raises(ValueError, match="bristles = 0: must be a whole number"):
+        simulate_row(Tool(), bristles=0, pitch=0.3, **ELASTIC)

@@ -366,38 +366,6 @@ class TestKnee:
 
 
 class TestSprings:
-    @pytest.mark.parametrize("restitution", [1.0, 0.5])
-    def test_a_rod_strikes_a_soft_bar_for_the_half_periods_of_spring_and_rod(self, restitution):
-        """Loading a quarter of the period 2 pi/sqrt(k a^2/I), unloading e* of that; the rate returns times -e*.
-
-        The contact travels in proportion to the rod's turn in it, 1e-4 rad; the belt is 1e-4/(k a^2) = 2.5e-6 as stiff.
-        """
-        bristle, apart, stiffness, rate = Bristle(), 0.02, 1e5, 1.0
-        bar = Bar(radius=0.003, horizontal=0.003 + bristle.wire_diameter / 2.0, vertical=apart, restitution=restitution)
-        tool = Tool(Hub(0.0, 0.0), Belt(1e-4), bristle, bar, None)
-        run = simulate_reference(
-            tool,
-            start_hub_angle=0.0,
-            start_relative_angle=1e-3,
-            start_relative_rate=-rate,
-            duration=1.3e-3,
-            bar_stiffness=stiffness,
-            accuracy=1e-11,
-        )
-        (contact,) = run.contacts
-        quarter = 0.5 * math.pi / math.sqrt(stiffness * apart**2 / bristle.inertia_about_root)
-        assert (contact.obstacle, contact.law) == ("bar", "compliant")
-        assert contact.duration == pytest.approx((1.0 + restitution) * quarter, rel=1e-5)
-        assert contact.rates_after[0] == pytest.approx(-restitution * contact.rates_before[0], rel=1e-5)
-
-    def test_a_joint_on_a_soft_bar_is_one_contact(self):
-        """Where both links of a wire are within the bar's dent, the nearer one alone is in contact."""
-        tool = replace(with_bar(restitution=0.5, friction=0.2), bristle=Bristle(links=2))
-        run = simulate_reference(tool, bar_stiffness=1e6, accuracy=1e-5, hub_turn=0.4)
-        touches = [each for each in run.contacts if each.obstacle == "bar"]
-        assert len(touches) > 3
-        assert all(one.time + one.duration <= other.time for one, other in pairwise(touches))
-
     def test_stick_of_a_lone_bristle_on_a_spring(self):
         """Friction of restitution above tan(gamma) stops the tip at the end of compression, and the hub moves on.
 

@@ -27,7 +27,6 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
-from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
@@ -65,7 +64,6 @@ def struck(strike: Strike = Strike(), hub: Hub = Hub(), wire: Bristle = FLEXIBLE
 REFUSALS = [
     (partial(start_angle, UNBARRED), "^bar = None: must be a Bar"),
     (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
-    (partial(strike_reference, Tool(), 0.0, (0.0,), (0.0,), stiffness=0.0, longest=1.0), "^stiffness = 0: must be"),
     (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
     (lambda: bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)), "step budget spent"),

@@ -55,7 +55,7 @@ class TestTouch:
     @pytest.mark.parametrize("angles", [(-1.0, -1.6), (-1.6, -1.0), (-1.3, -1.05)], ids=["end", "flank", "ends"])
     def test_rows_and_biases_are_derivatives(self, angles):
         """Central differences over 1e-7 s, as for the contacts of the lone wire, of a contact that does not open."""
-        chain = Chain.of(Tool(), -1.0, -1.3)
+        chain = Chain(Tool(), -1.0, -1.3)
         wires, point = WirePairs(2, DIAMETER, Surface(0.0, 0.0, 1.0)), Point("wire", 0, False)
         accelerations, rates = np.array([7e4, -1e5]), np.array([400.0, 250.0])
         at_rest = wires.touch(chain, chain.kinematics(1e-3, np.array(angles), rates), point)
@@ -120,15 +120,3 @@ class TestRow:
             runs = simulate_row_reference(tool, bristles=2, pitch=pitch, hub_turn=turn, accuracy=1e-5)
             touched.append(any(each.name == "wire touch" for each in runs[1].events))
         assert touched == [True, False]
-
-    @pytest.mark.parametrize(
-        ("change", "message"),
-        [
-            ({"pitch": 0.02}, "pitch = 0.02: must be one at which the roots are more than wire_diameter apart"),
-            ({"tool": Tool(bristle=Bristle(links=2))}, "wire_links = 2: must be 1, without a knee, in a row"),
-            ({"stop_after": "largest retraction"}, "stop_after = 'largest retraction': must be a touch or a release"),
-        ],
-    )
-    def test_bad_input_in_one_line(self, change, message):
-        with pytest.raises(ValueError, match=f"^{message}"):
-            simulate_row_reference(**({"tool": Tool(), "bristles": 2, "pitch": 0.3} | change))

@@ -19,7 +19,7 @@ GAMMA, RATE, DURATION = math.radians(23.4), 3.23 * 261.8, 71e-6
 
 def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[float]) -> Tool:
     """The tool whose workpart is at the end of a wire."""
-    tip = Links.of(Tool(bristle=bristle, bar=None), hub_angle).centre_line(0.0, np.array(angles), np.zeros(len(angles)))
+    tip = Links(Tool(bristle=bristle, bar=None), hub_angle).centre_line(0.0, np.array(angles), np.zeros(len(angles)))
     x, y = bristle.tip
     reach = math.hypot(x, Hub().radius - y)
     part = Workpart(

@@ -5,12 +5,16 @@ With the scene it shares the parameters, the types of the result, the impact law
 hinges, and nothing else.
 
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch of bar, workpart or another wire, ``forces``
-forces of sustained contacts and impacts, ``system`` a state with its contacts, ``events`` the ends of
-intervals of smooth motion, ``crossing`` the search for them and for extremes, ``decisions`` their consequences, ``run``
-the loop, ``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike.
+forces of sustained contacts and impacts, ``system`` a state with its contacts, ``events`` the ends of intervals of smooth
+motion, ``crossing`` the search for them and for extremes, ``decisions`` their consequences, ``run`` the loop, ``log`` the
+record, ``simulate`` the entries.
 """
 
-from bristle_sim.reference.simulate import simulate_reference, simulate_row_reference
-from bristle_sim.reference.strike import TooStiffError, strike_reference
+from bristle_sim.reference.simulate import (
+    TooStiffError,
+    simulate_reference,
+    simulate_row_reference,
+    strike_reference,
+)
 
 __all__ = ["TooStiffError", "simulate_reference", "simulate_row_reference", "strike_reference"]

@@ -17,7 +17,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.theory.impact import LEAST_COMPLIANCE
 
 
@@ -109,21 +109,15 @@ def touch_of(
 
     ``moving`` is how the place of contact moves, which slides along the wire, unlike the wire's material.
     """
-    joint, velocity, rate = motion.joint[link], motion.velocity[link], motion.rates[link]
-    arm, tangent = point - joint, -1j * normal
+    velocity, rate, tangent = motion.velocity[link], motion.rates[link], -1j * normal
+    arm = point - motion.joint[link]
     material = velocity + 1j * rate * arm
     # d/dt of n.v and t.v, with n' = i spin n and arm' = moving - velocity, at theta'' = 0.
     change = motion.acceleration[link] + 1j * rate * (moving - velocity)
-    return Touch(
-        gap,
-        chain.jacobian(motion, link, arm, normal),
-        chain.jacobian(motion, link, arm, tangent),
-        (dot(normal, material), dot(tangent, material)),
-        (
-            dot(1j * spin * normal, material) + dot(normal, change),
-            dot(1j * spin * tangent, material) + dot(tangent, change),
-        ),
-    )
+    normal_row, tangential_row = chain.jacobian(motion, link, arm, normal), chain.jacobian(motion, link, arm, tangent)
+    velocities = dot(normal, material), dot(tangent, material)
+    biases = [dot(1j * spin * each, material) + dot(each, change) for each in (normal, tangent)]
+    return Touch(gap, normal_row, tangential_row, velocities, (biases[0], biases[1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,14 +212,6 @@ def dot(first: complex, second: complex) -> float:
     return float((np.conj(first) * second).real)
 
 
-class _Place(NamedTuple):
-    """Nearest points of two centre lines: an end of one wire, its foot on the other, and both distances from the roots, m."""
-
-    distance: float
-    end: int
-    along: tuple[float, float]
-
-
 class WirePairs:
     """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
 
@@ -236,31 +222,25 @@ class WirePairs:
         self.pairs = list(itertools.combinations(range(wires), 2))
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap of every pair, m; minus a diameter where centre lines cross."""
-        gaps = []
-        for first, second in self.pairs:
-            crossed = _crossed(motion.joint, chain.ends * motion.turn, first, second)
-            gaps.append((0.0 if crossed else self._nearest(chain, motion, first, second).distance) - self.diameter)
-        return np.array(gaps)
+        """Return the gap of every pair, m."""
+        return np.array([self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs])
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a pair's contact."""
-        first, second = self.pairs[point.piece]
-        place = self._nearest(chain, motion, first, second)
-        along = chain.ends * motion.turn / chain.length
-        wires = [first, second]
-        arms = np.array(place.along) * along[wires]
-        ends, carried = motion.joint[wires] + arms, motion.velocity[wires] + 1j * motion.rates[wires] * arms
-        normal = complex(ends[0] - ends[1]) / place.distance
+        first, second = wires = self.pairs[point.piece]
+        distance, end, places = self._nearest(chain, motion, first, second)
+        arms = np.array(places) * (chain.ends * motion.turn / chain.length)[[first, second]]
+        ends = motion.joint[[first, second]] + arms
+        carried = motion.velocity[[first, second]] + 1j * motion.rates[[first, second]] * arms
+        normal = complex(ends[0] - ends[1]) / distance
         # An end moves with its wire; the normal turns with the flank, or with the line from end to end.
-        end, other = place.end, 1 - place.end
-        if 0.0 < place.along[other] < chain.length:
-            spin = float(motion.rates[wires[other]])
+        if 0.0 < places[1 - end] < chain.length:
+            spin = float(motion.rates[wires[1 - end]])
         else:
-            spin = dot(1j * normal, complex(carried[0] - carried[1])) / place.distance
+            spin = dot(1j * normal, complex(carried[0] - carried[1])) / distance
         reach = (0.5 - end) * self.diameter * normal
         contact, moving = complex(ends[end] - reach), complex(carried[end] - 1j * spin * reach)
-        gap = place.distance - self.diameter
+        gap = distance - self.diameter
         front, back = (touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires)
         return Touch(
             gap,
@@ -271,24 +251,13 @@ class WirePairs:
         )
 
     @staticmethod
-    def _nearest(chain: Chain, motion: Kinematics, first: int, second: int) -> _Place:
-        """Return the nearest points of two wires: an end of one of them, and its foot on the other."""
+    def _nearest(chain: Chain, motion: Kinematics, first: int, second: int) -> tuple[float, int, tuple[float, float]]:
+        """Return the distance of two centre lines, the wire whose end is nearest, and both distances from the roots, m."""
         length, along = chain.length, chain.ends * motion.turn / chain.length
         found = []
         for end, (own, other) in enumerate(((first, second), (second, first))):
             for at in (0.0, length):
                 apart = motion.joint[own] + at * along[own] - motion.joint[other]
                 foot = min(max(dot(along[other], apart), 0.0), length)
-                found.append(_Place(abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot)))
+                found.append((abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot)))
         return min(found)
-
-
-def _crossed(roots: Complexes, arms: Complexes, first: int, second: int) -> bool:
-    """Tell whether two centre lines cross."""
-
-    def sides(own: int, other: int) -> float:
-        """Return a number that is negative if one wire's ends lie on different sides of the other's line."""
-        apart = roots[own] - roots[other]
-        return float((np.conj(arms[other]) * apart).imag * (np.conj(arms[other]) * (apart + arms[own])).imag)
-
-    return sides(first, second) < 0.0 and sides(second, first) < 0.0

@@ -40,13 +40,6 @@ def nodes(start: float, end: float) -> Array:
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
-def of_one_sign(values: Array, resolution: float) -> int:
-    """Return the sign that a function has on a whole interval, from its values at the nodes; 0 if it may change."""
-    series = WEIGHTS @ values
-    certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(series, values, resolution)
-    return int(np.sign(series[0])) if certain else 0
-
-
 def _resolved(series: Array, values: Array, resolution: float) -> bool:
     """Tell whether the last coefficients are rounding, so that the series is the function."""
     return bool(np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max()))
@@ -82,17 +75,17 @@ def _roots(series: Array, left: float, right: float) -> list[float]:
     found = chebyshev.chebroots(chebyshev.chebtrim(series, np.finfo(float).eps * sizes.max()))
     # A double root splits into a pair that is off the real axis by the root of rounding.
     real = found.real[(np.abs(found.imag) < 1e-6) & (np.abs(found.real) < 1.0)]
-    return [float(each) for each in 0.5 * (left + right) + 0.5 * (right - left) * real]
+    return list((0.5 * (left + right) + 0.5 * (right - left) * real).tolist())
 
 
 def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[tuple[float, int]]:
     """Locate the root in each pair of neighbours of opposite sign; a zero takes the sign that went before."""
     sign, last = 0.0, probes[0]
     for probe, value in zip(probes, values, strict=True):
-        if value and sign * value < 0.0:
+        if sign * value < 0.0:
             at = brentq(lambda time: float(function(np.array([time]))[0]), last, probe, xtol=1e-300, maxiter=400)
             yield float(at), int(np.sign(value))
-        sign, last = (np.sign(value) if value else sign), probe
+        sign, last = (np.sign(value) or sign), probe
 
 
 class Step(NamedTuple):
@@ -106,16 +99,19 @@ class Step(NamedTuple):
 
     def sign(self, value: Value, resolution: float) -> int:
         """Return the sign that a function of an instant has throughout the step; 0 if it may change."""
-        return of_one_sign(np.array([value(each) for each in self.instants]), resolution)
+        values = np.array([value(each) for each in self.instants])
+        series = WEIGHTS @ values
+        certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(series, values, resolution)
+        return int(np.sign(series[0])) if certain else 0
 
     def along(self, value: Value) -> Callable[[Array], Array]:
         """Return a function of an instant as one of times."""
         return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
 
 
-def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
-    """Return the time of the first event on a step of the integrator, s, and its consequence."""
-    first, end = None, step.end
+def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
+    """Return the time of the first event on a step of the integrator, s, and its consequence; else the step's end and None."""
+    end, follow = step.end, None
     near = _near(step.system, step.instants[-1], end - step.start)
     for event in events:
         if event.place is not None and event.place not in near:
@@ -125,11 +121,11 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
         along = step.along(event.value)
         if event.direction * along(np.array([step.start]))[0] > 0.0:
             return step.start, event.follow
-        for time, direction in crossings(along, step.start, end, event.resolution):
-            if direction == event.direction:
-                first, end = (time, event.follow), time
-                break
-    return first
+        found = crossings(along, step.start, end, event.resolution)
+        times = [time for time, direction in found if direction == event.direction]
+        if times:
+            end, follow = times[0], event.follow
+    return end, follow
 
 
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
@@ -156,23 +152,22 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     def acceleration(at: Instant) -> float:
         return float(at.balance.accelerations[link])
 
-    def changes(value: Value, resolution: float) -> list[tuple[float, int]]:
-        """Return instants and senses at which a function passes zero, if it does."""
+    def zeros(value: Value, resolution: float, sense: int) -> list[float]:
         if step.end <= step.start or step.sign(value, resolution):
             return []
-        return crossings(step.along(value), step.start, step.end, resolution)
+        found = crossings(step.along(value), step.start, step.end, resolution)
+        return [time for time, direction in found if direction == sense]
 
-    for time, direction in changes(rate, VALUE_ROUNDING * system.fastest):
-        if direction > 0:
-            own.turned.append(step.motion(np.array([time]))[0])
-            log.marks.append(time)
-            if log.stop_after == LARGEST_RETRACTION:
-                return time
+    for time in zeros(rate, VALUE_ROUNDING * system.fastest, 1):
+        own.turned.append(step.motion(np.array([time]))[0])
+        log.marks.append(time)
+        if log.stop_after == LARGEST_RETRACTION:
+            return time
     touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
     if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step.start):
         return None
-    for time, direction in changes(acceleration, VALUE_ROUNDING * system.fastest**2):
-        if direction < 0 and step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
+    for time in zeros(acceleration, VALUE_ROUNDING * system.fastest**2, -1):
+        if step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
             own.event(PEAK, time)
             log.marks.append(time)
             return time if log.stop_after == PEAK else None

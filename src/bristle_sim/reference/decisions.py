@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
-from bristle_sim.reference.forces import EDGE, Acting, acting, closed, resolve
+from bristle_sim.reference.forces import EDGE, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
@@ -42,41 +42,43 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
 
     Raises Finished if the run ends here.
     """
-    springs = [each for each in system.sustained if each.spring is not None]
-    points = system.rigid
-    if new is not None and new.obstacle in system.stiffness:
-        touch, obstacle = system.at(state).touch(new), system.obstacles[new.obstacle]
-        stiffness, springy = system.stiffness[new.obstacle], (obstacle.compliance, touch.along)
-        spring = Spring(stiffness, obstacle.surface.restitution, touch.gap, *springy)
-        springs.append(Sustained(new, 0, state, touch.velocity, spring))
-    elif new is not None and new not in points:
-        points.append(new)
+    begun = [] if new is None or new in system.rigid else [_begun(system, state, new)]
+    touching = sorted([*system.sustained, *begun], key=lambda each: each.spring is not None)
+    points = [each.point for each in touching if each.spring is None]
     state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
     instant, still = system.at(state), system.still(state)
-    for each in springs:
+    for each in begun:
+        if each.spring is None:
+            each.since, each.velocity_before = state, (0.0, instant.touch(each.point).velocity[1])
+    resting = [each for each in touching if each.spring or abs(instant.touch(each.point).velocity[0]) <= still]
+    for each in resting:
         if each.spring is not None and each.spring.compliance:
             each.slip = _foot(system, instant, each, each.spring)
-    resting = [point for point in points if abs(instant.touch(point).velocity[0]) <= still]
-    contacts = [Acting(instant.touch(point), system.friction(point), 0) for point in resting]
-    kept = acting(instant.mass, instant.forces, [*contacts, *instant.acting(springs)], still)
+    kept = acting(instant.mass, instant.forces, instant.acting(resting), still)
     if kept is None:
         raise log.jam(state)
-    slips = dict(kept)
-    for number, each in enumerate(springs, len(resting)):
-        each.slip = slips.pop(number)
-    staying = {resting[number]: slip for number, slip in slips.items()}
-    _end(system, log, state, staying, "release" if new is None else new.obstacle)
-    lasting = {each.point: each for each in system.sustained if each.spring is None}
-    for point, slip in staying.items():
-        if point in lasting:
-            lasting[point].slip = slip
-        else:
-            lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
-    system.sustained = [*lasting.values(), *springs]
-    if new is not None and new in points and new not in staying:
-        log.released(new, state.time)
+    for number, slip in kept:
+        resting[number].slip = slip
+    staying = [resting[number] for number, _ in kept]
+    ending = [each for each in system.sustained if each not in staying]
+    for each in ending:
+        system.sustained.remove(each)
+        record(system, log, state, each, "release" if new is None else new.obstacle)
+    log.check_stop(state)
+    system.sustained = staying
+    for each in [*ending, *(each for each in begun if each not in staying)]:
+        log.released(each.point, state.time)
     log.check_stop(state)
     return system.closed(state)
+
+
+def _begun(system: System, state: State, point: Point) -> Sustained:
+    """Return a contact that begins, with its spring if it is compliant."""
+    touch, obstacle = system.at(state).touch(point), system.obstacles[point.obstacle]
+    spring = None
+    if system.stiffness is not None and isinstance(obstacle, Workpart):
+        spring = Spring(system.stiffness, obstacle.surface.restitution, touch.gap, obstacle.compliance, touch.along)
+    return Sustained(point, 0, state, touch.velocity, spring)
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
@@ -89,17 +91,6 @@ def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> 
         return sense or 1
     spring.stretch(touch, pull)
     return 0
-
-
-def _end(system: System, log: Log, state: State, staying: dict[Point, int], outcome: str) -> None:
-    """Record the rigid sustained contacts that do not stay, then note their release if the run goes on."""
-    ending = [each for each in system.sustained if each.spring is None and each.point not in staying]
-    for each in ending:
-        system.sustained.remove(each)
-        record(system, log, state, each, outcome)
-    log.check_stop(state)
-    for each in ending:
-        log.released(each.point, state.time)
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
@@ -153,19 +144,17 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
-    instant, surface = system.at(state), system.obstacles[point.obstacle].surface
+    instant, obstacle = system.at(state), system.obstacles[point.obstacle]
     touch = instant.touch(point)
-    change, hit = resolve(instant.mass, touch, surface, system.obstacles[point.obstacle].compliance)
+    change, hit = resolve(instant.mass, touch, obstacle.surface, obstacle.compliance)
     after = state._replace(rates=state.rates + change)
     log.impacts.append(state.time)
     for own in log.of(point):
         own.impact(point, state, after, touch.velocity, hit)
-    if hit.outcome_name == "jam":
-        raise log.jam(after)
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
-    fastest = max(system.fastest, float(np.abs(after.rates).max()))
-    if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:
+    moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))
+    if hit.outcome_name == "jam" or (len(recent) == most and recent[-1] - recent[0] < moment):
         raise log.jam(after)
     if len(log.impacts) > MOST_IMPACTS:
         raise Finished(StopReason.MOST_CONTACTS, after)

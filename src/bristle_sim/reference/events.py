@@ -61,7 +61,11 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     found = _touch_events(system, log, state)
     found += [Event(partial(upright, own), -1, ROUNDING, partial(lies_down, own)) for own in log.records]
     for number, each in enumerate(system.sustained):
-        found += _force_events(system, log, state, number)
+        if each.spring is None:
+            found += _force_events(system, log, number)
+        else:
+            found += _spring_events(system, log, each, each.spring)
+        found += _friction_events(system, log, state, number)
         if isinstance(system.obstacles[each.point.obstacle], Bar):
             found += _place_events(system, state, each)
     return found
@@ -70,11 +74,8 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
     """Return the events at which an obstacle is touched, or left where a compliant contact has indented it."""
     inside, found = INSIDE * system.size, []
-    indented = {each.point.obstacle for each in system.sustained if each.spring} & {"bar"}
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:
-        if name in indented and _beside_contact(system, piece, instant):
-            return system.size
         return float(instant.gaps(name)[piece]) - level
 
     for name in system.obstacles:
@@ -83,7 +84,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
                 continue
             place, value = (name, piece), partial(gap, name, piece, min(now, 0.0) - inside)
             found.append(Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place))
-            if now < -10.0 * inside and name in system.stiffness:
+            if now < -10.0 * inside and name == "workpart" and system.stiffness is not None:
                 found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, place))
     return found
 
@@ -91,25 +92,15 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
     """Tell whether a piece's nearest point is in contact already, or the corner that is."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
-    chain = system.chain
     if isinstance(system.obstacles[obstacle], Workpart):
-        return any(point.piece == chain.corners[piece] for point in points)
-    before = piece - 1 if follows(chain, piece) else None
+        return any(point.piece == system.chain.corners[piece] for point in points)
+    before = piece - 1 if follows(system.chain, piece) else None
     return any(point.piece == piece or (point.corner and point.piece == before) for point in points)
 
 
-def _beside_contact(system: System, piece: int, instant: Instant) -> bool:
-    """Tell whether a piece's nearest point to the bar is the corner that it shares with a piece in contact, which is nearer."""
-    touched = {each.point.piece for each in system.sustained if each.point.obstacle == "bar" and not each.point.corner}
-    before = instant.feet[piece] <= 0.0 and follows(system.chain, piece) and piece - 1 in touched
-    return before or (instant.feet[piece] >= system.chain.pieces.lengths[piece] and piece + 1 in touched)
-
-
-def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
-    """The force of a sustained contact falls to zero, slip stops or begins, or friction locks it."""
-    each, go_on = system.sustained[number], partial(decide, system, log)
-    mu, slip = system.friction(each.point, each.spring), each.slip
-    speed, acceleration = system.size * system.fastest, ROUNDING * system.size * system.fastest**2
+def _force_events(system: System, log: Log, number: int) -> list[Event]:
+    """The force of a rigid sustained contact falls to zero, or friction locks it."""
+    acceleration = ROUNDING * system.size * system.fastest**2
 
     def pressing(at: Instant) -> float:
         """Return the force times its response, m/s^2, which stays bounded where friction locks the contact."""
@@ -118,57 +109,29 @@ def _force_events(system: System, log: Log, state: State, number: int) -> list[E
         # Beyond zero by rounding, so that the decision that follows finds the contact open.
         return float(at.balance.normal[number]) * response + acceleration
 
-    def sliding(at: Instant) -> float:
-        touch = at.contacts[number].touch
-        return each.spring.foot(touch, mu, slip) if each.spring else slip * touch.velocity[1]
+    def free(at: Instant) -> float:
+        """Return the response to a normal force with friction over that without."""
+        touch, ratio = at.contacts[number].touch, at.contacts[number].ratio
+        return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
 
-    def cone(at: Instant) -> float:
-        return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
+    def lock(state: State) -> State:
+        """Follow the motion to the instant at which friction locks the contact, and end the run there."""
 
-    if each.spring is None:
-        found = [Event(pressing, -1, acceleration, go_on)]
-    else:
-        found = _spring_events(system, log, each, each.spring)
-    if mu and slip:
-        # Slip that begins after stick may start from a velocity that is rounding, of either sign.
-        found.append(Event(_beyond(sliding, system.at(state), 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on))
-        if each.spring is None:
-            found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
-    elif mu:
-        force = acceleration * float(system.chain.masses.sum())
-        force += each.spring.steepest * GAP_ROUNDING * system.size if each.spring else 0.0
-        found.append(Event(_beyond(cone, system.at(state), force) if each.spring else cone, -1, force, go_on))
+        def ahead(time: float) -> State:
+            return State(state.time + time, state.angles + time * state.rates, state.rates)
+
+        scale = LOCKED / system.fastest
+        time = float(newton(lambda time: free(system.at(ahead(time))), 0.0, x1=scale, tol=1e-6 * scale, disp=False))
+        raise log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
+
+    found = [Event(pressing, -1, acceleration, partial(decide, system, log))]
+    if system.sustained[number].slip and system.friction(system.sustained[number].point):
+        found.append(Event(lambda at: free(at) - LOCKED, -1, 1e-3 * LOCKED, lock))
     return found
 
 
-def _beyond(value: Value, begun: Instant, rounding: float) -> Value:
-    """Return a function less rounding, and less its value where an interval begins if that is below 0."""
-    level = min(value(begun), 0.0) - rounding
-    return lambda at: value(at) - level
-
-
-def _free(number: int, instant: Instant) -> float:
-    """Return the response to a normal force with friction over that without, less the fraction that is about to lock."""
-    touch, ratio = instant.contacts[number].touch, instant.contacts[number].ratio
-    return normal_response(instant.mass, touch, ratio) / normal_response(instant.mass, touch, 0.0) - LOCKED
-
-
-def _lock(system: System, log: Log, number: int, state: State) -> State:
-    """Follow the motion to the instant at which friction locks a contact, and end the run there."""
-
-    def ahead(time: float) -> State:
-        return State(state.time + time, state.angles + time * state.rates, state.rates)
-
-    def response(time: float) -> float:
-        return _free(number, system.at(ahead(time))) + LOCKED
-
-    scale = LOCKED / system.fastest
-    time = float(newton(response, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
-    raise log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
-
-
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
-    """Compression ends; on the way out the force falls to zero, or the penetration is as deep as before."""
+    """Compression ends; when the spring unloads, the force falls to zero, or the penetration is as deep as before."""
     speed, depth = ROUNDING * system.size * system.fastest, max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
 
     def opening(instant: Instant) -> float:
@@ -191,6 +154,32 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
     ]
 
 
+def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
+    """Slip of a sustained contact stops, or begins."""
+    each, go_on = system.sustained[number], partial(decide, system, log)
+    mu, slip = system.friction(each.point, each.spring), each.slip
+    speed, force = system.size * system.fastest, ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
+    force += each.spring.steepest * GAP_ROUNDING * system.size if each.spring else 0.0
+
+    def sliding(at: Instant) -> float:
+        touch = at.contacts[number].touch
+        return each.spring.foot(touch, mu, slip) if each.spring else slip * touch.velocity[1]
+
+    def cone(at: Instant) -> float:
+        return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
+
+    def beyond(value: Value, rounding: float) -> Value:
+        """Return a function less rounding, and less its value where the interval begins if that is below 0."""
+        level = min(value(system.at(state)), 0.0) - rounding
+        return lambda at: value(at) - level
+
+    if not mu:
+        return []
+    if slip:  # slip that begins after stick may start from a velocity that is rounding, of either sign
+        return [Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on)]
+    return [Event(beyond(cone, force) if each.spring else cone, -1, force, go_on)]
+
+
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     """A contact with the bar passes from a flank to a corner or back."""
     (name, index, corner), feet = each.point, system.at(state).feet
@@ -207,4 +196,4 @@ def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     else:
         passes = [(index, length, 1, Point(name, index, True)), (index, 0.0, -1, Point(name, index - 1, True))]
     # Nothing precedes a wire's root or follows its tip.
-    return [event(*passes[0]), *([event(*passes[1])] if follows(system.chain, index + corner) else [])]
+    return [event(*each) for each in passes[: 2 if follows(system.chain, index + corner) else 1]]

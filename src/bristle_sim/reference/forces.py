@@ -48,11 +48,6 @@ class Acting(NamedTuple):
         """Tangential over normal force in slip, -mu sign(v_t)."""
         return -self.friction * self.slip
 
-    @property
-    def pushed(self) -> Array:
-        """Return the generalized forces of a unit normal force with the friction of slip."""
-        return self.touch.normal_row + self.ratio * self.touch.tangential_row
-
 
 class Balance(NamedTuple):
     """Accelerations, rad/s^2, and the normal and tangential forces of the contacts, N."""
@@ -64,30 +59,28 @@ class Balance(NamedTuple):
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Solve for the accelerations and the contact forces."""
-    size = len(forces)
+    size, known = len(forces), np.zeros(len(forces))
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]
-    known = np.zeros(size)
     for each in contacts:
         if each.push is not None:
             rub = each.ratio * each.push if each.rub is None else each.rub
             known += each.push * each.touch.normal_row + rub * each.touch.tangential_row
     rows = [each.touch.normal_row for each in rigid] + [each.touch.tangential_row for each in sticking]
-    pushed = [each.pushed for each in rigid] + [each.touch.tangential_row for each in sticking]
+    pushed = [each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid] + rows[len(rigid) :]
     biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
-    if not rows:
-        found = np.linalg.solve(mass, forces + known)
-    else:
-        matrix = np.zeros((size + len(rows), size + len(rows)))
-        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = mass, -np.transpose(pushed), rows
-        found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
-    solved = iter(found[size : size + len(rigid)])
-    normal = np.array([next(solved) if each.push is None else each.push for each in contacts])
-    stuck = iter(found[size + len(rigid) :])
-    slides = np.array([each.ratio * push for each, push in zip(contacts, normal, strict=True)])
-    springs = ((each.rub, next(stuck) if each.sticks else slide) for each, slide in zip(contacts, slides, strict=True))
-    tangential = np.array([friction if rub is None else rub for rub, friction in springs])
-    return Balance(np.asarray(found[:size]), normal, tangential)
+    matrix = np.zeros((size + len(rows), size + len(rows)))
+    matrix[:size, :size] = mass
+    if rows:
+        matrix[:size, size:], matrix[size:, :size] = -np.transpose(pushed), rows
+    found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
+    pushes, pulls = iter(found[size : size + len(rigid)]), iter(found[size + len(rigid) :])
+    normal = [next(pushes) if each.push is None else each.push for each in contacts]
+    tangential = [
+        next(pulls) if each.sticks else each.ratio * push if each.rub is None else each.rub
+        for each, push in zip(contacts, normal, strict=True)
+    ]
+    return Balance(np.asarray(found[:size]), np.array(normal), np.array(tangential))
 
 
 def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
@@ -119,28 +112,25 @@ def _consistent(
         found = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
         return False
-    pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
-    if not all(_pushes(mass, forces, found.accelerations, *each, still) for each in pushes):
-        return False
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
-    return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)
+    if any(touch.normal_row @ found.accelerations + touch.bias[0] < 0.0 for touch in others):
+        return False
+    pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
+    rigid = [(each, normal, tangential) for each, normal, tangential in pushes if each.rub is None]
+    return all(_in_cone(mass, *each) and _slips_on(mass, forces, found.accelerations, each[0], still) for each in rigid)
 
 
-def _pushes(
-    mass: Array, forces: Array, accelerations: Array, each: Acting, normal: float, tangential: float, still: float
-) -> bool:
-    """Tell whether a closed contact pushes and sticks or slips consistently. A spring's force may end below 0 by rounding."""
-    if each.rub is not None:
-        return True
-    if (normal < 0.0 and each.push is None) or (
-        each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal
-    ):
+def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
+    """Tell whether a contact pushes, and friction can stick or does not lock it. A spring's force may end below 0 by rounding."""
+    if each.push is None and (normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)):
         return False
-    if each.slip and each.push is None and normal_response(mass, each.touch, each.ratio) <= 0.0:
-        return False
+    return not each.sticks or abs(tangential) <= (1.0 - EDGE) * each.friction * normal
+
+
+def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, still: float) -> bool:
+    """Tell whether slip that begins from rest has its own sense. A single link's contact at rest stays at rest."""
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True
-    # From rest, slip begins in its own sense; a single link's contact at rest stays at rest.
     terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])
     cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
     rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
@@ -160,10 +150,9 @@ def resolve(mass: Array, touch: Touch, surface: Surface, compliance: float) -> t
     """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(mass, rows.T)
-    inverse_mass = rows @ response
+    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
     coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
-    symmetric = 0.5 * (inverse_mass + inverse_mass.T)
-    hit = energetic_impact(symmetric, touch.velocity, *coefficients, tangential_compliance=compliance)
+    hit = energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance)
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
     return np.asarray(response @ impulse), hit
 

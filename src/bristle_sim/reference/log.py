@@ -14,7 +14,7 @@ from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.system import Instant, State, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
-from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
+from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 
 STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
 
@@ -51,18 +51,16 @@ class Record:
 
     def note_largest_retraction(self, states: Sequence[State]) -> None:
         """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
-        strike = min((each.time for each in self.events if each.name == STRIKE), default=math.inf)
+        strike = next((each.time for each in self.events if each.name == STRIKE), math.inf)
         reached = [state for state in states if state.time <= strike]
-        lowest = min(self.relative(reached[0]), self.relative(reached[-1]), 0.0)
-        candidates = [(self.relative(each), each.time) for each in self.turned if each.time <= strike]
-        angle, time = min(candidates, default=(0.0, 0.0))
-        if angle < 0.0 and angle <= lowest:
-            self.event(LARGEST_RETRACTION, time)
+        turned = [each for each in self.turned if each.time <= strike]
+        lowest = min([*turned, reached[0], reached[-1]], key=self.relative)
+        if self.relative(lowest) < 0.0 and any(lowest is each for each in turned):
+            self.event(LARGEST_RETRACTION, lowest.time)
 
     def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
-        first, last = self.own(state), self.own(after)
-        if first.rates[0] < self.chain.speed < last.rates[0]:
+        if self.own(state).rates[0] < self.chain.speed < self.own(after).rates[0]:
             self.turned.append(state)
         given = {
             "impulse": (hit.impulse_normal, hit.impulse_tangential),
@@ -72,7 +70,7 @@ class Record:
             "velocity_before": velocity,
             "velocity_after": (hit.velocity_normal, hit.velocity_tangential),
         }
-        self._contact(point, first, last, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases)
+        self._contact(point, state, after, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases)
 
     def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
         """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
@@ -88,10 +86,11 @@ class Record:
             "velocity_after": velocity,
         }
         law = "sustained" if each.spring is None else "compliant"
-        self._contact(each.point, self.own(each.since), self.own(last), given, law=law, outcome=outcome)
+        self._contact(each.point, each.since, last, given, law=law, outcome=outcome)
 
-    def _contact(self, point: Point, first: State, last: State, given: dict[str, Any], **words: Any) -> None:
+    def _contact(self, point: Point, since: State, until: State, given: dict[str, Any], **words: Any) -> None:
         """Record a contact between two states with its (normal, tangential) pairs."""
+        first, last = self.own(since), self.own(until)
         pairs: dict[str, Any] = {name: (float(normal), float(along)) for name, (normal, along) in given.items()}
         words |= {"rates_before": tuple(first.rates.tolist()), "rates_after": tuple(last.rates.tolist())}
         words |= {"time": first.time, "duration": last.time - first.time, "angles": tuple(first.angles.tolist())}
@@ -139,19 +138,17 @@ class Log:
 
     def of(self, point: Point) -> Sequence[Record]:
         """Return the records of the wires that touch in a contact."""
-        if len(self.records) == 1:
-            return self.records
-        wires = self.pairs[point.piece] if point.obstacle == "wire" else (point.piece,)
-        return [self.records[each] for each in wires]
+        if point.obstacle == "wire":
+            return [self.records[each] for each in self.pairs[point.piece]]
+        return self.records if len(self.records) == 1 else [self.records[point.piece]]
 
     def sample(self, instant: Instant) -> None:
         """Store a state with the contacts' forces, unless it was stored last."""
         forces, state = np.zeros((len(self.records), 2)), instant.state
-        if sustained := instant.system.sustained:
-            pushes = np.column_stack([instant.balance.normal, instant.balance.tangential])
-            for each, push in zip(sustained, pushes, strict=True):
-                for record in self.of(each.point):
-                    forces[self.records.index(record)] += push
+        for number, each in enumerate(instant.system.sustained):
+            for record in self.of(each.point):
+                push = instant.balance.normal[number], instant.balance.tangential[number]
+                forces[self.records.index(record)] += push
         if self.samples:
             last, pushed = self.samples[-1]
             if last.time == state.time and (pushed == forces).all() and (last.rates == state.rates).all():
@@ -184,12 +181,3 @@ class Log:
         for record in self.records:
             record.event("jam", state.time)
         return Finished(StopReason.JAM, state)
-
-    def trajectories(self, reason: StopReason, cost: Cost, parameters: dict[str, Any]) -> tuple[Trajectory, ...]:
-        """Return the results of all wires."""
-        states, forces = zip(*self.samples, strict=True)
-        given = {"cost": cost, "parameters": parameters}
-        return tuple(
-            each.trajectory(states, np.array(forces)[:, number, 0], reason, **given)
-            for number, each in enumerate(self.records)
-        )

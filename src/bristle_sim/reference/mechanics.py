@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,23 +42,14 @@ class Pieces(NamedTuple):
 
     @property
     def ends(self) -> Complexes:
-        """Return their ends, from the links' joints."""
+        """Their ends, from the links' joints."""
         return np.asarray(self.starts + self.lengths * self.directions)
-
-    @property
-    def middles(self) -> Complexes:
-        """Return their middles, from the links' joints."""
-        return np.asarray(self.starts + 0.5 * self.lengths * self.directions)
 
 
 class Kinematics(NamedTuple):
-    """Positions and motion of the links; arrays of shape (..., n) over the links.
+    """Positions and motion of the links' first joints, SI units; arrays of shape (..., n) over the links.
 
-    Attributes:
-        turn: e^{i theta}.
-        rates: theta', rad/s.
-        joint, velocity: of the links' first joints, m and m/s.
-        acceleration: of those joints if every theta'' were 0, m/s^2.
+    ``turn`` is e^{i theta}, ``acceleration`` that of the joints if every theta'' were 0.
     """
 
     turn: Complexes
@@ -69,7 +59,6 @@ class Kinematics(NamedTuple):
     acceleration: Complexes
 
 
-@dataclass(frozen=True, slots=True)
 class Chain:
     """The links, springs and hub of one or several wires as plain numbers, SI units; arrays over the links.
 
@@ -79,81 +68,46 @@ class Chain:
     ``tips`` are the pieces that end at a wire's tip, ``corners`` those whose end can touch a flat surface: before a knee too.
     """
 
-    speed: float
-    hub_radius: float
-    start_hub_angles: Array
-    gravity: float
-    length: float
-    masses: Array
-    inertias: Array
-    ends: Complexes
-    pieces: Pieces
-    stiffness: Array
-    damping: Array
-    products: Complexes
-    moments: Complexes
-    inertia_matrix: Array
-    before: Complexes
-    first: Array
-    apart: Array
-    tips: frozenset[int]
-    corners: tuple[int, ...]
-
-    @classmethod
-    def of(cls, tool: Tool, *start_hub_angles: float) -> Chain:
+    def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
         """Cut a tool's bristle into its links, once for each hub angle that a wire starts at."""
         bristle, links, count = tool.bristle, tool.bristle.links, len(start_hub_angles)
+        self.speed, self.hub_radius, self.gravity = tool.hub.speed, tool.hub.radius, tool.gravity
+        self.length, self.links = bristle.length, links * count
+        self.start_hub_angles = np.repeat(start_hub_angles, links)
         lone = _cut(bristle, links)
         own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
         shapes = np.tile(lone.starts, count), np.tile(lone.directions, count), np.tile(lone.lengths, count)
-        pieces = Pieces(own, *shapes)
-        ends = np.zeros(count * links, dtype=complex)
-        ends[pieces.links] = pieces.ends  # the last piece of each link
-        masses = bristle.mass * pieces.lengths / bristle.length
-        inertias = masses * pieces.lengths**2 / 12.0
-        before = np.kron(np.eye(count), np.tri(links, k=-1).T)
-        arms = (before.T * ends)[pieces.links]
-        arms[np.arange(len(masses)), pieces.links] = pieces.middles
-        tips = frozenset(range(len(lone.links) - 1, len(masses), len(lone.links)))
+        self.pieces = pieces = Pieces(own, *shapes)
+        self.middles = pieces.starts + 0.5 * pieces.lengths * pieces.directions  # from the links' joints
+        self.ends = np.zeros(self.links, dtype=complex)
+        self.ends[own] = pieces.ends  # the last piece of each link
+        self.masses = bristle.mass * pieces.lengths / bristle.length
+        self.inertias = self.masses * pieces.lengths**2 / 12.0
+        self.before = np.kron(np.eye(count), np.tri(links, k=-1).T).astype(complex)
+        arms = (self.before.T * self.ends)[own]
+        arms[np.arange(len(own)), own] = self.middles
+        self.products = np.conj(arms).T @ (self.masses[:, None] * arms)
+        self.moments = self.masses @ arms
+        self.inertia_matrix = np.diag(np.bincount(own, self.inertias))
+        self.first = np.tile(np.arange(links) == 0, count).astype(float)
+        self.apart = np.eye(self.links) - np.kron(np.eye(count), np.eye(links, k=1))
+        self.tips = frozenset(range(len(lone.links) - 1, len(own), len(lone.links)))
         bends = np.flatnonzero(pieces.directions[1:] != pieces.directions[:-1]).tolist()
+        self.corners = tuple(sorted({*bends} | self.tips))
         hinge, damper = _hinge(tool)
-        return cls(
-            speed=tool.hub.speed,
-            hub_radius=tool.hub.radius,
-            start_hub_angles=np.repeat(start_hub_angles, links),
-            gravity=tool.gravity,
-            length=bristle.length,
-            masses=masses,
-            inertias=inertias,
-            ends=ends,
-            pieces=pieces,
-            stiffness=np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count),
-            damping=np.tile([tool.belt_damping] + [damper] * (links - 1), count),
-            products=np.conj(arms).T @ (masses[:, None] * arms),
-            moments=masses @ arms,
-            inertia_matrix=np.diag(np.bincount(pieces.links, inertias)),
-            before=before.astype(complex),
-            first=np.tile(np.arange(links) == 0, count).astype(float),
-            apart=np.eye(count * links) - np.kron(np.eye(count), np.eye(links, k=1)),
-            tips=tips,
-            corners=tuple(sorted({*bends} | tips)),
-        )
-
-    @property
-    def links(self) -> int:
-        """Return the number of links of all wires."""
-        return len(self.ends)
+        self.stiffness = np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count)
+        self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angle(self, time: Any) -> Any:
         """Return the hub's angle, psi_0 + omega t, rad, of the first wire."""
         return self.start_hub_angles[0] + self.speed * time
 
+    def _hub_angles(self, time: Any) -> Array:
+        return np.asarray(self.start_hub_angles + self.speed * np.asarray(time)[..., None])
+
     def roots(self, time: Any) -> Any:
         """Return the position of the root of each link's wire, m, shape (..., n)."""
         return -1j * self.hub_radius * np.exp(1j * self._hub_angles(time))
-
-    def _hub_angles(self, time: Any) -> Array:
-        return np.asarray(self.start_hub_angles + self.speed * np.asarray(time)[..., None])
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
@@ -201,21 +155,21 @@ class Chain:
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
-        motion, twists = self.kinematics(time, angles, rates), self._twists(angles, self._hub_angles(time))
-        places, velocities, turning = self.middles(motion)
+        twists = self._twists(angles, self._hub_angles(time))
+        places, velocities, turning = self.pieces_motion(time, angles, rates)
         kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(axis=-1)
         springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
         return kinetic, springs + self.gravity * (self.masses * places.imag).sum(axis=-1)
 
-    def middles(self, motion: Kinematics) -> tuple[Complexes, Complexes, Array]:
+    def pieces_motion(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes, Array]:
         """Return positions and velocities of the pieces' middles, and the rates of the pieces."""
-        links, rates = self.pieces.links, motion.rates[..., self.pieces.links]
-        arms = self.pieces.middles * motion.turn[..., links]
-        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates * arms, rates
+        motion, links = self.kinematics(time, angles, rates), self.pieces.links
+        arms, turning = self.middles * motion.turn[..., links], rates[..., links]
+        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * turning * arms, turning
 
     @property
     def fastest_rate(self) -> float:
-        """Return an upper bound of the rates at which free motion changes, rad/s.
+        """An upper bound of the rates at which free motion changes, rad/s.
 
         The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
         stiffness against mass), the highest rate of its damping, and the hub's speed.

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -19,7 +20,7 @@ from scipy.integrate import DOP853
 from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import Step, first_event, nodes, note_extremes
 from bristle_sim.reference.decisions import record
-from bristle_sim.reference.events import Follow, events_of
+from bristle_sim.reference.events import Event, Follow, events_of
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import StopReason
@@ -46,8 +47,7 @@ class Run:
         self._sample(self.state)
         try:
             while self.state.time < self.end:
-                follow = self._interval()
-                self.state = follow(self.state)
+                self.state = self._interval()(self.state)
                 self._sample(self.state)
         except Finished as finished:
             reason, self.state = finished.args
@@ -75,38 +75,37 @@ class Run:
                 raise self.log.jam(self.state) if self.system.rigid else Finished(StopReason.ACCURACY, self.state)
             values = solver.dense_output()
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
-
-            def motion(times: Array, values: Callable[[Array], Array] = values) -> list[State]:
-                pairs = zip(times.tolist(), values(times).T, strict=True)
-                return [self.system.closed(self._state(*each)) for each in pairs]
-
-            instants = [self.system.at(each) for each in motion(nodes(solver.t_old, solver.t))]
-            step = Step(self.system, motion, instants, solver.t_old, solver.t)
-            first = first_event(events, step)
-            until = step.end if first is None else first[0]
-            extremes = [note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records]
-            stop = min((each for each in extremes if each is not None), default=None)
-            until = until if stop is None else stop
-            *between, self.state = motion(np.array([*self.log.times(step.start, until), until]))
-            for each in between:
-                self._sample(each)
-            sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)
-            for contact, reached in zip(self.system.sustained, sums, strict=True):
-                contact.sums = reached
-            if stop is not None:
-                raise Finished(StopReason.EVENT, self.state)
-            if first is not None:
-                self._sample(self.state)
-                return first[1]
-            self._project(solver)
+            if follow := self._follow(events, values, solver.t_old, solver.t):
+                return follow
+            if self.system.rigid:  # the integrator goes on from the closed gaps
+                sums = solver.y[2 * self.system.chain.links :]
+                solver.y = np.concatenate([self.state.angles, self.state.rates, sums])
+                solver.f = solver.fun(solver.t, solver.y)
         return lambda state: state
 
-    def _project(self, solver: DOP853) -> None:
-        """Let the integrator go on from the closed gaps."""
-        if self.system.rigid:
-            sums = solver.y[2 * self.system.chain.links :]
-            solver.y = np.concatenate([self.state.angles, self.state.rates, sums])
-            solver.f = solver.fun(solver.t, solver.y)
+    def _follow(self, events: list[Event], values: Callable[[Any], Array], start: float, end: float) -> Follow | None:
+        """Store the motion on a step up to its end or the first event, and return the consequence of that."""
+
+        def motion(times: Array) -> list[State]:
+            pairs = zip(times.tolist(), values(times).T, strict=True)
+            return [self.system.closed(self._state(*each)) for each in pairs]
+
+        step = Step(self.system, motion, [self.system.at(each) for each in motion(nodes(start, end))], start, end)
+        until, follow = first_event(events, step)
+        extremes = [note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records]
+        stop = min((each for each in extremes if each is not None), default=None)
+        until = until if stop is None else stop
+        *between, self.state = motion(np.array([*self.log.times(start, until), until]))
+        for each in between:
+            self._sample(each)
+        sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)
+        for contact, reached in zip(self.system.sustained, sums, strict=True):
+            contact.sums = reached
+        if stop is not None:
+            raise Finished(StopReason.EVENT, self.state)
+        if follow is not None:
+            self._sample(self.state)
+        return follow
 
     def _solver(self) -> DOP853:
         """Return an integrator that begins at the state, with an absolute tolerance for each unknown."""

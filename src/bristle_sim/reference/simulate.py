@@ -1,4 +1,4 @@
-"""Simulate a pass of one wire, or of a row of straight rigid bristles: check the request, run, return the results."""
+"""A pass of one wire or of a row of straight rigid bristles, and one compliant strike: check, run, return the results."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ import dataclasses
 import functools
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.reference.contacts import Bar, WirePairs, Workpart, obstacles_of
-from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
+from bristle_sim.reference.contacts import Bar, Point, WirePairs, Workpart, obstacles_of
+from bristle_sim.reference.decisions import close_contact
+from bristle_sim.reference.log import PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
-from bristle_sim.reference.system import Obstacles, State, System
-from bristle_sim.stop_reason import EVENTS, checked_name
-from bristle_sim.trajectory import Cost, Trajectory
+from bristle_sim.reference.system import State, System
+from bristle_sim.stop_reason import EVENTS, StopReason, checked_name
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 from bristle_sim.units import ANY, quantity, validate
 
 METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
@@ -28,8 +29,8 @@ PERIODS_AT_REST = 3.0  # natural periods of the bristle that a run with a hub at
 SAMPLES_PER_PERIOD = 64
 MOST_SAMPLES = 2e6
 FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
-LONGEST = 1e5  # radians of the fastest motion that a run may last
-
+SAMPLES_OF_STRIKE = 200  # in the longest time of a contact
+MOST_RADIANS = 1e5  # radians of the fastest motion that a run may last
 
 requested = functools.partial(quantity, source="requested", usual=ANY)
 
@@ -38,7 +39,7 @@ requested = functools.partial(quantity, source="requested", usual=ANY)
 class Request:
     """The arguments of a run, checked."""
 
-    start_hub_angle: float = requested(0.0, "-1e6 <= start_hub_angle <= 1e6 rad")
+    start_hub_angle: float = requested(-0.5 * math.pi, "-1e6 <= start_hub_angle <= 1e6 rad")
     start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
     start_relative_rate: float = requested(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s")
     hub_turn: float = requested(1.0, "0 < hub_turn <= 1e6 rad")
@@ -46,7 +47,6 @@ class Request:
     accuracy: float = requested(1e-10, "1e-12 <= accuracy <= 0.1")
     sample_interval: float | None = requested(None, "0 < sample_interval <= 1e9 s")
     contact_stiffness: float | None = requested(None, "0 < contact_stiffness <= 1e20 N/m")
-    bar_stiffness: float | None = requested(None, "0 < bar_stiffness <= 1e20 N/m")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
@@ -67,7 +67,6 @@ def simulate_reference(
     stop_after: str | None = None,
     sample_interval: float | None = None,
     contact_stiffness: float | None = None,
-    bar_stiffness: float | None = None,
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
@@ -85,8 +84,7 @@ def simulate_reference(
         accuracy: relative, of the motion; the integrator's tolerance is a hundredth of it, but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just after the impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
-        contact_stiffness, bar_stiffness: of contacts with workpart and bar, N/m, springs with energetic restitution;
-            rigid by default.
+        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; rigid by default.
 
     Returns:
         The trajectory, with the events of ``stop_reason``. ``cost.steps`` counts right-hand sides.
@@ -96,9 +94,8 @@ def simulate_reference(
             fastest motion.
     """
     start = (start_hub_angle, start_relative_angle, start_relative_rate)
-    stiffness = (contact_stiffness, bar_stiffness)
-    request = Request(*start, hub_turn, duration, accuracy, sample_interval, *stiffness, stop_after)
-    return _simulate(tool, request, [request.start_hub_angle])[0]
+    request = Request(*start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after)
+    return _simulate(tool, request, [request.start_hub_angle], {})[0]
 
 
 def simulate_row_reference(
@@ -108,63 +105,48 @@ def simulate_row_reference(
     pitch: float,
     neighbour_friction: float = 0.0,
     neighbour_restitution: float = 1.0,
-    start_hub_angle: float = -0.5 * math.pi,
     hub_turn: float = 1.5 * math.pi,
-    accuracy: float = 1e-10,
-    stop_after: str | None = None,
-    sample_interval: float | None = None,
-    contact_stiffness: float | None = None,
-    bar_stiffness: float | None = None,
+    **requested: Any,
 ) -> tuple[Trajectory, ...]:
-    """Simulate a row of bristles that touch each other, bar and workpart.
+    """Simulate a row of straight rigid bristles that touch each other, bar and workpart.
 
     All start together, radial and turning with the hub, each a pitch behind the one before it. A touch of two wires obeys
-    the energetic impact law with both wires' inverse mass. Arguments and errors not named are those of
-    ``simulate_reference``.
+    the energetic impact law with both wires' inverse mass.
 
     Args:
-        tool: its bristle must be straight and rigid.
-        bristles: at least 1.
+        tool: with a straight rigid bristle.
+        bristles: their number.
         pitch: angle between neighbours' roots, rad.
         neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
-        start_hub_angle: of the foremost bristle, rad.
         hub_turn: after which the last bristle's pass ends, from its passage through the foremost one's start, rad.
-        stop_after: name of a touch or release; the run ends when every bristle has had one.
+        requested: further arguments of ``simulate_reference``. The hub angle at the start is the foremost bristle's. The run
+            stops after the touch or release named by ``stop_after`` when every bristle has had one.
 
     Returns:
         One trajectory for each bristle, the foremost first, at common instants. A touch of two wires is the event
         ``wire touch`` of both.
     """
-    _check_row(tool, bristles, pitch, stop_after)
-    whole_turn = hub_turn + (bristles - 1) * pitch
-    stiffness = (contact_stiffness, bar_stiffness)
-    request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, *stiffness, stop_after)
-    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
+    request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **requested)
     starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
-    touches = WirePairs(bristles, tool.bristle.wire_diameter, surface)
-    return _simulate(tool, request, starts, touches, bristles=bristles, pitch=pitch)
+    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
+    pairs = WirePairs(bristles, tool.bristle.wire_diameter, surface)
+    return _simulate(tool, request, starts, {pairs.name: pairs} if pairs.pairs else {})
 
 
 def _simulate(
-    tool: Tool,
-    request: Request,
-    start_hub_angles: Sequence[float],
-    touches: WirePairs | None = None,
-    **shared: Any,
+    tool: Tool, request: Request, start_hub_angles: Sequence[float], touches: Mapping[str, WirePairs]
 ) -> tuple[Trajectory, ...]:
     """Run all links, of one wire or of several that touch each other; return a trajectory for each wire."""
     wall, cpu = clock.perf_counter(), clock.process_time()
-    fixed, chain = obstacles_of(tool), Chain.of(tool, *start_hub_angles)
-    wires = [Chain.of(tool, each) for each in start_hub_angles]
+    fixed, chain = obstacles_of(tool), Chain(tool, *start_hub_angles)
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
+    wires = [Chain(tool, each) for each in start_hub_angles]
     end, interval = _span(wires[0], request)
-    log = Log(wires, interval, request.stop_after, touches.pairs if touches else ())
+    log = Log(wires, interval, request.stop_after, [pair for each in touches.values() for pair in each.pairs])
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
-    obstacles: Obstacles = {**fixed, WirePairs.name: touches} if touches and touches.pairs else fixed
-    stiffness = {"workpart": request.contact_stiffness, "bar": request.bar_stiffness}
-    system = System(chain, obstacles, {name: each for name, each in stiffness.items() if each is not None})
+    system = System(chain, {**fixed, **touches}, request.contact_stiffness)
     run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)
@@ -174,18 +156,14 @@ def _simulate(
             record.event("bar not touched", run.state.time)
         if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
             record.event("workpart not reached", run.state.time)
-    settings = dataclasses.asdict(request)
-    begun = {name.removeprefix("start_"): settings.pop(name) for name in [*settings] if name.startswith("start_")}
-    given = {
-        "stop_after": settings.pop("stop_after"),
-        "settings": settings,
-        "start": begun,
-        "tool": dataclasses.asdict(tool),
-    }
-    return log.trajectories(reason, cost, {"method": METHOD, **given, **shared})
+    parameters = {"method": METHOD, "tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(request)}
+    states, forces = zip(*log.samples, strict=True)
+    normal_forces = np.array(forces)[:, :, 0].T
+    each_wire = zip(log.records, normal_forces, strict=True)
+    return tuple(own.trajectory(states, force, reason, cost=cost, parameters=parameters) for own, force in each_wire)
 
 
-def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
+def _check_start(chain: Chain, obstacles: Mapping[str, Bar | Workpart], start: State) -> None:
     """Refuse a start inside an obstacle."""
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
@@ -198,22 +176,6 @@ def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: Stat
             )
 
 
-def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) -> None:
-    """Refuse bristles that are not rigid and straight, a row that does not fit the hub, and events that do not stop it."""
-    if tool.bristle.links != 1 or len(tool.bristle.path) != 1:
-        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, without a knee, in a row (dimensionless)")
-    if type(bristles) is not int or bristles < 1:
-        raise ValueError(f"bristles = {bristles!r}: must be a whole number of at least 1 (dimensionless)")
-    apart = 2.0 * tool.hub.radius * math.sin(min(pitch, math.pi) / 2.0)
-    if not (apart > tool.bristle.wire_diameter and (bristles - 1) * pitch < 2.0 * math.pi - pitch):
-        raise ValueError(
-            f"pitch = {pitch:g}: must be one at which the roots are more than wire_diameter apart, and the row less than a"
-            " turn (in rad)"
-        )
-    if stop_after in (PEAK, LARGEST_RETRACTION):
-        raise ValueError(f"stop_after = {stop_after!r}: must be a touch or a release in a row")
-
-
 def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
     # Natural rate of the wire on its belt, with rigid hinges, and c/I, twice the rate at which it decays, rad/s.
@@ -221,19 +183,72 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
     field = abs(complex(chain.moments.sum())) * (chain.hub_radius * chain.speed**2 + chain.gravity)
     swing, decay = math.sqrt((float(chain.stiffness[0]) + field) / inertia), float(chain.damping[0]) / inertia
     moving = max(swing, chain.speed)
-    period = 2.0 * math.pi / moving if moving else math.inf  # of the rigid rod or the hub; infinite if nothing moves it
+    period = 2.0 * math.pi / moving if moving else math.inf  # infinite if nothing moves the wire
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
-    fastest = swing + decay + chain.speed
-    if fastest and end * fastest > LONGEST:
-        raise ValueError(
-            f"duration = {end:g}: must be at most {LONGEST / fastest:g}, {LONGEST:g} radians of the"
-            " fastest motion of hub and bristle on its belt (in s)"
-        )
     if not math.isfinite(end):
         raise ValueError("duration = None: must be a number, as hub, belt and gravity set no time scale (in s)")
+    fastest = swing + decay + chain.speed
+    if end * fastest > MOST_RADIANS:
+        raise ValueError(
+            f"duration = {end:g}: must be at most {MOST_RADIANS / fastest:g}, {MOST_RADIANS:g} radians of the fastest motion of hub and"
+            " bristle on its belt (in s)"
+        )
     interval = request.sample_interval or min(period / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
         raise ValueError(f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)")
     return end, interval
+
+
+class TooStiffError(ValueError):
+    """The wire or its contact is so stiff that the explicit integrator takes too many evaluations."""
+
+
+def strike_reference(
+    tool: Tool,
+    hub_angle: float,
+    angles: Sequence[float],
+    rates: Sequence[float],
+    stiffness: float,
+    *,
+    longest: float,
+    accuracy: float = 1e-9,
+    most_evaluations: int = 20_000,
+) -> ContactRecord:
+    """Return the first contact of a wire's end with the workpart by a :class:`bristle_sim.reference.contacts.Spring`, with its history.
+
+    Args:
+        tool: with a workpart, at whose surface the wire's end approaches it; its bar is left out.
+        hub_angle: psi when the end touches, rad.
+        angles, rates: absolute angles and rates of the links then, rad and rad/s.
+        stiffness: of the contact, N/m.
+        longest: the contact must end within this time, s.
+        accuracy: relative accuracy requested; the integrator's tolerance is a hundredth of it.
+        most_evaluations: of the right-hand side; the contact of a usual wire of 8 links takes a thousand.
+
+    Raises:
+        ValueError: if the contact lasts too long.
+        TooStiffError: if the contact takes more than ``most_evaluations``.
+    """
+    chain = Chain(tool, hub_angle)
+    system = System(chain, obstacles_of(dataclasses.replace(tool, bar=None)), stiffness)
+    log = Log([chain], longest / SAMPLES_OF_STRIKE, "workpart release")
+    start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
+    begun = close_contact(system, log, "workpart", len(chain.corners) - 1, start)
+    reason = Run(system, log, begun, longest, accuracy / 100.0, most_evaluations).run()
+    if reason is StopReason.STEP_BUDGET:
+        raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")
+    if reason is not StopReason.EVENT:
+        raise ValueError(f"longest = {longest:g}: must be a time in which the contact ends; it stops: {reason} (in s)")
+    states, forces = zip(*log.samples, strict=True)
+    touches = [system.at(state).touch(Point("workpart", len(chain.masses) - 1, True)) for state in states]
+    history = ContactHistory(
+        time=np.array([state.time for state in states]),
+        normal_force=np.array(forces)[:, 0, 0],
+        tangential_force=np.array(forces)[:, 0, 1],
+        penetration=np.array([-each.gap for each in touches]),
+        normal_velocity=np.array([each.velocity[0] for each in touches]),
+        tangential_velocity=np.array([each.velocity[1] for each in touches]),
+    )
+    return dataclasses.replace(log.records[0].contacts[0], history=history)

@@ -27,7 +27,7 @@ class State(NamedTuple):
     rates: Array
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Sustained:
     """A contact that lasts: its place, the sense of its slip (0 sticks), since when, and its spring if it is compliant.
 
@@ -47,13 +47,11 @@ class Sustained:
 class System:
     """A chain, its obstacles by name, and the contacts that are sustained now.
 
-    ``stiffness``, N/m, has the contact stiffness of each obstacle that is compliant, by name; the others are rigid.
+    ``stiffness`` is that of contacts with the workpart, N/m; None where they are rigid, as all others are.
     """
 
-    def __init__(self, chain: Chain, obstacles: Obstacles, stiffness: Mapping[str, float]) -> None:
-        self.chain = chain
-        self.obstacles = obstacles
-        self.stiffness = stiffness
+    def __init__(self, chain: Chain, obstacles: Obstacles, stiffness: float | None) -> None:
+        self.chain, self.obstacles, self.stiffness = chain, obstacles, stiffness
         self.sustained: list[Sustained] = []
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate
@@ -89,8 +87,7 @@ class Instant:
     """A state with its kinematics and balance of forces, each computed once where it is needed."""
 
     def __init__(self, system: System, state: State) -> None:
-        self.system = system
-        self.state = state
+        self.system, self.state = system, state
         self._gaps: dict[str, Array] = {}
 
     @cached_property
