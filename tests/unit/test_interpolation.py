@@ -10,7 +10,8 @@ import pytest
 from bristle_sim.parameters import Contact, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.trajectory import Motion, Trajectory
+from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.records import SAMPLED
 from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
 
 
@@ -55,7 +56,7 @@ def test_forces_and_energies_have_their_kinks_where_contacts_begin_and_end():
 def test_a_course_keeps_every_sample_and_both_sides_of_an_impact(swung: Trajectory):
     course = swung.course(points=500)
     assert (np.diff(course.time) >= 0.0).all()
-    for name in ("time", *Motion.SAMPLED):
+    for name in SAMPLED:
         at_samples = getattr(course, name)[np.isin(course.time, swung.time)]
         np.testing.assert_allclose(at_samples, getattr(swung, name), rtol=1e-12, atol=1e-15, err_msg=name)
     assert swung.course(until=1e-3).time[-1] <= 1e-3

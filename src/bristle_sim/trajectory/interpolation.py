@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.trajectory.records import Motion, WireMotion
+from bristle_sim.trajectory.records import SAMPLED, Motion, WireMotion
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Pieces = list[tuple[int, int]]
 """First and last sample of each interval in which a function is smooth."""
 
-SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
+MOST_SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
 UNEVEN = 20.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
 
 
@@ -46,9 +46,8 @@ class Interpolation:
         kinks, ends = set[int](), set[int]()
         lasting = [contact for contact in run.contacts if contact.duration]
         for contact in lasting:
-            begin, last = (
-                int(np.abs(run.time - each).argmin()) for each in (contact.time, contact.time + contact.duration)
-            )
+            instants = (contact.time, contact.time + contact.duration)
+            begin, last = (int(np.abs(run.time - each).argmin()) for each in instants)
             begin = int(np.searchsorted(run.time, run.time[begin], side="right")) - 1
             ends |= {begin, last}
             # The first sample still has the normal velocity that the impact left, which the second has not.
@@ -75,13 +74,13 @@ class Interpolation:
         if outside.any():
             limits = f"must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
             raise ValueError(f"time = {instants[outside].flat[0]:g}: {limits}")
-        links, corners = run.angles.shape[1], run.centre_line.shape[1]
-        places, slopes = self._motion(instants.ravel(), side)
-        chosen, scalars = _chosen(run.time, self._smooth, instants.ravel(), side), np.empty((instants.size, 3))
+        flat, links = instants.ravel(), run.angles.shape[1]
+        chosen, scalars = _chosen(run.time, self._smooth, flat, side), np.empty((flat.size, 3))
         for number in np.unique(chosen):
-            scalars[chosen == number] = self._splines[number](instants.ravel()[chosen == number])
+            scalars[chosen == number] = self._splines[number](flat[chosen == number])
         force, kinetic, potential = (each.reshape(instants.shape) for each in scalars.T)
-        angles, lines = (*instants.shape, links), (*instants.shape, corners, 2)
+        places, slopes = self._motion(flat, side)
+        angles, lines = (*instants.shape, links), (*instants.shape, run.centre_line.shape[1], 2)
         return Motion(
             time=instants,
             angles=places[:, :links].reshape(angles),
@@ -104,7 +103,7 @@ class Interpolation:
         time = np.sort(np.concatenate([sampled, np.setdiff1d(np.linspace(start, end, points), sampled)]))
         found, first = self(time), np.flatnonzero(np.diff(time) <= 0.0)  # of two that share an instant the first one
         before = self(time[first], "before")
-        for name in Motion.SAMPLED:
+        for name in SAMPLED:
             getattr(found, name)[first] = getattr(before, name)
         return found
 
@@ -159,7 +158,7 @@ def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[
 
 
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, int]:
-    """Return first and last sample of the polynomial for an instant: outwards from its interval, as far as spacing is alike."""
+    """Return first and last sample of the polynomial for an instant; the window grows while its intervals are alike."""
     first, last = piece
     low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
     high, own = low + 1, time[low + 1] - time[low]
@@ -167,17 +166,17 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, i
     def alike(start: int) -> bool:
         return first <= start < last and bool(own <= UNEVEN * (time[start + 1] - time[start]) <= UNEVEN**2 * own)
 
-    while high - low + 1 < SAMPLES and (alike(low - 1) or alike(high)):
+    while high - low + 1 < MOST_SAMPLES and (alike(low - 1) or alike(high)):
         low -= alike(low - 1)
-        high += high - low + 1 < SAMPLES and alike(high)
+        high += high - low + 1 < MOST_SAMPLES and alike(high)
     return low, high
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:
-    """Return the pieces between kinks and jumps; where no time passes there is none."""
+    """Return the pieces between kinks and jumps, without those that take no time."""
     jumps = np.flatnonzero(np.diff(time) <= 0.0).tolist()
-    found = []
-    for start, end in pairwise([-1, *jumps, time.size - 1]):
-        corners = [start + 1, *sorted(each for each in kinks if start + 1 < each < end), end]
-        found += [(first, last) for first, last in pairwise(corners) if last > first]
-    return found
+    corners = [
+        [start + 1, *sorted(each for each in kinks if start + 1 < each < end), end]
+        for start, end in pairwise([-1, *jumps, time.size - 1])
+    ]
+    return [(first, last) for each in corners for first, last in pairwise(each) if last > first]

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from bristle_sim.arrays import Array, EqualByValue
+
+WIRE = {
+    "time": ("n", "s"), "angles": ("nl", "rad"), "rates": ("nl", "rad/s"), "centre_line": ("nc2", "m"),
+    "centre_line_velocity": ("nc2", "m/s"),
+}  # fmt: skip
+SAMPLED = WIRE | {
+    "hub_angle": ("n", "rad"), "kinetic_energy": ("n", "J"), "potential_energy": ("n", "J"), "normal_force": ("n", "N"),
+}  # fmt: skip
+"""Dimensions and unit of each sampled array of a WireMotion and of a Motion: n instants, l links, c corners, 2 axes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +47,10 @@ class WireMotion(EqualByValue):
     """The motion of a wire at an array of instants of any shape (...), in SI units and radians.
 
     Attributes:
-        time: s.
         angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
         centre_line: corners of the wire's centre line from the root over knees and joints to the tip, (x, y) from the
             hub's centre, shape (..., corners, 2), m; pictures draw these points.
-        centre_line_velocity: of the same corners, shape (..., corners, 2), m/s.
+        centre_line_velocity: of the same corners, m/s.
     """
 
     time: Array
@@ -63,11 +70,6 @@ class Motion(WireMotion):
         normal_force: sum over the contacts that last, N; zero in flight and at the instant of an impact.
         hub_speed: angular velocity of the hub, rad/s.
     """
-
-    SAMPLED: ClassVar[tuple[str, ...]] = (
-        "hub_angle", "angles", "rates", "centre_line", "centre_line_velocity", "kinetic_energy", "potential_energy",
-        "normal_force",
-    )  # fmt: skip
 
     hub_angle: Array
     kinetic_energy: Array
@@ -97,7 +99,7 @@ class Motion(WireMotion):
 
     @property
     def retraction(self) -> Array:
-        """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
+        """Angle by which the first link lags the radial direction, rad: minus relative_angle."""
         return np.asarray(self.hub_angle - self.angles[..., 0])
 
     @property
@@ -131,9 +133,9 @@ class ContactHistory(EqualByValue):
 
     def columns(self) -> dict[str, Array]:
         """Return every sampled quantity under a key of name and unit, one entry per sample."""
-        units = {"time": "s", "force": "N", "penetration": "m", "velocity": "m/s"}
-        names = (each.name for each in dataclasses.fields(self))
-        return {f"{name} ({units[name.split('_')[-1]]})": getattr(self, name) for name in names}
+        units = ("s", "N", "N", "m", "m/s", "m/s")
+        named = zip(dataclasses.fields(self), units, strict=True)
+        return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
 
 
 @dataclass(frozen=True, slots=True)

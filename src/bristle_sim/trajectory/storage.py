@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from types import UnionType
@@ -15,7 +16,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.files import complete_or_absent
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory.records import ContactHistory, ContactRecord, Cost, Event, WireMotion
+from bristle_sim.trajectory.records import SAMPLED, WIRE, ContactHistory, ContactRecord, Cost, Event, WireMotion
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -23,11 +24,9 @@ if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
 FORMAT = 3  # number of the file format
-
-WIRE = {"time": "n", "angles": "nl", "rates": "nl", "centre_line": "nc2", "centre_line_velocity": "nc2"}
-SAMPLES = {**WIRE, **dict.fromkeys(("hub_angle", "kinetic_energy", "potential_energy", "normal_force"), "n")}
-HISTORY = dict.fromkeys((each.name for each in dataclasses.fields(ContactHistory)), "n")
-"""Dimensions of each array of inner samples, of a run and of a history: n instants, l links, c corners, 2 axes."""
+HISTORY = tuple(each.name for each in dataclasses.fields(ContactHistory))
+PLAIN = {"hub_speed": float, "parameters": dict, "stop_detail": str}
+"""Arrays of a contact's history, and parts of a run that JSON holds as they are, with their types."""
 
 T = TypeVar("T", bound="DataclassInstance")
 
@@ -37,9 +36,7 @@ def write(run: Trajectory, path: str | Path) -> None:
 
     Raises OSError naming the file, if it cannot be written.
     """
-    import json
-
-    arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLES}
+    arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLED}
     if run.inner_samples is not None:
         arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in WIRE}
     contacts = []
@@ -50,7 +47,7 @@ def write(run: Trajectory, path: str | Path) -> None:
             arrays |= {f"contact{number}_{name}": getattr(contact.history, name) for name in HISTORY}
     meta = {
         "format": FORMAT,
-        **{name: getattr(run, name) for name in ("hub_speed", "parameters", "stop_detail")},
+        **{name: getattr(run, name) for name in PLAIN},
         "events": [dataclasses.asdict(event) for event in run.events],
         "contacts": contacts,
         "stop_reason": run.stop_reason.name,
@@ -67,15 +64,12 @@ def read(path: Path) -> dict[str, Any]:
         OSError: if there is no such file or it cannot be read.
         ValueError: for a file that holds anything else; the message names the fault.
     """
-    import json
-
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             meta = json.loads(str(stored["metadata"]), parse_float=_finite, parse_constant=_finite)
             if (found := meta.pop("format")) != FORMAT:
-                raise ValueError(
-                    f"written in format {found}, this version reads format {FORMAT}; simulate the run again"
-                )
+                advice = f"this version reads format {FORMAT}; simulate the run again"
+                raise ValueError(f"written in format {found}, {advice}")
             return _checked(meta, stored)
     except OSError:
         raise
@@ -85,11 +79,11 @@ def read(path: Path) -> dict[str, Any]:
 
 def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:
     sizes = {"2": 2}
-    arrays, inner = _arrays(stored, "", SAMPLES, sizes), None
+    arrays, inner = _arrays(stored, "", SAMPLED, sizes), None
     _require("time", arrays["time"].size > 0, "have at least one sample")
     if "inner_time" in stored:
         inner = WireMotion(**_arrays(stored, "inner_", WIRE, {name: sizes[name] for name in "lc2"}))
-    for name, kind in (("hub_speed", float), ("parameters", dict), ("stop_detail", str)):
+    for name, kind in PLAIN.items():
         _require(name, _fits(meta[name], kind), f"be of type {kind.__name__}")
     events = tuple(_record(Event, row) for row in meta["events"])
     _require("events", all(one.time <= other.time for one, other in pairwise(events)), "be in order of time")
@@ -101,31 +95,27 @@ def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any
         contacts.append(_record(ContactRecord, values))
         for name in ("angles", "rates_before", "rates_after"):
             _require(f"contacts: {name}", len(values[name]) == sizes["l"], "be one for each link")
+    parts = {"events": events, "contacts": tuple(contacts), "inner_samples": inner}
     return {
         **meta,
         **arrays,
-        "events": events,
-        "contacts": tuple(contacts),
+        **parts,
         "stop_reason": StopReason[meta["stop_reason"]],
         "cost": _record(Cost, meta["cost"]),
-        "inner_samples": inner,
     }
 
 
-def _arrays(
-    stored: Mapping[str, Array], prefix: str, dimensions: dict[str, str], sizes: dict[str, int]
-) -> dict[str, Array]:
+def _arrays(stored: Mapping[str, Array], prefix: str, names: Iterable[str], sizes: dict[str, int]) -> dict[str, Array]:
     """Return stored arrays after checking their dimensions against the known sizes; new dimensions are added to these."""
     found = {}
-    for name, letters in dimensions.items():
-        array = found[name] = stored[f"{prefix}{name}"]
-        _require(f"{prefix}{name}", array.dtype == float, f"be floats, not {array.dtype}")
+    for name in names:
+        array, (letters, _), whole = stored[f"{prefix}{name}"], SAMPLED.get(name, ("n", "")), f"{prefix}{name}"
+        found[name] = array
+        _require(whole, array.dtype == float, f"be floats, not {array.dtype}")
         wanted = [sizes.get(letter, size) for letter, size in zip(letters, array.shape, strict=False)]
-        fits = array.ndim == len(letters) and [*array.shape] == wanted
-        _require(
-            f"{prefix}{name}", fits, f"have the shape ({', '.join(str(sizes.get(each, each)) for each in letters)})"
-        )
-        _require(f"{prefix}{name}", bool(np.isfinite(array).all()), "be finite")
+        shape = f"have the shape ({', '.join(str(sizes.get(each, each)) for each in letters)})"
+        _require(whole, array.ndim == len(letters) and [*array.shape] == wanted, shape)
+        _require(whole, bool(np.isfinite(array).all()), "be finite")
         sizes |= dict(zip(letters, array.shape, strict=True))
     _require(f"{prefix}time", bool(np.all(np.diff(found["time"]) >= 0.0)), "not descend")
     return found

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bristle_sim.trajectory.records import SAMPLED
+
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
@@ -16,20 +18,9 @@ if TYPE_CHECKING:
 
 EVENTS_SHOWN = 6  # events that a summary names
 
-LINK, CORNER = ("time", "link"), ("time", "corner", "axis")
-VARIABLES = {
-    "hub_angle": (("time",), "rad"),
-    "angle": (LINK, "rad"),
-    "relative_angle": (("time",), "rad"),
-    "rate": (LINK, "rad/s"),
-    "relative_rate": (("time",), "rad/s"),
-    "kinetic_energy": (("time",), "J"),
-    "potential_energy": (("time",), "J"),
-    "centre_line": (CORNER, "m"),
-    "centre_line_velocity": (CORNER, "m/s"),
-    "normal_force": (("time",), "N"),
-}
-"""Dimensions and unit of each variable of a dataset."""
+DIMENSIONS = {"n": "time", "l": "link", "c": "corner", "2": "axis"}
+SINGULAR = {"angles": "angle", "rates": "rate"}
+"""Names of a dataset's dimensions, and of its variables that are not named like the run's arrays."""
 
 
 def summary(run: Trajectory) -> str:
@@ -38,12 +29,12 @@ def summary(run: Trajectory) -> str:
     notable, contact = run.notable_events, run.first_contact("workpart")
     events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN])
     more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
-    cost, estimate, strike = run.cost, run.cost.error_estimate, "none"
+    cost, strike = run.cost, "none"
     if contact is not None:
         before, after = (math.hypot(*velocity) for velocity in (contact.velocity_before, contact.velocity_after))
         speeds = f"tip speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
-    error = "" if estimate is None else f", error estimate {estimate:.1e}"
+    error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
     error += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
     return (
         f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
@@ -75,25 +66,25 @@ def to_xarray(run: Trajectory) -> xarray.Dataset:
 
     Raises ImportError if xarray is not installed.
     """
-    recorded, ascending = {"angle": "angles", "rate": "rates"}, run.time.copy()
+    ascending = run.time.copy()
     for later in range(1, len(ascending)):
         ascending[later] = max(ascending[later], np.nextafter(ascending[later - 1], np.inf))
+    sampled = SAMPLED | {"relative_angle": ("n", "rad"), "relative_rate": ("n", "rad/s")}
     variables: dict[str, Any] = {
-        name: (dimensions, getattr(run, recorded.get(name, name)), {"units": unit})
-        for name, (dimensions, unit) in VARIABLES.items()
+        SINGULAR.get(name, name): ([DIMENSIONS[each] for each in letters], getattr(run, name), {"units": unit})
+        for name, (letters, unit) in sampled.items()
+        if name != "time"
     }
     variables["event_time"] = ("event", np.array([event.time for event in run.events]), {"units": "s"})
-    found: xarray.Dataset = _installed("xarray").Dataset(
-        variables,
-        coords={
-            "time": ("time", ascending, {"units": "s"}),
-            "instant": ("time", run.time, {"units": "s"}),
-            "link": np.arange(1, run.angles.shape[1] + 1),
-            "axis": ["x", "y"],
-            "event": [event.name for event in run.events],
-        },
-        attrs={"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed},
-    )
+    coordinates = {
+        "time": ("time", ascending, {"units": "s"}),
+        "instant": ("time", run.time, {"units": "s"}),
+        "link": np.arange(1, run.angles.shape[1] + 1),
+        "axis": ["x", "y"],
+        "event": [event.name for event in run.events],
+    }
+    about = {"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed}
+    found: xarray.Dataset = _installed("xarray").Dataset(variables, coords=coordinates, attrs=about)
     return found
 
 

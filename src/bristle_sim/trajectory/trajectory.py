@@ -34,8 +34,7 @@ class Trajectory(Motion):
     Attributes:
         time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
-        stop_reason: why the run stopped; its ``advice`` says how to make it run further.
-        cost: computing cost, see Cost.
+        stop_reason, cost: why the run stopped, and what it cost.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
         inner_samples: motion between the samples in sustained contact, used by ``at``; None without any.
@@ -65,13 +64,13 @@ class Trajectory(Motion):
 
         For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
         """
-        extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
-        found = []
-        for event in self.events:
-            size = np.abs(extremes.get(event.name, np.ones_like(self.time)))
-            if np.interp(event.time, self.time, size) >= NOTABLE * size.max():
-                found.append(event)
-        return tuple(found)
+        motions = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
+        sizes = {name: np.abs(motion) for name, motion in motions.items()}
+        return tuple(
+            event
+            for event in self.events
+            if (size := sizes.get(event.name)) is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max()
+        )
 
     @property
     def stop_advice(self) -> str:
@@ -88,7 +87,7 @@ class Trajectory(Motion):
 
     def columns(self) -> dict[str, Array]:
         """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
-        links = range(self.angles.shape[1])
+        x_y, links = ("x", "y"), range(self.angles.shape[1])
         return {
             "time (s)": self.time,
             "hub_angle (rad)": self.hub_angle,
@@ -97,10 +96,8 @@ class Trajectory(Motion):
             "relative_angle (rad)": self.relative_angle,
             "relative_rate (rad/s)": self.relative_rate,
             "retraction (rad)": self.retraction,
-            "tip_x (m)": self.tip[:, 0],
-            "tip_y (m)": self.tip[:, 1],
-            "tip_velocity_x (m/s)": self.tip_velocity[:, 0],
-            "tip_velocity_y (m/s)": self.tip_velocity[:, 1],
+            **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
+            **{f"tip_velocity_{name} (m/s)": each for name, each in zip(x_y, self.tip_velocity.T, strict=True)},
             "tip_speed (m/s)": self.tip_speed,
             "kinetic_energy (J)": self.kinetic_energy,
             "potential_energy (J)": self.potential_energy,
