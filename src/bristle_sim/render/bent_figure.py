@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, say, styled
+from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, say, styled, write_key
 from bristle_sim.studies.bent_bristles import BentBristles, against_film
 from bristle_sim.trajectory import ContactRecord
 
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
+NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
 BEFORE, AFTER = 0.6e-3, 1.1e-3  # time shown before the first touch and after the last, s
 MARKS: dict[str, dict[str, Any]] = {
@@ -31,10 +31,9 @@ MARKS: dict[str, dict[str, Any]] = {
 @styled()
 def bent_figure(bent: BentBristles) -> Figure:
     """Draw wires at the strike and tip paths (mm), and displacement along the workpart in touch (mm, us)."""
-    figure = blank_figure(16.0, 17.2)
-    wires = add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", "to scale, from the point of strike")
-    title = "the tips' paths before, in and after touch"
-    paths = add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, "to scale, from the point of strike")
+    figure, words = blank_figure(16.0, 17.2), "to scale, from the point of strike"
+    wires = add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", words)
+    paths = add_panel(figure, (7.6, 9.2, 8.0, 5.6), "the tips' paths before, in and after touch", words)
     slides = add_panel(figure, (1.4, 2.4, 14.2, 4.7), "displacement of the tips along the workpart while in touch")
     struck = {shape: run.first_contact("workpart") for shape, run in bent.trajectories.items()}
     for shape, contact in struck.items():
@@ -51,13 +50,11 @@ def bent_figure(bent: BentBristles) -> Figure:
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
     figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
-    names = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
     never = {shape: "" if contact is not None else " (never strikes)" for shape, contact in struck.items()}
-    entries = [Line2D([], [], color=each, label=names[shape] + never[shape]) for shape, each in SHAPES.items()]
-    place: dict[str, Any] = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}
-    figure.legend(handles=entries, bbox_to_anchor=(0.5, 0.75 / 17.2), **place)
-    marks = [Line2D([], [], color=BLACK, label=name, **look) for name, look in MARKS.items()]
-    figure.legend(handles=marks, bbox_to_anchor=(0.5, 0.25 / 17.2), **place)
+    shapes = {NAMES[shape] + never[shape]: {"color": color} for shape, color in SHAPES.items()}
+    marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
+    for height, looks in ((0.75, shapes), (0.25, marks)):
+        write_key(figure, looks, bbox_to_anchor=(0.5, height / 17.2), borderaxespad=0.0)
     return figure
 
 

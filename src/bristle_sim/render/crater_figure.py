@@ -27,31 +27,27 @@ def crater_figure(study: CraterStudy) -> Figure:
     off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
     words = "as measured" if abs(off) < 0.5 else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
     finding = f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
-    figure.text(1.5 / 16.0, 1.0 - 0.75 / 14.1, finding, fontsize=9.0)
+    figure.text(1.5 / 16.0, 1.0 - 0.6 / 14.1, finding, fontsize=9.0)
     words = "shaded: within 10 % of the measured depth"
-    _draw_estimates(add_panel(figure, (4.6, 7.7, 10.6, 4.6), "crater depth by every estimate", words), rows)
+    _draw_estimates(add_panel(figure, (4.6, 7.7, 10.6, 4.4), "crater depth by every estimate", words), rows)
     _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), "chip and shear plane, to scale"), study)
     return figure
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     """Return name, depth (um) and colour of every estimate; the work-energy sum, millimetres, is left out."""
-    crater, inclined = study.crater, study.inclined
-    force = study.parallel if study.parallel is not None and study.parallel.shear_plane_emerges else None
+    crater, force, rows = study.crater, study.parallel, []
     ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
-    rows = []
     if study.angles is not None:
-        cut = cut_of(crater)
-        rows = [
-            (f"Merchant, {crater.plies:g} plies", float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE),
-            ("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE),
-        ]
+        cut, name = cut_of(crater), f"Merchant, {crater.plies:g} plies"
+        rows.append((name, float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE))
+        rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
     rows.append(("work and energy, 5 plies", ratio, GREEN))
-    if force is not None:
+    if force is not None and force.shear_plane_emerges:
         rows.append(("simulated force", force.depth_from_force, VERMILION))
         rows.append(("simulated energy", force.depth_from_energy, VERMILION))
-    if inclined:
-        rows.append(("simulated energy,\nshear to the surface", inclined.depth_from_energy, VERMILION))
+    if study.inclined:
+        rows.append(("simulated energy,\nshear to the surface", study.inclined.depth_from_energy, VERMILION))
     return [(name, MICRO * depth, color) for name, depth, color in rows]
 
 
@@ -76,7 +72,14 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     gamma = study.impact_angle
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
-    width = max(3.3 * path * math.cos(gamma), 7.0 * depth, 1.0)
+    rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
+    planes = {"shear plane to the surface": (GREEN, depth / math.sin(rising) * _direction(rising))}
+    if study.angles is not None:  # as long as (4.28) has it
+        eta = float(study.angles.shear)
+        length = depth / math.cos(gamma) / math.sin(eta)
+        planes["shear plane of (4.28)"] = (VERMILION, length * _direction(eta - gamma))
+    farthest = tip[0] + max(float(along[0]) for _, along in planes.values())
+    width = max(1.25 * farthest, 7.0 * depth, 1.0)
     sides, height = (-0.12 * width, 0.88 * width), width * axes.bbox.height / axes.bbox.width
     bottom, upright = -max(1.7 * depth, 0.25 * height), _direction(math.pi / 2.0 + LEAN)
     cut = np.array([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * upright])
@@ -88,15 +91,10 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     heel = 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))  # clears the path
     back = np.array([heel[0] + 0.1 * size, face[1]])
     axes.fill(*np.transpose([tip, tip + face, tip + back, tip + heel]), color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
-    x, y = tip + 0.6 * face - (0.08 * size, 0.0)
-    axes.text(x, y, "tip", fontsize=7.0, ha="right", color="white", zorder=3)
-    rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
-    planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
-    if study.angles is not None:  # as long as (4.28) has it
-        eta = float(study.angles.shear)
-        planes.insert(0, ("shear plane of (4.28)", VERMILION, eta - gamma, depth / math.cos(gamma) / math.sin(eta)))
-    for label, color, slope, length in planes:
-        axes.plot(*np.transpose([tip, tip + length * _direction(slope)]), color=color, label=label)
+    part = min(0.6, 0.6 * (bottom + height - tip[1]) / face[1])  # of the tip's drawing, within the view
+    note(axes, "tip", tuple(tip + 0.5 * part * (face + back)), (0.0, 0.0), color="white", ha="center", zorder=3)
+    for label, (color, along) in planes.items():
+        axes.plot(*np.transpose([tip, tip + along]), color=color, label=label)
     axes.set(xlim=sides, ylim=(bottom, bottom + height), xlabel="along the workpart (µm)", ylabel="height (µm)")
     axes.set_aspect("equal")
     axes.legend(loc="upper right", labelspacing=0.3)

@@ -13,7 +13,7 @@ from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.theory.force_history import BRISTLE
 
 MOST_DOTS = 400  # points drawn one by one; a line stands for more, between which there is nothing to see
-MARGIN = 0.25  # part of the contact's duration shown before its start and after its end, where a file holds them
+BESIDE = 0.25  # part of the contact's duration shown before its start and after its end, where a file holds them
 
 
 @styled()
@@ -28,20 +28,17 @@ def force_figure(comparison: ForceComparison) -> Figure:
     time, first, longest = np.linspace(0.0, curve.duration, 301), 0.0, curve.duration
     peaks = [(curve.peak_time(), curve.peak_force(), BLUE)]
     if measured is not None:
-        style = "." if measured.time.size <= MOST_DOTS else "-"
         look: dict[str, Any] = {"color": GREY, "markersize": 3, "linewidth": 0.6, "label": "measured"}
-        axes.plot(MICROSECONDS * measured.time, measured.force, style, **look)
-        first = max(float(measured.time[0]), -MARGIN * curve.duration)
-        longest = min(float(measured.time[-1]), (1.0 + MARGIN) * curve.duration)
-    axes.plot(MICROSECONDS * time, curve(time), color=BLUE, label="fit" if measured else "curve")
+        axes.plot(MICROSECONDS * measured.time, measured.force, "." if measured.time.size <= MOST_DOTS else "-", **look)
+        first = max(float(measured.time[0]), -BESIDE * curve.duration)
+        longest = min(float(measured.time[-1]), (1.0 + BESIDE) * curve.duration)
+    axes.plot(MICROSECONDS * time, curve(time), color=BLUE, label="fit" if measured else "chapter 3")
     if contact is not None:
-        shown = np.linspace(0.0, float(contact.time[-1]), 1001)
+        shown, history = np.linspace(0.0, float(contact.time[-1]), 1001), contact.history
         axes.plot(MICROSECONDS * shown, contact.resultant(shown), color=VERMILION, label="simulated: resultant")
-        for label, force, dashes in (
-            ("normal", contact.history.normal_force, (4, 2)),
-            ("tangential", contact.history.tangential_force, (1, 1.5)),
-        ):
-            axes.plot(MICROSECONDS * contact.time, force, color=VERMILION, linewidth=0.8, dashes=dashes, label=label)
+        dashed: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
+        axes.plot(MICROSECONDS * contact.time, history.normal_force, dashes=(4, 2), label="normal", **dashed)
+        axes.plot(MICROSECONDS * contact.time, history.tangential_force, dashes=(1, 1.5), label="tangential", **dashed)
         longest = max(longest, float(contact.time[-1]))
         peaks.append((contact.compression_time, contact.peak_force, VERMILION))
     for instant, peak, color in peaks:
@@ -50,7 +47,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
         note(axes, f"{peak:.1f} N", place, (0.0, 4.0), color=color, ha="center", fontsize=8.0)
     axes.margins(y=0.1)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_xlim(MICROSECONDS * first, MICROSECONDS * longest)
     axes.set(xlabel="time since first touch (µs)", ylabel="force on the tip (N)")
+    axes.set_xlim(MICROSECONDS * first, MICROSECONDS * longest)
     axes.legend(loc="upper right", labelspacing=0.3)
     return figure

@@ -14,37 +14,41 @@ from bristle_sim.render.style import add_panel, blank_figure, note, say, scale_f
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
-LEFT, FOOT, WIDTH, HEIGHT = 1.45, 1.9, 13.4, 4.9  # left and lower edge, width and height of the panel, cm
 PHASE_COLOURS = {
     "compression slip": "#e6eef6", "compression reverse slip": "#d3e2f0", "compression stick": "#dadde6",
     "restitution slip": "#eff5e8", "restitution reverse slip": "#e0ecd2", "restitution stick": "#e7e7df",
 }  # fmt: skip
-NARROW = 0.09  # a phase that takes less than this fraction of the panel is not named in it
+NARROWEST_NAMED = 0.09  # a phase that takes less than this fraction of the panel is not named in it
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
 
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
-    """Draw an impact on the impulse plane, phase by phase."""
-    figure, surface = blank_figure(16.0, 8.0), impacts.surface
+    """Draw an impact on the impulse plane: the energetic law as lines, a contact resolved in time as crosses."""
+    figure, surface, recorded = blank_figure(16.0, 7.4), impacts.surface, None
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
     later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
     words = f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
-    if impacts.elastic:
-        words += "; lines: rigid along the surface, crosses: elastic, in time"
-    axes = add_panel(figure, (LEFT, FOOT, WIDTH, HEIGHT), "the impact over its normal impulse", words)
-    resolved = impacts.strikes.get("compliant")
-    history = None if resolved is None else resolved.contact.history
-    recorded = None if history is None else recorded_course(history)
-    _draw_impulse_plane(axes, energetic_course(impacts.chain, surface), recorded)
+    course, resolved = energetic_course(impacts.chain, surface), impacts.strikes.get("compliant")
+    if resolved is not None and resolved.contact.history is not None:
+        recorded = recorded_course(resolved.contact.history)
+        if resolved.contact.outcome != "rebound":  # a tip in stiction stays pressed on
+            shown = recorded.impulse <= 1.01 * course.impulse[-1]
+            recorded = ImpulseCourse(
+                *(each[shown] for each in (recorded.impulse, recorded.normal_velocity, recorded.tangential_velocity))
+            )
+        rigid, elastic = (": rigid along the surface", ", elastic") if impacts.elastic else ("", "")
+        words += f"; lines{rigid or ': energetic law'}, crosses: resolved in time{elastic}"
+    _draw_impulse_plane(
+        add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words), course, recorded
+    )
     return figure
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
     """Draw the energetic law's straight pieces, shaded by phases, with a contact resolved in time as points on them."""
-    last = float(course.impulse[-1])
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
-    impulse, speed = scale_for(last, "N·s"), scale_for(fastest, "m/s")
+    impulse, speed = scale_for(float(course.impulse[-1]), "N·s"), scale_for(fastest, "m/s")
     axes.set(xlabel=f"normal impulse p ({impulse.unit})", ylabel=f"velocity of the tip ({speed.unit})")
     if course.impulse.size < 2:
         say(axes, "the tip does not approach: no contact")
@@ -57,12 +61,11 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
         quarter, side = 0.25 * float(place[1]), -1.0 if values[0] < 0.0 else 1.0
         look: dict[str, Any] = {"color": color, "fontsize": 9.0, "va": "top" if side < 0.0 else "bottom"}
         note(axes, name, (quarter, float(np.interp(quarter, place, values))), (3.0, 3.0 * side), **look)
-        if recorded is not None:  # up to the energetic law's impulse: a tip in stiction stays pressed on
-            shown = recorded.impulse <= 1.01 * last
-            points = (recorded.impulse[shown] * impulse.factor, getattr(recorded, which)[shown] * speed.factor)
+        if recorded is not None:
+            points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
             look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
             axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
-    bottom, top = axes.get_ylim()
+    (bottom, top), last = axes.get_ylim(), max(each.impulse[-1] for each in (course, recorded) if each is not None)
     axes.set_xlim(0.0, 1.03 * last * impulse.factor)
     axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))  # room for names above and below
     _shade_phases(axes, course, impulse.factor)
@@ -71,22 +74,20 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
     """Shade the phases and write compression or restitution above, and slip or stick below that."""
-    ends = (course.impulse * factor).tolist()
+    ends, (_, right) = (course.impulse * factor).tolist(), axes.get_xlim()
     halves: dict[str, tuple[float, float]] = {}
+    named = []
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
         axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0)
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
         narrow = end - start < 0.25 * ends[-1]
-        _write_above(axes, 0.89, motion.replace(" ", "\n") if narrow else motion, start, end)
-    for half, (start, end) in halves.items():
-        _write_above(axes, 0.97, half, start, end, weight="bold")
-
-
-def _write_above(axes: Axes, height: float, words: str, start: float, end: float, **look: Any) -> None:
-    if end - start >= NARROW * axes.get_xlim()[1]:
-        look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0}
-        axes.text(0.5 * (start + end), height, words, linespacing=1.05, **look)
+        named.append((motion.replace(" ", "\n") if narrow else motion, 0.89, (start, end), "normal"))
+    named += [(half, 0.97, place, "bold") for half, place in halves.items()]
+    look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0}
+    for words, height, (start, end), weight in named:
+        if end - start >= NARROWEST_NAMED * right:
+            axes.text(0.5 * (start + end), height, words, linespacing=1.05, weight=weight, **look)
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
@@ -99,9 +100,6 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
             marks.setdefault(near, []).append(name)
     foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
     for place, names in marks.items():
-        top = (
-            0.8 if names == ["p_s"] else 1.0
-        )  # slip may stop within compression or restitution, whose names stand above
-        look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "ymax": top}
-        axes.axvline(place * factor, **look)
+        top = 0.8 if names == ["p_s"] else 1.0  # slip may stop within a phase whose name stands above
+        axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=top)
         note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)

@@ -19,19 +19,16 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction", xlabel="turn of the hub (°)", ylabel="retraction (°)")
     labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
     phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
-    contact = driven.pass_with_bar.first_contact("workpart")
+    contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
     end = "no strike" if contact is None else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
-    if driven.radial is not None:
-        end = f"{driven.radial.tip_speed:.1f} m/s when radial"
-        runs.append((driven.radial.trajectory, VERMILION, "thrown by its inertia", end))
+    if radial is not None:
+        runs.append((radial.trajectory, VERMILION, "thrown by its inertia", f"{radial.tip_speed:.1f} m/s when radial"))
     for run, color, name, words in runs:
         course = run.course()
-        retraction, speed = np.degrees(course.retraction), course.relative_rate
-        for axes, x, y in (
-            (turn, np.degrees(course.hub_angle - run.hub_angle[0]), retraction),
-            (phase, retraction, speed),
-        ):
+        turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])
+        speed = course.relative_rate
+        for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
             axes.plot(x, y, color=color, label=name)
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
             axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
@@ -39,5 +36,5 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         note(phase, words, (retraction[-1], speed[-1]), (6.0, 5.0), ha="left", color=color, bbox=ground)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)
-    turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2, columnspacing=1.2)
+    turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2)
     return figure

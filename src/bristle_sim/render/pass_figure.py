@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.transforms import Transform
 from numpy.typing import ArrayLike
 
@@ -18,15 +17,20 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
-from bristle_sim.trajectory import ContactRecord, Event, Motion, Trajectory
+from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled, write_key
+from bristle_sim.trajectory import Event, Motion, Trajectory
 
 DRAWING, PANEL, ROW = (8.1, 6.6), (13.4, 2.9), 3.2
 """Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
 
 BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
-_GHOSTS = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
+_WIRES = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
 """Events at which the drawing of the tool shows the wire, with its colour; other events are grey."""
+
+_LOOKS: dict[str, dict[str, Any]] = {
+    "wire, in the colour of its instant": {"color": GREY, "linewidth": 3.0},
+    "root in the belt": {"color": GREEN, "linestyle": "none", "marker": "o", "markersize": 4.5},
+}
 
 
 class _Mark(NamedTuple):
@@ -47,46 +51,40 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
         ValueError: if the trajectory has fewer than two instants.
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
-    marks = _marks(trajectory, float(course.time[-1]))
-    forced = bool(course.normal_force.any())
-    figure = blank_figure(16.0, 20.0 + forced * ROW)
-    base = 13.0 + forced * ROW
-    path = axes_at(figure, 1.4, base, *DRAWING)
-    _draw_path(path, course, tool, trajectory.event_time("strike"))
-    _draw_ghosts(path, tool, trajectory, marks)
-    handles = [
-        *path.get_legend_handles_labels()[0],
-        Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"),
-        Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"),
-    ]
-    anchor = (0.5, (base - 1.6) / (20.0 + forced * ROW))
-    figure.legend(handles=handles, loc="center", bbox_to_anchor=anchor, ncols=len(handles), columnspacing=1.6)
+    marks, rows = _marks(trajectory, float(course.time[-1])), _rows(course, tool)
+    height = 10.4 + len(rows) * ROW
+    figure, base = blank_figure(16.0, height), height - 7.0
+    paths = _draw_tool(axes_at(figure, 1.4, base, *DRAWING), course, tool, trajectory, marks)
+    write_key(figure, paths | _LOOKS, loc="center", bbox_to_anchor=(0.5, (base - 1.6) / height))
     _draw_table(axes_at(figure, 9.65, base, 6.2, 6.6), marks, trajectory)
-    potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
-    rows: list[tuple[str, list[tuple[str, Array, dict[str, Any]]]]] = [
-        ("retraction (°)", [("retraction", np.degrees(course.retraction), {})]),
-        ("relative\nspeed (rad/s)", [("relative speed", course.relative_rate, {})]),
-        ("energy (mJ)", [
-            ("sum", 1e3 * course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
-            ("bristle, kinetic", 1e3 * course.kinetic_energy, {}),
-            (potential, 1e3 * course.potential_energy, {"color": GREEN}),
-        ]),
-    ]  # fmt: skip
-    if forced:
-        rows.append(("normal\nforce (N)", [("normal force", course.normal_force, {"color": VERMILION})]))
     panels: list[Axes] = []
-    struck = trajectory.first_contact("workpart")
-    for number, (label, lines) in enumerate(rows):
-        place = (2.0, 1.1 + (len(rows) - 1 - number) * ROW, *PANEL)
+    for number, (label, lines) in enumerate(rows.items(), start=1):
+        place = (2.0, 1.1 + (len(rows) - number) * ROW, *PANEL)
         panels.append(axes_at(figure, *place, sharex=panels[0] if panels else None))
         _draw_lines(panels[-1], label, course.time, lines, marks)
-        panels[-1].tick_params(labelbottom=number == len(rows) - 1)
-    if forced and struck is not None and struck.history is not None:
-        _draw_strike(axes_at(figure, 11.6, 1.1 + 0.42 * PANEL[1], 3.7, 0.5 * PANEL[1]), trajectory, struck)
+        panels[-1].tick_params(labelbottom=number == len(rows))
     panels[0].set_xlim(course.time[0] * MILLISECONDS, course.time[-1] * MILLISECONDS)
     panels[-1].set_xlabel("time (ms)")
     _number_instants(panels[0], marks)
     return figure
+
+
+def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
+    """Return by panel's label the lines over time, each with its values and look."""
+    potential = "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
+    first = " of\nthe first link" if tool.bristle.links > 1 else ""
+    rows: dict[str, dict[str, tuple[Array, dict[str, Any]]]] = {
+        f"retraction{first} (°)": {"retraction": (np.degrees(course.retraction), {})},
+        "relative\nspeed (rad/s)": {"relative speed": (course.relative_rate, {})},
+        "energy (mJ)": {
+            "sum": (1e3 * course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
+            "bristle, kinetic": (1e3 * course.kinetic_energy, {}),
+            potential: (1e3 * course.potential_energy, {"color": GREEN}),
+        },
+    }
+    if course.normal_force.any():
+        rows["normal\nforce (N)"] = {"normal force": (course.normal_force, {"color": VERMILION})}
+    return rows
 
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
@@ -94,11 +92,9 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     events, first = key_events(trajectory, until), 1
     if abs(trajectory.relative_angle[0]) > CARRIED:
         events, first = (Event("start", float(trajectory.time[0])), *events), 0
-    ghosts = dict(_GHOSTS) if trajectory.event_time("strike") else _GHOSTS | {"highest relative speed": BLACK}
-    colors = [ghosts.pop(event.name, GREY) for event in events]  # of several of a name the first shows the wire
-    return [
-        _Mark(first + number, event, color) for number, (event, color) in enumerate(zip(events, colors, strict=True))
-    ]
+    wires = dict(_WIRES) if trajectory.event_time("strike") else _WIRES | {"highest relative speed": BLACK}
+    # Of several events of a name the first shows the wire.
+    return [_Mark(number, event, wires.pop(event.name, GREY)) for number, event in enumerate(events, first)]
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
@@ -115,9 +111,9 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
 
 
 def _draw_lines(
-    axes: Axes, label: str, time: Array, lines: list[tuple[str, Array, dict[str, Any]]], marks: Sequence[_Mark]
+    axes: Axes, label: str, time: Array, lines: dict[str, tuple[Array, dict[str, Any]]], marks: Sequence[_Mark]
 ) -> None:
-    for name, values, look in lines:
+    for name, (values, look) in lines.items():
         axes.plot(time * MILLISECONDS, values, label=name, gid=name, **{"color": BLUE, **look})
     for mark in marks:
         axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
@@ -131,15 +127,6 @@ def _draw_lines(
         axes.axhline(0.0, color=GREY, linewidth=0.6)
 
 
-def _draw_strike(axes: Axes, run: Trajectory, struck: ContactRecord) -> None:
-    time = np.linspace(struck.time, struck.time + struck.duration, 200)
-    axes.plot(MICROSECONDS * (time - struck.time), run.at(time).normal_force, color=VERMILION)
-    axes.set_title("in the strike, over µs", fontsize=6.5, loc="left", pad=2.0)
-    axes.patch.set_alpha(0.9)
-    axes.set_ylim(bottom=0.0)
-    axes.tick_params(labelsize=6.0)
-
-
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
     first, last = axes.get_xlim()
     times = [mark.event.time * MILLISECONDS for mark in marks]
@@ -149,35 +136,36 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
         _badge(axes, (place, 1.12), mark, above)
 
 
-def _draw_path(axes: Axes, course: Motion, tool: Tool, strike: float | None) -> None:
-    view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
+def _draw_tool(
+    axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
+) -> dict[str, dict[str, Any]]:
+    """Draw the tool with the tip's path and the wire at some instants; return the looks of the path by name."""
+    view, strike = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1]), run.event_time("strike")
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
     # The sample after an impact begins the second line, so that the two meet at the strike.
     after = int(np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right"))
     tip = course.tip * MILLIMETRES
-    look: dict[str, Any] = {"linewidth": 1.0, "zorder": 3}
-    until = "tip path" if strike is None else "tip path until the strike"
-    axes.plot(*tip[:after].T, color=BLUE, gid="tip path", label=until, **look)
+    before = "tip path" if strike is None else "tip path until the strike"
+    looks: dict[str, dict[str, Any]] = {before: {"color": BLUE, "linewidth": 1.0}}
+    axes.plot(*tip[:after].T, gid="tip path", zorder=3, **looks[before])
     if strike is not None:
-        axes.plot(*tip[after - 1 :].T, color=PURPLE, gid="tip path after the strike", label="tip path after it", **look)
+        looks["tip path after it"] = {"color": PURPLE, "linewidth": 1.0}
+        axes.plot(*tip[after - 1 :].T, gid="tip path after the strike", zorder=3, **looks["tip path after it"])
     view.apply(axes)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
     name_parts(axes, tool, 7.0)
-
-
-def _draw_ghosts(axes: Axes, tool: Tool, run: Trajectory, marks: Sequence[_Mark]) -> None:
-    ghosts = [mark for mark in marks if mark.color != GREY]
-    height = float(np.ptp(axes.get_ylim()))
+    drawn, height = [mark for mark in marks if mark.color != GREY], view.top - view.bottom
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
-    shown = run.at([mark.event.time for mark in ghosts])
+    shown = run.at([mark.event.time for mark in drawn])
     places = spread(shown.hub_angle, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf)
-    for mark, line, place in zip(ghosts, shown.centre_line, places, strict=True):
-        ghost = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
-        ghost.wire.set_gid(f"wire {mark.number}")
-        ghost.place(line)
+    for mark, line, place in zip(drawn, shown.centre_line, places, strict=True):
+        drawing = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
+        drawing.wire.set_gid(f"wire {mark.number}")
+        drawing.place(line)
         _badge(axes, radius * toward(place), mark)
+    return looks
 
 
 def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
@@ -203,12 +191,11 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
         axes.text(0.75, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
         axes.text(1.0, -row, signed(retraction, 2), fontsize=7.0, ha="right")
     contact = trajectory.first_contact("workpart")
-    lines = ["no strike; the run ended:", str(trajectory.stop_reason)]
+    words = f"no strike; the run ended:\n{trajectory.stop_reason}"
     if contact is not None:
-        lines = [
-            f"strike: {contact.rates_before[0] - trajectory.hub_speed:.1f} rad/s relative to the hub,",
-            f"tip arrives at {math.hypot(*contact.velocity_before):.2f} m/s",
-            f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome})",
-        ]
-    for number, line in enumerate(lines):
-        axes.text(0.0, -len(marks) - 1.6 - 0.9 * number, line, fontsize=7.0)
+        words = (
+            f"strike: {signed(contact.rates_before[0] - trajectory.hub_speed, 1)} rad/s relative to the hub,\n"
+            f"tip arrives at {math.hypot(*contact.velocity_before):.2f} m/s\n"
+            f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome})"
+        )
+    axes.text(0.0, -len(marks) - 1.3, words, fontsize=7.0, va="top", linespacing=1.6)

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
 
 from bristle_sim.files import checked_target, complete_or_absent
 from bristle_sim.render.colours import GREY
@@ -66,10 +67,9 @@ def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0
 
 def axes_at(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
     """Add axes at a place given in cm from the figure's lower left corner; ``options`` as for ``Figure.add_axes``."""
-    inches = figure.get_size_inches() * CENTIMETRES_PER_INCH
-    place = (left / inches[0], bottom / inches[1], width / inches[0], height / inches[1])
+    across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
     with styled():
-        return figure.add_axes(place, **options)
+        return figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
 
 
 def add_panel(
@@ -81,6 +81,26 @@ def add_panel(
     axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left", fontsize=8.5, pad=17.0)
     note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
     return axes
+
+
+def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
+    """Add a legend of lines and marks by their looks: in one row at a figure's foot, unless ``place`` says otherwise."""
+    handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
+    target.legend(handles=handles, **{"loc": "lower center", "ncols": len(handles), **place})
+
+
+def draw_colours(
+    axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, extend: str = "neither", **look: Any
+) -> Axes:
+    """Draw values over the centres of cells in colours, and return the axes of the colours' scale, to their right."""
+    axes.grid(visible=False)
+    image = axes.pcolormesh(x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look})
+    figure, (left, bottom, width, height) = axes.get_figure(root=True), axes.get_position().bounds
+    assert figure is not None
+    scale = figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height))
+    figure.colorbar(image, cax=scale, extend=extend)
+    scale.tick_params(labelsize=6.0, colors=GREY)
+    return scale
 
 
 def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
@@ -99,8 +119,7 @@ def signed(value: float, decimals: int, width: int = 0) -> str:
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
-@dataclass(frozen=True, slots=True)
-class Scale:
+class Scale(NamedTuple):
     """Numbers shown in ``unit`` are ``factor`` times those in the plain unit."""
 
     factor: float

@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
-from bristle_sim.render.colours import BLUE, GREY
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.colours import BLUE
+from bristle_sim.render.style import axes_at, blank_figure, draw_colours, styled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2  # panels in a row, and their size with its margins, cm
-TITLE = 32  # letters in a line of a panel's title
+TITLE_LETTERS = 32  # letters in a line of a panel's title
 
 
 @styled()
@@ -40,23 +40,16 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
         column, row = number % COLUMNS, rows - 1 - number // COLUMNS
         axes = axes_at(figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4)
         values, label = _shown(found, name)
-        axes.set_title("\n".join(textwrap.wrap(label, TITLE)), loc="left", fontsize=7.5)
+        axes.set_title("\n".join(textwrap.wrap(label, TITLE_LETTERS)), loc="left", fontsize=7.5)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
+        for y, y_label in others:
+            axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
+            draw_colours(axes, x, y, values.T if found[name].dims[0] == keys[0] else values)
         if not others:
             axes.plot(x, values, ".-", color=BLUE, markersize=4.0)
             low, high = float(x.min()), float(x.max())  # also those without a result
             room = 0.05 * (high - low) or 0.5
             axes.set_xlim(low - room, high + room)
-            continue
-        ((y, y_label),) = others
-        axes.grid(visible=False)
-        axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
-        if found[name].dims[0] == keys[0]:
-            values = values.T
-        image = axes.pcolormesh(x, y, values, cmap="viridis", shading="nearest", rasterized=True)
-        left, bottom, width, height = axes.get_position().bounds
-        colours = figure.colorbar(image, cax=figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height)))
-        colours.ax.tick_params(labelsize=6.0, colors=GREY)
     return figure
 
 
