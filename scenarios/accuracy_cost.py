@@ -7,7 +7,7 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 
 import sys
 
-from bristle_sim.benchmarks.accuracy_cost.measure import Effort
+from bristle_sim.benchmarks.accuracy_cost import Effort
 from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
 

@@ -126,7 +126,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
     ),
     "a restitution 1e-12 off": (restitution_off(1e-12), ["grazing: strike at 1e-12 rad"]),
     "an approach taken for none": (law(slow_is_none), ["grazing: strike at 1e-12 rad"]),
-    "a jam without its name": ((EnergeticLaw, "resolve", nameless), ["jam: rod pushed, friction 0.001 off the jam"]),
+    "a jam without its name": (
+        (EnergeticLaw, "resolve", nameless),
+        ["jam: pass, tip pushed, friction 0.001 off the jam"],
+    ),
     "energy gained": ((EnergeticLaw, "resolve", gaining), ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"]),
     "compliance in stick from K alone": (
         law(lambda *given: energetic_impact(*given[:5])),

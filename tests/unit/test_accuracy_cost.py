@@ -10,8 +10,16 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks import machine
-from bristle_sim.benchmarks.accuracy_cost import cases, effects, measure, own_methods, peers, scipy_methods, study
-from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point
+from bristle_sim.benchmarks.accuracy_cost import (
+    Effort,
+    cases,
+    measure,
+    own_methods,
+    peers,
+    scipy_methods,
+    study,
+)
+from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Point
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 
 FLIGHT = cases.release_flight()
@@ -36,11 +44,10 @@ class TestCases:
     @pytest.mark.parametrize("method", ["dopri5", "dop853"])
     def test_closed_form_of_a_strike_is_what_compiled_integrators_find(self, case, method):
         # Requested 1e-12; phases are told apart by velocities of SETTLED = 1e-9 of the approach.
-        assert errors(case, scipy_methods.strike_attempts(case)[-22:], f"scipy ode {method}")[-1] < 1e-9
+        assert errors(case, scipy_methods.strike_attempts(case), f"scipy ode {method}")[-1] < 1e-9
 
-    def test_a_strike_and_a_pass_by_events_of_scipy(self):
-        """Phases end at events that DOP853 locates to its tolerance, here 1e-12 and coarser; a pass at 1e-2 is a coarse one."""
-        assert errors(cases.strike(), scipy_methods.strike_attempts(cases.strike()), "scipy dop853")[-1] < 1e-8
+    def test_a_pass_by_events_of_scipy(self):
+        """A pass at 1e-2 is a coarse one."""
         whole = cases.whole_pass()
         assert whole.error(scipy_methods.pass_attempts(whole)[0].run().values) < 1.0
 
@@ -54,7 +61,7 @@ class TestMeasuring:
     def test_the_cheapest_is_within_the_target_with_all_finer_settings(self):
         """A lucky setting does not count."""
         found = ((1e-9, 1.0), (1e-3, 2.0), (1e-7, 3.0))
-        points = [Point("case", "a", "setting", error, cpu_s, cpu_s, 1, "") for error, cpu_s in found]
+        points = [Point("case", "a", "setting", error, cpu_s, 1) for error, cpu_s in found]
         assert measure.cheapest(points, 1e-6).cpu_s == 3.0
         assert measure.cheapest(points, 1e-8) is None
 
@@ -62,11 +69,9 @@ class TestMeasuring:
         def fail():
             raise ValueError("stepped\ntoo far")
 
-        point = measure.measure(FLIGHT, [Attempt("a b", "x", fail)], Effort("quick"))[0]
+        point = measure.measure(FLIGHT, [Attempt("a b", "x", fail)], 1)[0]
         assert point.failure == "stepped too far"
         assert measure.cheapest([point], 1e9) is None
-        shown = json.loads(json.dumps(measure.plain(point), allow_nan=False))
-        assert (shown["error"], shown["cpu_s"]) == (None, None)
 
     def test_cpu_time_and_not_waiting_is_counted(self):
         def work():
@@ -74,9 +79,9 @@ class TestMeasuring:
             while time.process_time() < end:
                 pass
 
-        waiting, working = measure.cpu_times([lambda: time.sleep(0.02), work], Effort("quick"))
-        assert working[0] >= 0.01
-        assert waiting[0] < 0.005
+        waiting, working = measure.cpu_times([lambda: time.sleep(0.02), work], 2)
+        assert working >= 0.01
+        assert waiting < 0.005
 
 
 @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
@@ -103,13 +108,12 @@ class TestPeers:
                 (f"mujoco {name}", (64, 128), order, 0.06)
                 for name, order in (("euler", 1), ("implicitfast", 1), ("rk4", 4))
             ),
-            ("exudyn rk44", (16, 32), 4, 0.06),
         ],
     )
     def test_order_in_flight(self, method, counts, order, within):
         package = method.split()[0]
         pytest.importorskip(package)
-        flights = {"mujoco": peers.mujoco_flight, "exudyn": peers.exudyn_flight}
+        flights = {"mujoco": peers.mujoco_flight}
         attempts = flights.get(package, own_methods.flight_attempts)(FLIGHT)
         coarse, fine = (FLIGHT.error(attempt_named(attempts, method, f"steps={n}").run().values) for n in counts)
         assert math.log2(coarse / fine) == pytest.approx(order, abs=within)
@@ -131,14 +135,7 @@ class TestPeers:
         assert all(FLIGHT.error(each.run().values) < 10.0 * 10.0**-k + 1e-14 for k, each in enumerate(attempts, 1))
         assert attempts[-1].run() == attempts[-1].run()
 
-    def test_exudyn_adapts_its_steps(self):
-        pytest.importorskip("exudyn")
-        attempts = peers.exudyn_flight(FLIGHT)
-        coarse, fine = (attempt_named(attempts, "exudyn dopri5", f"rtol={each}").run() for each in ("1e-05", "1e-10"))
-        assert coarse.steps < fine.steps
-        assert FLIGHT.error(fine.values) < 1e-9  # an order-5 pair usually stays within its tolerance
-
-    @pytest.mark.parametrize("name", ["mujoco", "exudyn", "heyoka"])
+    @pytest.mark.parametrize("name", ["mujoco", "heyoka"])
     def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
         """Installed, but built for another machine: its import fails, and the study goes on without it, unlike our own."""
         (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")
@@ -161,17 +158,6 @@ def test_a_machine_that_says_nothing_of_itself(monkeypatch):
     found = machine.surroundings()
     assert found["processor"]
     assert found["versions"]["json"] == "unknown"
-
-
-def test_absent_effects_cost_nothing_in_the_engine():
-    rows = effects.steps(Effort("quick"))
-    present = {row.effect: row.holds for row in rows}
-    assert present["bare: hub and bristle"] == present["gravity"] == "2 bodies, 1 constraints, 0 shapes"
-    assert present["belt"] == present["belt, damped"] == "2 bodies, 2 constraints, 0 shapes"
-    # Nothing is in touch.
-    assert present["bar"] == present["bar with friction"] == "2 bodies, 1 constraints, 0 shapes"
-    assert present["all of them"] == "2 bodies, 2 constraints, 0 shapes"
-    assert rows[0].ratio == 1.0
 
 
 def test_the_study_has_curves_of_all_cases_meets_the_requested_errors_and_counts_seconds():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
+from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.cli import Scenario, command
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
@@ -131,10 +131,9 @@ def test_the_crater_says_first_which_estimate_is_nearest():
 
 
 def at(method: str, error: float, cpu_s: float) -> Point:
-    return Point("case", method, "step=1", error, cpu_s, cpu_s, 1, "" if np.isfinite(error) else "failed")
+    return Point("case", method, "step=1", error, cpu_s, 1, "" if np.isfinite(error) else "failed")
 
 
-EFFECTS = [Effect(what, str(size), 1e-3 * size, size, "") for what in ("links", "bristles") for size in (1, 2, 4)]
 REACHED = [
     *(
         at(f"bristle_sim {name}", 10.0**-power, 1e-4 * power)
@@ -149,9 +148,9 @@ REACHED = [
 @pytest.mark.parametrize("count", [1, 4])
 def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_drawn(count: int):
     """The best method of each package has a colour, and the others are grey; a failure is not drawn, an error of 0 is."""
-    notes = ("scipy: derived by hand", "mujoco: cannot", "exudyn, mujoco cannot express it")
+    notes = ("scipy: derived by hand", "mujoco: cannot", "heyoka, mujoco cannot express it")
     cases = tuple(SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count))
-    figure = cost_figure(SimpleNamespace(cases=cases, effects=EFFECTS, of=lambda _: REACHED))  # type: ignore[arg-type]
+    figure = cost_figure(SimpleNamespace(cases=cases, of=lambda _: REACHED))  # type: ignore[arg-type]
     assert faults(figure) == []
     lines = {str(line.get_gid()): line for line in figure.axes[0].lines}
     own = [name for name in lines if name.startswith("bristle_sim")]

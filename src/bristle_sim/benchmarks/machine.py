@@ -1,4 +1,4 @@
-"""What was measured on and with: processor, system, load and the versions of the packages."""
+"""The machine of a measurement: processor, system, load and the versions of the packages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import platform
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn", "heyoka")
+PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "heyoka")
 
 
 def installed() -> set[str]:
@@ -39,7 +39,7 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """Return the processor's name where the system tells it."""
+    """Return the processor's name where the system states it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

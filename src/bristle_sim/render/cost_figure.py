@@ -14,8 +14,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
-from bristle_sim.benchmarks.accuracy_cost.results import NOT_IN_TIME, AccuracyCost
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from bristle_sim.benchmarks.accuracy_cost.study import NOT_IN_TIME, AccuracyCost
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0  # printed width of the page's text, cm
@@ -23,7 +23,7 @@ PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 11.0, 2.75
 """Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
-PEERS = {"scipy": ORANGE, "mujoco": GREEN, "exudyn": VERMILION, "heyoka": "#7a5c00"}
+PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
 OTHERS = "#c4c4c4"  # colour of peers' methods that are not their package's best
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
@@ -45,37 +45,13 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
-    count = len(measured.cases)
-    rows = math.ceil((count + bool(measured.effects)) / 2)
+    rows = math.ceil(len(measured.cases) / 2)
     figure = blank_figure(WIDTH, rows * ROW)
-    for number in range(count + bool(measured.effects)):
+    for number, case in enumerate(measured.cases):
         row, column = divmod(number, 2)
         place = (1.45 + 8.2 * column, (rows - row) * ROW - PANEL[1] - HEAD)
-        if number < count:
-            case = measured.cases[number]
-            _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
-        else:
-            wide = 14.1 if column == 0 else PANEL[0]
-            _growth_panel(axes_at(figure, *place, wide, PANEL[1]), measured)
+        _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
     return figure
-
-
-def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
-    names = {"links": "a strike of a wire, its links", "bristles": "a row up to its strikes, its bristles"}
-    for (what, label), color, marker in zip(names.items(), (BLUE, ORANGE), "os", strict=True):
-        rows = [row for row in measured.effects if row.what == what]
-        numbers, times = [int(row.effect) for row in rows], [row.cpu_s * MILLISECONDS for row in rows]
-        axes.loglog(numbers, times, color=color, marker=marker, markersize=3.6, linewidth=1.3, label=label)
-    axes.set_title("cost over links and bristles", loc="left", pad=16.0, fontweight="bold")
-    axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlim(0.85, 1.3 * max(int(row.effect) for row in measured.effects if row.what in names))
-    axes.set_xlabel("number", labelpad=1.0)
-    axes.set_ylabel("CPU time (ms)", labelpad=2.0)
-    axes.legend(loc="upper left", bbox_to_anchor=(0.0, -1.05 / PANEL[1]), borderaxespad=0.0, fontsize=6.5)
 
 
 def best_methods(points: Sequence[Point]) -> dict[str, str]:

@@ -28,16 +28,14 @@ REFERENCE_ACCURACY = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """What is computed, with its exact answer.
+    """A problem with its exact answer.
 
     Attributes:
-        name, title: for tables and for pictures.
         exact: of a flight relative angle (rad) and rate (rad/s) at its end, of a pass time (s), relative angle and relative
             rate at the strike on the workpart, of a strike the rates of the rods after it (rad/s).
-        scale: natural size of each of its numbers.
-        source: where the exact answer comes from.
-        notes: what a reader of its results should know, and which tools cannot take part.
-        tool: of a flight or a pass.
+        scale: natural size of each of these numbers.
+        source: of the exact answer.
+        notes: remarks on how each package takes part, or why it cannot.
         retraction, duration: of a flight from rest, rad and s.
     """
 
@@ -66,7 +64,7 @@ class StrikeCase(Case):
     notes: tuple[str, ...] = (
         "energetic: the law, no steps in time; engine: Newton's restitution",
         "scipy: the compliant contact's equations, derived by hand",
-        "mujoco, exudyn cannot express energetic restitution",
+        "mujoco cannot express energetic restitution",
     )
 
 
@@ -141,7 +139,6 @@ def whole_pass() -> Case:
         notes=(
             "scipy: this project's reference, derived by hand",
             "mujoco: the bar as a damped spring as stiff as the step allows",
-            "exudyn: not attempted",
         ),
     )
 

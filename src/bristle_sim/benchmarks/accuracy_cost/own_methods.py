@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.contact.compliant import PLAIN_ACCURACY, CompliantLaw
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
-from bristle_sim.scene.strike import build_strike, strike, struck
+from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 
@@ -63,7 +61,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return each contact law; the compliant one at several accuracies and with plain engine steps."""
+    """Return each contact law; the compliant one at several accuracies."""
 
     def by_law(law: str) -> Callable[[float], Run]:
         def run(accuracy: float) -> Run:
@@ -72,17 +70,10 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
 
         return run
 
-    def in_steps(count: int) -> Run:
-        scene, start, obstacle, units = build_strike(case.chain, case.surface)
-        law = CompliantLaw(None, PLAIN_ACCURACY, count)
-        _, record, _ = struck(scene, start, dataclasses.replace(obstacle, law=law), Settings())
-        return Run(tuple(rate / units.time for rate in record.rates_after), scene.steps)
-
     return [
         *attempts("bristle_sim energetic", "closed phases", by_law("energetic"), (1e-6,)),
         *attempts("bristle_sim engine", "one step", by_law("engine"), (1e-6,)),
         *attempts("bristle_sim compliant", "accuracy={:g}", by_law("compliant"), ACCURACIES[:7]),
-        *attempts("bristle_sim compliant steps", "steps={}", in_steps, STEP_COUNTS[4:11]),
     ]
 
 

@@ -1,7 +1,7 @@
-"""Other packages at the cases: heyoka, Exudyn and MuJoCo, each with its model made beforehand, in the scene's units.
+"""Other packages at the cases: heyoka and MuJoCo, each with its model made beforehand, MuJoCo's in the scene's units.
 
-Of Exudyn and MuJoCo the hub is a hinge so heavy that nothing changes its speed, the belt a stiffness of the bristle's hinge.
-MuJoCo's contacts are soft: with impedance near 1 the contact point obeys a = -b v - k r, which becomes the inelastic bar as it
+Of MuJoCo the hub is a hinge so heavy that nothing changes its speed, the belt a stiffness of the bristle's hinge. Its
+contacts are soft: with impedance near 1 the contact point obeys a = -b v - k r, which becomes the inelastic bar as it
 gets stiffer. No setting makes the returned work e*^2 of that of compression, so that it takes no part in the strikes.
 """
 
@@ -12,46 +12,13 @@ import math
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import tool_units
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
-HUB_INERTIA = 1e12
-"""Inertia of the hub in scene units: its speed changes by 1e-13 of itself in a pass."""
-
-HARD = 0.9999
-"""Impedance of a contact that dictates its point's acceleration, MuJoCo's largest."""
-
-FREE = '<flag contact="disable" constraint="disable"/>'
-"""MuJoCo's options without the parts of the engine that a free motion does not need."""
-
-EXUDYN_STEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512)
-MUJOCO_STEPS = (*EXUDYN_STEPS, 1024, 2048, 4096, 8192)
-PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
-EXUDYN_TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
-
-STEPS_IN_CONTACT = 2.0
-"""Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
-
-HUB_START, HUB_TURN = -0.5 * math.pi, 0.5 * math.pi
-"""Where the hub starts in a pass, and over what its steps are counted, rad; the strike comes earlier."""
-
-MUJOCO_MODEL = """<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}</option><worldbody>{bar}
-<body>{hinge} armature="{hub!r}"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-<body pos="0 {root!r} 0">{hinge} stiffness="{stiffness!r}"/>
-<inertial pos="0 -0.5 0" mass="1" diaginertia="{rod!r} {rod!r} {rod!r}"/>{wire}</body></body></worldbody></mujoco>"""
-
-MUJOCO_BAR = """<geom name="bar" type="sphere" size="{size!r}" condim="1" pos="{x!r} {y!r} 0" contype="1" conaffinity="0"
-solimp="{hard} {hard} 1" priority="1"/>"""
-
-MUJOCO_WIRE = (
-    """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="0" conaffinity="1" condim="1" mass="0"/>"""
-)
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
@@ -73,85 +40,54 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     return attempts("heyoka taylor", "tol={:.0e}", fly, HEYOKA_TOLERANCES)
 
 
-def exudyn_flight(case: Case) -> list[Attempt]:
-    """Return attempts by the classical Runge-Kutta method over step counts and by DOPRI5 over tolerances."""
-    library: Any = importlib.import_module("exudyn")
-    units = tool_units(case.tool)
-    system = _exudyn_system(library, case)
-    settings = library.SimulationSettings()
-    settings.solution.file.write = False
-    integration, end = settings.timeIntegration, case.duration / units.time
-    settings.solution.file.writePeriod = settings.solution.sensors.writePeriod = 2.0 * end
-    integration.verboseMode, integration.endTime, integration.initialStepSize = 0, end, 0.0
+HUB_INERTIA = 1e12
+"""Inertia of the hub in scene units: its speed changes by 1e-13 of itself in a pass."""
 
-    def fly(solver: Any) -> Run:
-        system.SolveDynamic(settings, solverType=solver, updateInitialValues=False, storeSolver=True)
-        angle = float(system.systemData.GetODE2Coordinates()[1])
-        rate = float(system.systemData.GetODE2Coordinates_t()[1])
-        return Run((angle, rate / units.time), int(system.sys["dynamicSolver"].it.currentStepIndex) - 1)
+HARD = 0.9999
+"""Impedance of a contact that dictates its point's acceleration, MuJoCo's largest."""
 
-    def in_steps(count: int) -> Run:
-        integration.numberOfSteps, integration.automaticStepSize = count, False
-        return fly(library.DynamicSolverType.RK44)
+FREE = '<flag contact="disable" constraint="disable"/>'
+"""MuJoCo's options without the parts of the engine that a free motion does not need."""
 
-    def to_tolerance(tolerance: float) -> Run:
-        integration.numberOfSteps, integration.automaticStepSize = 1, True
-        integration.relativeTolerance = integration.absoluteTolerance = tolerance
-        return fly(library.DynamicSolverType.DOPRI5)
+FLIGHT_STEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096, 8192)
+PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
 
-    return [
-        *attempts("exudyn rk44", "steps={}", in_steps, EXUDYN_STEPS),
-        *attempts("exudyn dopri5", "rtol={:.3g}", to_tolerance, EXUDYN_TOLERANCES),
-    ]
+STEPS_IN_CONTACT = 2.0
+"""Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
 
+HUB_START, HUB_TURN = -0.5 * math.pi, 0.5 * math.pi
+"""Where the hub starts in a pass, and over what its steps are counted, rad; the strike comes earlier."""
 
-def _exudyn_system(library: Any, case: Case) -> Any:
-    """Return the released bristle on its hub, a tree of two hinges."""
-    items: Any = importlib.import_module("exudyn.itemInterface")
-    system, units = library.SystemContainer().AddSystem(), tool_units(case.tool)
-    rates = [case.tool.hub.speed * units.time, 0.0]
-    start = {"initialCoordinates": [0.0, -case.retraction], "initialCoordinates_t": rates}
-    node = system.AddNode(items.NodeGenericODE2(referenceCoordinates=[0.0, 0.0], numberOfODE2Coordinates=2, **start))
-    matrices, vectors, nothing, turned = library.Matrix3DList, library.Vector3DList, [0.0, 0.0], np.eye(3)
-    tree = items.ObjectKinematicTree(
-        nodeNumber=node,
-        jointTypes=[library.JointType.RevoluteZ] * 2,
-        linkParents=[-1, 0],
-        jointTransformations=matrices([turned, turned]),
-        jointOffsets=vectors([[0.0, 0.0, 0.0], [0.0, -case.tool.hub.radius / units.length, 0.0]]),
-        linkInertiasCOM=matrices([np.diag([1.0, 1.0, HUB_INERTIA]), np.eye(3) / 12.0]),
-        linkCOMs=vectors([[0.0, 0.0, 0.0], [0.0, -0.5, 0.0]]),
-        linkMasses=[1.0, 1.0],
-        jointForceVector=nothing,
-        jointPositionOffsetVector=nothing,
-        jointVelocityOffsetVector=nothing,
-        jointPControlVector=[0.0, case.tool.belt.stiffness / units.energy],
-        jointDControlVector=nothing,
-    )
-    system.AddObject(tree)
-    system.Assemble()
-    return system
+INTEGRATORS = ("Euler", "implicitfast", "RK4")
+
+MODEL = """<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}</option><worldbody>{bar}
+<body>{hinge} armature="{hub!r}"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+<body pos="0 {root!r} 0">{hinge} stiffness="{stiffness!r}"/>
+<inertial pos="0 -0.5 0" mass="1" diaginertia="{rod!r} {rod!r} {rod!r}"/>{wire}</body></body></worldbody></mujoco>"""
+
+BAR = """<geom name="bar" type="sphere" size="{size!r}" condim="1" pos="{x!r} {y!r} 0" contype="1" conaffinity="0"
+solimp="{hard} {hard} 1" priority="1"/>"""
+
+WIRE = (
+    """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="0" conaffinity="1" condim="1" mass="0"/>"""
+)
 
 
 def mujoco_flight(case: Case) -> list[Attempt]:
     """Return attempts with each of MuJoCo's integrators over step counts."""
-    models = _mujoco_models(case.tool).items()
+    models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
-        each for name, model in models for each in attempts(name, "steps={}", partial(model.fly, case), MUJOCO_STEPS)
+        each for name in models for each in attempts(name, "steps={}", partial(models[name].fly, case), FLIGHT_STEPS)
     ]
 
 
 def mujoco_pass(case: Case) -> list[Attempt]:
     """Return attempts up to the strike; the bar is a critically damped spring, stiffer as steps get shorter."""
-    models = _mujoco_models(case.tool).items()
-    return [each for name, model in models for each in attempts(name, "steps={}", model.go, PASS_STEPS)]
+    models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
+    return [each for name in models for each in attempts(name, "steps={}", models[name].go, PASS_STEPS)]
 
 
-def _mujoco_models(tool: Tool) -> dict[str, _MujocoModel]:
-    return {f"mujoco {name.lower()}": _MujocoModel(tool, name) for name in ("Euler", "implicitfast", "RK4")}
-
-
-class _MujocoModel:
+class MujocoModel:
     """Hub and bristle, compiled, and a tool's bar; the workpart is where a step ends below it."""
 
     def __init__(self, tool: Tool, integrator: str) -> None:
@@ -161,11 +97,11 @@ class _MujocoModel:
         self.hub_speed, self.hub_radius = tool.hub.speed * self.units.time, tool.hub.radius / size
         if tool.bar is not None:
             self.depth, (x, y) = tool.workpart_depth / size, tool.bar.centre
-            bar = MUJOCO_BAR.format(size=tool.bar.radius / size, x=x / size, y=y / size, hard=HARD)
-            wire, option = MUJOCO_WIRE.format(radius=tool.bristle.wire_diameter / 2.0 / size), ""
+            bar = BAR.format(size=tool.bar.radius / size, x=x / size, y=y / size, hard=HARD)
+            wire, option = WIRE.format(radius=tool.bristle.wire_diameter / 2.0 / size), ""
         parts = {"integrator": integrator, "option": option, "bar": bar, "wire": wire, "rod": 1.0 / 12.0}
         numbers = {"hub": HUB_INERTIA, "root": -self.hub_radius, "stiffness": tool.belt.stiffness / self.units.energy}
-        text = MUJOCO_MODEL.format(hinge='<joint type="hinge" axis="0 0 1"', **parts, **numbers)
+        text = MODEL.format(hinge='<joint type="hinge" axis="0 0 1"', **parts, **numbers)
         self.model = self.library.MjModel.from_xml_string(text)
         self.data = self.library.MjData(self.model)
 

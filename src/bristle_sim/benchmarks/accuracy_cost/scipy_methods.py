@@ -6,19 +6,18 @@ the chain keeps its shape,
 
     delta' = -v_n,    p_n' = N,    p_t' = F,    v = v(0) + K p,
 
-with N = k delta while the tip goes in and N = (k/e*^2) (delta - (1 - e*^2) delta_max) on its way out, F = -mu sign(v_t) N
+with N = k delta while the tip goes in and N = (k/e*^2) (delta - (1 - e*^2) delta_max) as it unloads, F = -mu sign(v_t) N
 in slip, and F = -(K_nt/K_tt) N in stick. Time, impulse and depth are scaled so that k = K_nn = -v_n(0) = 1. This is the
 limit to which the compliant contact of a scene tends; here it is cheaper, since no bodies move.
 """
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import ode, solve_ivp
@@ -34,8 +33,8 @@ from bristle_sim.theory.cueing import centrifugal_stiffness
 TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 """Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
 
-METHODS = {each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")}
-METHODS |= {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
+COMPILED = {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
+METHODS = {each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")} | COMPILED
 """Integrators of ``solve_ivp``, and those that ``ode`` steps in compiled code, with their names in tables."""
 
 LONGEST_PHASE = 1e3
@@ -49,12 +48,17 @@ Slope = Callable[[float, Any], tuple[float, ...]]
 
 def flight_attempts(case: Case) -> list[Attempt]:
     """Return attempts by ``solve_ivp`` with its methods, and by ``ode``, whose loop over steps is compiled."""
-    return _with_each_method(functools.partial(_flown, case, _flight(case)), TOLERANCES)
+    return _with(METHODS, partial(_flown, case, _flight(case)), TOLERANCES)
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
-    return _with_each_method(functools.partial(_struck, case), TOLERANCES[::2])
+    """Return attempts at the bilinear compliant contact in contact space, phase by phase, by ``ode``."""
+    return _with(COMPILED, partial(_struck, case), TOLERANCES[::2])
+
+
+def _with(methods: dict[str, str], solve: Callable[[str, float], Run], tolerances: Sequence[float]) -> list[Attempt]:
+    found = (attempts(name, "rtol={:.3g}", partial(solve, method), tolerances) for method, name in methods.items())
+    return list(itertools.chain.from_iterable(found))
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
@@ -65,11 +69,6 @@ def pass_attempts(case: Case) -> list[Attempt]:
         return Run(state_at_strike(run), run.cost.steps)
 
     return attempts("scipy dop853", "accuracy=1e-{:02d}", passed, range(2, 11))
-
-
-def _with_each_method(solve: Callable[[str, float], Run], tolerances: Sequence[float]) -> list[Attempt]:
-    found = (attempts(METHODS[each], "rtol={:.3g}", functools.partial(solve, each), tolerances) for each in METHODS)
-    return list(itertools.chain.from_iterable(found))
 
 
 def _flight(case: Case) -> Slope:
@@ -90,7 +89,7 @@ def _flight(case: Case) -> Slope:
 def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
     """Fly from the retraction, -1 in its own unit, at rest."""
     calls, start = itertools.count(), (-1.0, 0.0)
-    if method.islower():
+    if method in COMPILED:
         state = _compiled(slope, calls, method, tolerance).set_initial_value(start).integrate(case.duration)
         evaluations = next(calls)
     else:
@@ -110,8 +109,7 @@ def _compiled(slope: Slope, calls: Iterator[int], method: str, tolerance: float)
     return ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
 
 
-@dataclass(frozen=True, slots=True)
-class ContactPhase:
+class ContactPhase(NamedTuple):
     """A smooth interval of a contact: friction (stick has none), direction of slip, and the spring's force law."""
 
     friction: float
@@ -150,8 +148,8 @@ class TipContact:
 
         return slope
 
-    def over(self, phase: ContactPhase, _: float, state: Sequence[float]) -> float:
-        """Return a function of time and state that is below 0 within a phase and rises through it at the phase's end."""
+    def over(self, phase: ContactPhase, state: Sequence[float]) -> float:
+        """Return a function of the state that is below 0 within a phase and rises through it at the phase's end."""
         normal, tangential = self.velocity(state)
         own = normal if phase.loading else phase.residual - float(state[0])
         return max(own, -phase.slip * tangential) if phase.slip else own
@@ -159,45 +157,31 @@ class TipContact:
 
 def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
     """Go through the contact's phases; after slip has stopped, stick where friction suffices, else slip as the force drives."""
-    contact, surface, evaluations = TipContact(case.chain), case.surface, 0
+    contact, surface, calls = TipContact(case.chain), case.surface, itertools.count()
     state, released = [0.0, 0.0, 0.0], surface.restitution**2
     phase = ContactPhase(surface.friction, math.copysign(1.0, contact.v_t), 1.0, 0.0, loading=True)
     while True:
-        state, number = _phase_end(contact, phase, state, method, tolerance)
-        evaluations += number
+        build = partial(_compiled, contact.derivative(phase), calls, method, tolerance)
+        state = _followed(build, partial(contact.over, phase), state)
         normal, tangential = contact.velocity(state)
         if phase.slip and phase.slip * tangential <= SETTLED:
             sticks = phase.friction * contact.k_tt >= abs(contact.k_nt)
-            phase = replace(phase, slip=0.0 if sticks else math.copysign(1.0, contact.k_nt))
+            phase = phase._replace(slip=0.0 if sticks else math.copysign(1.0, contact.k_nt))
         if phase.loading and normal >= -SETTLED:
             later, residual = surface.friction_in_restitution, state[0] * (1.0 - released)
             phase = ContactPhase(later, phase.slip, 1.0 / released, residual, loading=False)
         elif not phase.loading and state[0] - phase.residual <= SETTLED:
             rates = np.asarray(case.chain.rates) + contact.rates_per_impulse @ state[1:]
-            return Run(tuple(rates.tolist()), evaluations)
+            return Run(tuple(rates.tolist()), next(calls))
 
 
-def _phase_end(
-    contact: TipContact, phase: ContactPhase, state: list[float], method: str, tolerance: float
-) -> tuple[list[float], int]:
-    """Return the state at which a phase ends, and the evaluations that it took to get there."""
-    slope, over = contact.derivative(phase), functools.partial(contact.over, phase)
-    if method.islower():
-        calls = itertools.count()
-        return _followed(lambda: _compiled(slope, calls, method, tolerance), over, state), next(calls)
-    over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined]
-    given = {"method": method, "rtol": tolerance, "atol": tolerance}
-    found = solve_ivp(slope, (0.0, LONGEST_PHASE), state, events=over, **given)
-    return found.y[:, -1].tolist(), found.nfev
-
-
-def _followed(build: Callable[[], ode], over: Callable[[float, Any], float], state: list[float]) -> list[float]:
+def _followed(build: Callable[[], ode], over: Callable[[Any], float], state: list[float]) -> list[float]:
     """Follow a phase with a compiled loop over steps, and within the step in which it ends with Brent's method."""
     steps: list[tuple[float, list[float]]] = []
 
     def look(time: float, y: Any) -> int:
         steps.append((time, y.tolist()))
-        return -1 if len(steps) > 1 and over(time, y) > 0.0 else 0
+        return -1 if len(steps) > 1 and over(y) > 0.0 else 0
 
     solver = build()
     solver.set_solout(look)
@@ -209,4 +193,4 @@ def _followed(build: Callable[[], ode], over: Callable[[float, Any], float], sta
         solver.set_initial_value(begin)
         return solver.integrate(span) if span else np.array(begin)
 
-    return list(after(brentq(lambda span: over(span, after(span)), 0.0, end - start)).tolist())
+    return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())

@@ -1,19 +1,19 @@
-"""The whole study: every case by every method that is installed, what each effect costs, and the report of it."""
+"""The whole study: every case by every method that is installed, the comparison with the cheapest peer, and the tables."""
 
 from __future__ import annotations
 
+import dataclasses
 import logging
+import textwrap
 import time as clock
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
-from bristle_sim.benchmarks.accuracy_cost import cases, own_methods, peers, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import Effort, cases, own_methods, peers, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.benchmarks.accuracy_cost.effects import effects
-from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, measure, package_of, plain, thinned
-from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
+from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Point, by_method, cheapest, measure, package_of
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
-from bristle_sim.comparison import Quantity, Report, Unfinished, amount
+from bristle_sim.comparison import WIDTH, Quantity, Report, Unfinished, amount, finite
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
@@ -21,7 +21,6 @@ FLIGHT: Offers = {
     OURS: own_methods.flight_attempts,
     "scipy": scipy_methods.flight_attempts,
     "mujoco": peers.mujoco_flight,
-    "exudyn": peers.exudyn_flight,
     "heyoka": peers.heyoka_flight,
 }
 STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
@@ -35,6 +34,17 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
 )
 """Each case, and what each package offers at it."""
 
+TARGETS = {
+    "release_flight": (1e-3, 1e-6, 1e-9),
+    "strike": (1e-3, 1e-6),
+    "double_pendulum": (1e-3, 1e-6),
+    "whole_pass": (1e-4, 1e-6),
+}
+"""Errors at which costs are compared."""
+
+NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine")
+"""Our impact laws that take no steps in time; they are not compared with integrators."""
+
 REQUESTED = {
     "release_flight": ("bristle_sim simulate", 1e-10),
     "strike": ("bristle_sim compliant", 1e-6),
@@ -43,6 +53,39 @@ REQUESTED = {
 }
 """Methods that take a requested accuracy, and down to which: rounding, what positions leave of the penetrations of a
 short contact, and the pass's reference are not far below."""
+
+ROUNDS = {"full": 7, "quick": 2}
+"""Number of times that each attempt is timed."""
+
+QUICK_SETTINGS = 2
+"""Settings of each method at quick effort, the coarsest among them."""
+
+
+@dataclasses.dataclass(slots=True)
+class AccuracyCost:
+    """The cases and the points that were measured, in order, and the packages that do not take part, with their reason."""
+
+    cases: tuple[Case, ...] = ()
+    points: tuple[Point, ...] = ()
+    missing: dict[str, str] = dataclasses.field(default_factory=dict)
+
+    def of(self, case: str) -> list[Point]:
+        """Return the points of a case."""
+        return [point for point in self.points if point.case == case]
+
+
+class Comparison(NamedTuple):
+    """Our cheapest point in time within a target error and the cheapest peer's; None where there is none."""
+
+    case: str
+    target: float
+    ours: Point | None
+    peer: Point | None
+
+    @property
+    def ratio(self) -> float | None:
+        """Ratio of our CPU time to the peer's."""
+        return None if self.ours is None or self.peer is None else self.ours.cpu_s / self.peer.cpu_s
 
 
 def accuracy_cost(effort: Effort) -> Report:
@@ -58,44 +101,31 @@ def accuracy_cost(effort: Effort) -> Report:
         interrupted = True
     machine = {
         **surroundings(),
-        "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
+        "clock": f"process CPU time, the least of {ROUNDS[effort.effort]} interleaved rounds",
         "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
     }
-    found, extra = tuple(tables(measured, machine)), {"curves": [plain(each) for each in measured.points]}
+    curves = [
+        dataclasses.asdict(each) | {"error": finite(each.error), "cpu_s": finite(each.cpu_s)}
+        for each in measured.points
+    ]
+    found, extra = tuple(_tables(measured, machine)), {"curves": curves, "machine": machine}
     if interrupted:
-        raise Unfinished(Report(None, (), remarks=found, extra=extra | {"machine": machine}))
+        raise Unfinished(Report(None, (), remarks=found, extra=extra))
+    against = [
+        {"case": each.case, "target": each.target, "ratio": each.ratio}
+        | {"ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
+        for each in comparisons(measured)
+    ]
     return Report(
         outcome=None,
         quantities=tuple(_rows(measured)),
         wall_s=clock.perf_counter() - begin,
         steps=sum(point.steps for point in measured.points if package_of(point.method) == OURS),
         remarks=found,
-        extra=extra
-        | {
-            "comparisons": [
-                {"case": each.case, "target": each.target, "ratio": each.ratio}
-                | {"ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
-                for each in comparisons(measured)
-            ],
-            "effects": [plain(row) for row in measured.effects],
-            "machine": machine,
-        },
+        extra=extra | {"comparisons": against},
         subject=measured,
         answer=_answer(measured),
     )
-
-
-def _answer(measured: AccuracyCost) -> str:
-    """Return our CPU time to each case's finest target error, beside the cheapest peer's."""
-    finest = {each.case: each for each in sorted(comparisons(measured), key=lambda each: -each.target)}
-    costs = []
-    for case, each in finest.items():
-        if each.ours is not None:
-            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's')})"
-            costs.append(
-                f"{case.replace('_', ' ')} to an error of {each.target:.0e} takes {amount(each.ours.cpu_s, 's')}{peer}"
-            )
-    return f"In CPU time, {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
 
 
 def _measure(measured: AccuracyCost, effort: Effort) -> None:
@@ -103,14 +133,18 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
     measured.missing = {name: "not installed" for name in PACKAGES if name not in here}
     taking_part = here if effort.peers == "all" else {OURS}
     for number, (build, offers) in enumerate(CASES, start=1):
-        case, attempts = build(), list[Attempt]()
+        case, tried = build(), list[Attempt]()
         logging.getLogger(__name__).info("%s (case %d of %d)", case.name, number, len(CASES))
         for name, offer in offers.items():
             if name in taking_part:
-                attempts += _offered(name, offer, case, measured.missing)
-        measured.points += tuple(measure(case, attempts if effort.effort == "full" else thinned(attempts, 2), effort))
+                tried += _offered(name, offer, case, measured.missing)
+        if effort.effort == "quick":
+            methods = [
+                [each for each in tried if each.method == name] for name in dict.fromkeys(each.method for each in tried)
+            ]
+            tried = [each for own in methods for each in own[:: -(-len(own) // QUICK_SETTINGS)]]
+        measured.points += tuple(measure(case, tried, ROUNDS[effort.effort]))
         measured.cases += (case,)
-    measured.effects = tuple(effects(effort))
 
 
 def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
@@ -122,6 +156,16 @@ def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missi
             raise
         missing[name] = f"installed, but {type(error).__name__}: {' '.join(str(error).split())}"
         return []
+
+
+def comparisons(measured: AccuracyCost) -> list[Comparison]:
+    """Return our cost and the cheapest peer's for each case and target."""
+    found = []
+    for case in measured.cases:
+        points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
+        sides = [[each for each in points if (package_of(each.method) == OURS) is ours] for ours in (True, False)]
+        found += [Comparison(case.name, e, *(cheapest(side, e) for side in sides)) for e in TARGETS[case.name]]
+    return found
 
 
 def _rows(measured: AccuracyCost) -> list[Quantity]:
@@ -137,3 +181,59 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
         worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
         rows.append(Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0))
     return rows
+
+
+def _answer(measured: AccuracyCost) -> str:
+    """Return our CPU time to each case's finest target error, with the cheapest peer's."""
+    costs = []
+    for each in comparisons(measured):
+        if each.ours is not None and each.target == min(TARGETS[each.case]):
+            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's')})"
+            reached = f"to an error of {each.target:.0e} takes {amount(each.ours.cpu_s, 's')}"
+            costs.append(f"{each.case.replace('_', ' ')} {reached}{peer}")
+    return f"In CPU time, {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
+
+
+DECADES = tuple(10.0**-power for power in range(1, 11))
+"""Errors in the head of a case's table."""
+
+
+def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
+    """Yield lines to print below the comparison, none wider than a terminal."""
+    for line in _lines(measured, machine):
+        indent = " " * (len(line) - len(line.lstrip()) + 4)
+        yield from textwrap.wrap(line, WIDTH, subsequent_indent=indent) if len(line) > WIDTH else [line]
+
+
+def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
+    yield from ("", "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time")
+    for case in measured.cases:
+        yield from ("", f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})")
+        yield f"  {'method':<28}" + "".join(f"{decade:>7.0e}" for decade in DECADES)
+        for own in by_method(measured.of(case.name)):
+            yield f"  {own[0].method:<28}" + "".join(_cell(cheapest(own, decade)) for decade in DECADES)
+            yield from (f"    {each.setting} failed: {each.failure}" for each in own if each.failure)
+        yield from (f"  {note}" for note in case.notes)
+    yield from ("", "ratio of our CPU time to the cheapest peer's:")
+    for each in comparisons(measured):
+        verdict = f"reached by {'no peer' if each.ours else 'none of ours in time'}"
+        if each.ours is not None and each.peer is not None:
+            verdict = f"{each.ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
+        yield f"  {each.case:<16} {each.target:.0e}  {verdict}"
+    yield from ("", f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}")
+    yield f"times: {machine['clock']}"
+    yield "versions: " + ", ".join(f"{name} {version}" for name, version in machine["versions"].items())
+    yield f"command: {machine['command']}"
+    for name, why in measured.missing.items():
+        yield f"does not take part: {name}, {why}"
+    if measured.missing:
+        yield "pip install 'bristle-sim[peers]' installs every peer"
+
+
+def _cell(point: Point | None) -> str:
+    time = 0.0 if point is None else 1e3 * point.cpu_s
+    return f"{'-':>7}" if point is None else f"{time:>7.0f}" if time >= 100.0 else f"{time:>7.2g}"
+
+
+def _named(point: Point) -> str:
+    return f"{point.method} ({point.setting}, {1e3 * point.cpu_s:.3g} ms)"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+
+import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +23,8 @@ class HardCase:
     """One row of the tables.
 
     Attributes:
-        theme: what makes it hard.
         name: of the trial, with the figures that make it hard.
-        promise: what must hold, with its limit and where the limit comes from.
+        promise: the rule that must hold, with its limit and the limit's origin.
         measure: runs the case.
         quick: whether it is tried at quick effort too.
     """
@@ -45,7 +44,13 @@ class HardCase:
 
 
 def row(
-    theme: str, name: str, promise: str, measure: Callable[..., Finding], *given: Any, quick: bool = True, **named: Any
+    theme: str,
+    name: str,
+    promise: str,
+    measure: Callable[..., Finding],
+    *given: object,
+    quick: bool = True,
+    **named: object,
 ) -> HardCase:
     """Return a case whose measure is called with the given arguments."""
     return HardCase(theme, name, promise, partial(measure, *given, **named), quick)
@@ -63,8 +68,8 @@ def refusal(call: Callable[[], object], *words: str) -> Finding:
     except ValueError as error:
         line = str(error)
         missing = [word for word in words if word not in line]
-        told = f"; does not say {', '.join(missing)}" if missing else ""
-        return Finding(f"refused: {line}{told}", not missing and "\n" not in line)
+        lacking = f"; does not say {', '.join(missing)}" if missing else ""
+        return Finding(f"refused: {line}{lacking}", not missing and "\n" not in line)
     return Finding(f"accepted: {answer!r:.80}", False)
 
 
@@ -76,5 +81,4 @@ def all_of(*findings: Finding) -> Finding:
 
 def worst(values: Iterable[float]) -> float:
     """Return the largest size, 0 of no values and NaN if one of them is NaN."""
-    sizes = [abs(float(value)) for value in values]
-    return math.nan if any(map(math.isnan, sizes)) else max(sizes, default=0.0)
+    return float(np.max(np.abs([0.0, *values])))

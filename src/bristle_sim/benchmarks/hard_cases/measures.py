@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypedDict
 
@@ -28,6 +27,7 @@ MORE_ACCURATE = 1e-3
 """Accuracy of the reference over that of the run which is compared with it."""
 
 AS_REFERENCE = "end and strike as in the reference to {:g}, the requested accuracy"
+SPENT = "says that its step budget is spent"
 
 ONE_INTERVAL = 100 * sum(CLOSE.counts)
 """Most engine steps of one interval of smooth motion that ends at an event: a hundred attempts to locate it."""
@@ -56,41 +56,38 @@ def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
 
 def is_finite(run: Trajectory) -> bool:
     """Return whether every number of a run's samples, events and contacts is finite."""
-    samples = [run.time, run.hub_angle, run.angles, run.rates, run.tip, run.total_energy, run.normal_force]
-    contacts = [
-        np.array([each.time, each.duration, *each.impulse, *each.velocity_after, *each.rates_after])
-        for each in run.contacts
-    ]
-    events = np.array([event.time for event in run.events])
-    return all(bool(np.isfinite(each).all()) for each in (*samples, *contacts, events))
+    contacts = [(each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts]
+    numbers = [*run.columns().values(), *contacts, [event.time for event in run.events]]
+    return all(bool(np.isfinite(each).all()) for each in numbers)
 
 
 def agrees_with_reference(
-    tool: Tool, limit: float = ACCURACY, *, start: Start | None = None, stop_after: str | None = None
+    tool: Tool,
+    limit: float = ACCURACY,
+    *,
+    start: Start | None = None,
+    stop_after: str | None = None,
+    hub_turn: float = 1.5 * math.pi,
 ) -> Finding:
     """Compare a run of an accuracy equal to the limit with the reference: why it ends, its last state and its first strike."""
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
 
     given: dict[str, Any] = {**(start or {}), "stop_after": stop_after}
-    run = simulate(tool, Settings(accuracy=limit, maximum_steps=1_000_000), **given)
-    other = simulate_reference(tool, accuracy=MORE_ACCURATE * limit, **given)
-    off = worst([*end_difference(run, other), *strike_difference(run, other)])
-    alike = run.stop_reason is other.stop_reason
-    return all_of(Finding(run.stop_reason, alike), within(off, limit, "off by", run.cost.steps))
-
-
-def end_difference(run: Trajectory, other: Trajectory) -> list[float]:
-    """Return differences of time (relative), angle (rad) and rate (relative to the highest) at the end of two runs."""
+    run = simulate(tool, Settings(limit, maximum_steps=1_000_000, hub_turn=hub_turn), **given)
+    other = simulate_reference(tool, accuracy=MORE_ACCURATE * limit, hub_turn=hub_turn, **given)
     fastest = float(np.abs(other.rates).max()) or 1.0
-    return [
+    off = [
         float(run.time[-1] / other.time[-1] - 1.0),
         float(run.relative_angle[-1] - other.relative_angle[-1]),
         float(run.relative_rate[-1] - other.relative_rate[-1]) / fastest,
+        *_strike_difference(run, other),
     ]
+    alike = Finding(run.stop_reason, run.stop_reason is other.stop_reason)
+    return all_of(alike, within(worst(off), limit, "off by", run.cost.steps))
 
 
-def strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
+def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
     """Return differences of time, angle, rates and impulse of the first strike; NaN where only one of the runs has one."""
     one, two = run.first_contact("workpart"), other.first_contact("workpart")
     if one is None or two is None:
@@ -119,8 +116,8 @@ def spends_budget(tool: Tool, budget: int, settings: Settings | None = None, sta
     """Return whether a run that needs more steps than its budget says so, within an interval of it, with finite numbers only."""
     run = simulate(tool, replace(settings or Settings(), maximum_steps=budget), **(start or {}))
     excess, said, finite = run.cost.steps - budget, run.stop_reason is StopReason.STEP_BUDGET, is_finite(run)
-    told = f"{excess} beyond" + ("" if said else f", {run.stop_reason}") + ("" if finite else ", not finite")
-    return Finding(told, said and 0 <= excess <= ONE_INTERVAL and finite, run.cost.steps)
+    result = f"{excess} beyond" + ("" if said else f", {run.stop_reason}") + ("" if finite else ", not finite")
+    return Finding(result, said and 0 <= excess <= ONE_INTERVAL and finite, run.cost.steps)
 
 
 def struck(chain: Chain, friction: float, restitution: float, law: str = "energetic") -> ChainStrike:
@@ -128,17 +125,16 @@ def struck(chain: Chain, friction: float, restitution: float, law: str = "energe
     return strike(chain, Surface(friction, None, restitution), Contact(law), Settings(accuracy=STRIKE_ACCURACY))
 
 
-def rate_difference(found: Sequence[float], expected: Sequence[float], before: Sequence[float]) -> float:
+def _rate_difference(rates: tuple[float, ...], exact: tuple[float, ...], before: tuple[float, ...]) -> float:
     """Return the largest difference of rates over the largest rate."""
-    size = max(map(abs, (*before, *expected)))
-    return worst((one - two) / size for one, two in zip(found, expected, strict=True))
+    return worst(np.subtract(rates, exact)) / worst((*before, *exact))
 
 
 def agrees_in_time(chain: Chain, friction: float, restitution: float, limit: float) -> Finding:
-    """Compare a contact resolved in time with the rigid-body limit: its outcome, and its rates to a limit."""
+    """Compare a contact resolved in time with the rigid-body law: outcome, and rates to a limit."""
     rigid = struck(chain, friction, restitution).contact
     timed = struck(chain, friction, restitution, "compliant")
-    off = rate_difference(timed.contact.rates_after, rigid.rates_after, rigid.rates_before)
+    off = _rate_difference(timed.contact.rates_after, rigid.rates_after, rigid.rates_before)
     alike = Finding(timed.contact.outcome, timed.contact.outcome == rigid.outcome)
     return all_of(alike, within(off, limit, "off by", timed.steps))
 
@@ -150,7 +146,7 @@ def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: fl
         contact = struck(chain, friction, e).contact
         rates, impulse, outcome = _closed_form(chain, friction, e)
         alike &= contact.outcome == outcome
-        off += [rate_difference(contact.rates_after, rates, chain.rates), contact.impulse[0] / impulse - 1.0]
+        off += [_rate_difference(contact.rates_after, rates, chain.rates), contact.impulse[0] / impulse - 1.0]
     return all_of(within(worst(off), limit, "off by"), Finding(f"outcomes {'equal' if alike else 'different'}", alike))
 
 

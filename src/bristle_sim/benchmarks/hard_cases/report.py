@@ -51,8 +51,7 @@ def _report(tried: Tried, wall_s: float) -> Report:
     kept = []
     for theme in dict.fromkeys(case.theme for case, _ in tried):
         verdicts = [finding.ok for case, finding in tried if case.theme == theme]
-        name = f"{theme}_promises_kept"
-        kept.append(Quantity(name, "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0))
+        kept.append(Quantity(f"{theme}_promises_kept", "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0))
     rows = [
         {"theme": case.theme, "case": _named(case), "promise": case.promise, "reached": each.reached, "ok": each.ok}
         for case, each in tried
