@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -48,9 +49,9 @@ def row(
     name: str,
     promise: str,
     measure: Callable[..., Finding],
-    *given: object,
+    *given: Any,
     quick: bool = True,
-    **named: object,
+    **named: Any,
 ) -> HardCase:
     """Return a case whose measure is called with the given arguments."""
     return HardCase(theme, name, promise, partial(measure, *given, **named), quick)

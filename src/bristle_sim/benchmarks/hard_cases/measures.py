@@ -57,7 +57,7 @@ def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
 def is_finite(run: Trajectory) -> bool:
     """Return whether every number of a run's samples, events and contacts is finite."""
     contacts = [(each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts]
-    numbers = [*run.columns().values(), *contacts, [event.time for event in run.events]]
+    numbers: list[Any] = [*run.columns().values(), *contacts, [event.time for event in run.events]]
     return all(bool(np.isfinite(each).all()) for each in numbers)
 
 

@@ -54,8 +54,8 @@ def damping() -> Iterator[HardCase]:
     case, promise = partial(row, "damping"), AS_REFERENCE.format(ACCURACY)
     # The runs end while the bristle still moves.
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
-        free, given = replace(FREE, belt=Belt(damping_ratio=ratio)), {"start": RELEASED, "hub_turn": turn}
-        yield case(f"ratio {ratio:g}: decay", promise, agrees_with_reference, free, **given)
+        free, name = replace(FREE, belt=Belt(damping_ratio=ratio)), f"ratio {ratio:g}: decay"
+        yield case(name, promise, agrees_with_reference, free, start=RELEASED, hub_turn=turn)
     yield case("ratio 0.5: whole pass", promise, agrees_with_reference, Tool(belt=Belt(damping_ratio=0.5)))
 
 
