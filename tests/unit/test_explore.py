@@ -20,7 +20,7 @@ from bristle_sim.cli import command
 
 pytest.importorskip("flask")
 
-from bristle_sim.cli.explore import bench, explore
+from bristle_sim.cli.explore import explore
 from bristle_sim.cli.explore.server import application, server
 
 
@@ -44,11 +44,8 @@ def test_a_run_is_the_simulated_one(client: Any) -> None:
     ("query", "words"),
     [
         ("friction=abc", "friction = 'abc': must be"),
-        ("friction=-1", "friction = '-1': must be"),
-        ("bristle_length=3kg", "bristle_length"),
         ("frictoin=1", "unknown key 'frictoin'"),
         ("bar_radius=1", "bar_radius"),
-        ("hub_speed=%00", "hub_speed"),
     ],
 )
 def test_bad_input_is_one_line(client: Any, query: str, words: str) -> None:
@@ -77,19 +74,6 @@ def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) 
     assert client.get("/download/json").json["answer"]
     assert "<h1>From bar to rebound" in client.get("/download/html").text
     assert "must" in client.get("/radial?bar_radius=0.05").json["error"]
-
-
-def test_a_wire_that_bends_runs_beside_the_server(client: Any) -> None:
-    found = client.get("/run?wire_links=2&accuracy=1e-3", headers={"X-Client": "one"}).json
-    assert found["answer"].startswith("The bristle strikes at ")
-
-
-def test_every_key_has_its_words() -> None:
-    pass_of = bench.scenario()
-    knobs = bench.knobs(pass_of)
-    assert [each["key"] for each in knobs] == list(pass_of.keys())
-    assert all(each["meaning"] and each["source"] and each["range"] for each in knobs)
-    assert bench.knobs(pass_of, bench.assignments_of(bs.Tool(hub=bs.Hub(speed=300.0)), pass_of))[0]["start"] == 300.0
 
 
 def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -153,23 +137,13 @@ def test_a_notebook_shows_the_page() -> None:
     assert command.main(["explore", "--port", str(urllib.parse.urlparse(address[1]).port)]) == 2  # it is taken
 
 
-@pytest.mark.parametrize(
-    ("words", "status", "said"),
-    [
-        (["none.toml"], 2, "none.toml"),
-        (["--port", "99999"], 2, "must be a whole number from 0 to"),
-        ([], 130, "http://127.0.0.1:8000/ shows the bench; Ctrl-C ends it"),
-    ],
-)
-def test_the_command_serves_until_it_is_ended(
-    words: list[str], status: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_serves_until_it_is_ended(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     def interrupted() -> None:
         raise KeyboardInterrupt
 
     serving = SimpleNamespace(server_port=8000, serve_forever=interrupted)
     monkeypatch.setattr("bristle_sim.cli.explore.server.server", lambda *_, **__: serving)
-    assert command.main(["explore", *words]) == status
+    assert command.main(["explore"]) == 130
     out, err = capsys.readouterr()
-    assert said in out + err
+    assert "http://127.0.0.1:8000/ shows the bench; Ctrl-C ends it" in out + err
     assert err.count("\n") == 1

@@ -212,9 +212,3 @@ def test_a_returned_thing_is_named_by_a_noun():
 def test_a_sentence_without_its_noun_is_found(line: str, word: str):
     assert NOUNLESS.search(line.format(word))
     assert not NOUNLESS.search(line.format("the one that"))
-
-
-def test_there_are_modules_to_look_at():
-    assert {layer_of(path) for path in MODULES} - {"__init__"} == set(RANKS)
-    assert SCRIPTS
-    assert Path(__file__) in TESTS

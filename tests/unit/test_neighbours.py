@@ -137,17 +137,6 @@ def test_distances_of_bent_lines_against_points_on_them():
 
 
 class TestPictures:
-    def test_the_figure_shows_two_touches_and_the_least_pitches(self):
-        subject = report().subject
-        (first, begin), (second, later) = instants(subject)
-        assert (first, second) == ("first touch", "last touch before bristle 2 strikes")
-        assert begin < later < subject.bristles[1].event_time("strike")
-        pitches = pitches_to_draw(subject)[:3]
-        strikes = {name: np.array([1.0, 2.0, math.nan]) * size for name, size in ALONE.items()}
-        figure = neighbours_figure(subject, pitches, strikes)
-        words = " ".join(text.get_text() for legend in figure.legends for text in legend.get_texts())
-        assert all(each in words for each in ("16.42°", "18.69°", "46.13°", "bristle alone"))
-
     def test_where_wires_touch(self):
         """The end of one wire 0.7 mm above the middle of the other one: midway between the centre lines."""
         flat = np.array([[0.0, 0.0], [0.02, 0.0]])
