@@ -1,4 +1,4 @@
-"""A browser that tests of pages share."""
+"""A browser that tests of pages share; examples take the time that a busy machine needs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ import shutil
 from collections.abc import Iterator
 from typing import Any
 
+import hypothesis
 import pytest
+
+hypothesis.settings.register_profile("busy machine", deadline=None)
+hypothesis.settings.load_profile("busy machine")
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 

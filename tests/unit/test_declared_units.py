@@ -175,15 +175,6 @@ def test_a_part_checks_the_fields_it_declares():
     assert (part.length, part.extra, part.word, part.links, part.undeclared) == (0.25, None, "one", 1, -7)
     for count_given in (8, 8.0, np.int64(8), "8.0"):
         assert (Part(links=count_given).links, type(Part(links=count_given).links)) == (8, int)
-    for wrong in (
-        *({"length": each} for each in (0.0, None)),
-        *({"extra": each} for each in (1.5, "none")),
-        *({"word": each} for each in (None, "six", "One", "one ", 3)),
-        *({"links": each} for each in (0, 65, 2.5, math.nan, True, None, "2.5", "eight", "")),
-    ):
-        with pytest.raises(ValueError, match=rf"^{next(iter(wrong))} = .*: must be ") as refusal:
-            Part(**wrong)
-        assert "\n" not in str(refusal.value)
     with pytest.raises(ValueError, match="length"):
         dataclasses.replace(part, length=3e3)
     with pytest.raises(ValueError, match="word") as refusal:

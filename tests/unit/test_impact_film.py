@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from pathlib import Path
 
 import numpy as np
@@ -28,14 +27,6 @@ def strike() -> Impacts:
 @pytest.fixture(scope="module")
 def pendulum() -> Impacts:
     return rods()
-
-
-def test_root_of_a_chain_on_a_hub_is_on_its_rim(strike: Impacts) -> None:
-    """The radial bristle's root and tip, 23.4 deg before the workpart's normal."""
-    gamma = math.radians(23.4)
-    towards = np.array([-math.sin(gamma), -math.cos(gamma)])
-    for struck in strike.strikes.values():
-        np.testing.assert_allclose(struck.centre_line, np.outer([0.0275, 0.0545], towards), atol=1e-15)
 
 
 @pytest.mark.parametrize("contact", [Contact(), Contact("compliant"), Contact("engine")])

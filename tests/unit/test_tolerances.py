@@ -82,12 +82,6 @@ def test_an_input_that_goes_nowhere_is_refused_in_one_line():
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize("changed", [{"samples": 3.0}, {"samples": 2.5}, {"seed": 0.5}])
-def test_bad_samplings_are_refused(changed: dict[str, float]):
-    with pytest.raises(ValueError, match=next(iter(changed))):
-        Sampling(**changed)
-
-
 def test_nothing_spread_is_refused():
     nothing = Spreads(**dict.fromkeys(Spreads.__dataclass_fields__, 0.0))
     with pytest.raises(ValueError, match="at least one must be more than 0"):

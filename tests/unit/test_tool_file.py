@@ -52,6 +52,7 @@ def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_pat
     assert tool.bar is None
     assert tool.workpart == Workpart(friction=1.0)
     assert tool.bristle == Bristle()
+    assert read(tmp_path, "\ufeffhub_speed = 300\n") == Tool(hub=Hub(speed=300.0))  # after a byte order mark
 
 
 @pytest.mark.parametrize(
@@ -77,10 +78,6 @@ def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path:
         read(tmp_path, text)
     assert str(refusal.value).startswith(f"{tmp_path / 'tool.toml'}: ")
     assert "\n" not in str(refusal.value)
-
-
-def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path: Path):
-    assert read(tmp_path, "\ufeffhub_speed = 300\n") == Tool(hub=Hub(speed=300.0))
 
 
 def test_further_keys_stand_above_the_tables(tmp_path: Path):
