@@ -11,8 +11,7 @@ from bristle_sim.dissertation.printed import printed_number, printed_segments
 from bristle_sim.dissertation.redrawn import Axis, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.timed_contact import timed_contact
+from bristle_sim.studies.timed_contact import TimedContact, timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses

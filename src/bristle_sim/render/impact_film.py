@@ -19,8 +19,8 @@ from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import OUTCOMES, Phase, phase_at
 from bristle_sim.render.style import scale_for, signed, styled
 from bristle_sim.studies.bent_bristles import slide_path
-from bristle_sim.studies.contact_course import pieces
 from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.timed_contact import pieces
 from bristle_sim.trajectory import ContactRecord
 
 NORMAL, TANGENTIAL = BLUE, VERMILION

@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.style import MICROSECONDS, add_panel, blank_figure, note, scale_for, styled
-from bristle_sim.studies.contact_course import cubics
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
+from bristle_sim.studies.timed_contact import cubics
 
 LOOKS = {
     "normal_final_impulse": ("impulse", BLUE, "o"),

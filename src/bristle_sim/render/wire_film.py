@@ -13,8 +13,8 @@ from bristle_sim.render.colours import BLACK, BLUE, ORANGE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, signed, styled
-from bristle_sim.studies.contact_course import cubics
 from bristle_sim.studies.flexible_wire import FlexibleWire
+from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.theory.wire import hinge_stiffness
 
 LONGEST_FORCE = 0.22  # arrow of the largest force as it is drawn, in lengths of the wire

@@ -20,8 +20,8 @@ from bristle_sim.comparison import Quantity, Report, amount
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import compression_end, trapezoidal_sums
 from bristle_sim.studies.strike_point import require_result, stopped
+from bristle_sim.studies.timed_contact import compression_end
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
@@ -71,7 +71,8 @@ class BentBristles:
 
 def slide_path(history: ContactHistory) -> Array:
     """Displacement of the tip along the workpart since the first touch, m, by the trapezoidal rule; shape (n,)."""
-    return trapezoidal_sums(history.time, history.tangential_velocity)
+    steps = 0.5 * np.diff(history.time) * (history.tangential_velocity[1:] + history.tangential_velocity[:-1])
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def slide_of(contact: ContactRecord) -> Slide:

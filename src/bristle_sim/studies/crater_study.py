@@ -1,8 +1,7 @@
 """Compare chapter 4's crater depths with print and with those that follow from a contact simulated in time.
 
 Chapter 4's depths are formulas and stand under theory; nothing of them is simulated. The simulated contact is the bristle's
-in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own, and its work is
-compared with the energy given up.
+in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own.
 
 (4.45), 2 eta + beta - alpha = C, leaves C to the work material; the dissertation takes that of least work, 90 degrees, and
 its crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
@@ -11,11 +10,8 @@ comes out of the surface (4.35): then there is a C, but no chip.
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -25,8 +21,7 @@ from bristle_sim.comparison import Quantity, Report, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.timed_contact import contact_fields, timed_contact, work_row
+from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
 from bristle_sim.theory.crater import (
     constant_for_crater_depth,
     energy_crater_depth,
@@ -39,6 +34,8 @@ from bristle_sim.theory.crater_cutting import (
     depth_from_energy,
     depth_from_force,
 )
+from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, PRINTED_WIDTH
+from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
 from bristle_sim.theory.monofilament import tip_speed
 
@@ -55,10 +52,6 @@ CONTACT_DEPTHS = {
     "contact_energy_depth": ("depth by the contact's energy", "m"),
     "contact_energy_depth_inclined": ("depth by energy, inclined surface", "m"),
 }
-
-FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
-IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
-"""Rows of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +88,14 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
         energy = printed_number("fig. 4.19: crater depth by work and energy")
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
-    cut, gamma, time = cut_of(crater), study.impact_angle, crater.compression_time
-    depths = {"energy_crater_depth": float(energy_crater_depth(int(crater.plies), gamma, compression_time=time))}
+    cut, depths = cut_of(crater), dict[str, float]()
     if not study.no_chip:
         depths["merchant_crater_depth"] = float(merchant_crater_depth(plies=crater.plies, **cut))
         depths["merchant_crater_depth_limit"] = float(merchant_crater_depth_limit(**cut))
+    of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
+    depths["energy_crater_depth"] = float(energy_crater_depth(int(crater.plies), **of_energy))
     simulated, theory = _contact_depths(study, bristle, speed)
-    words, constant = "C for the measured depth", _constant_deg(crater, MEASURED)
+    words, constant = "C for the measured depth", _constant_deg(crater)
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
         "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
@@ -115,12 +109,11 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         **contact_fields(study.contact),
         quantities=(
             *rows(FORMULA_DEPTHS, {}, depths, printed=printed),
-            *(() if study.contact is None else (work_row(study.contact),)),
             *rows(CONTACT_DEPTHS, simulated, theory),
             Quantity("constant_for_measured_depth_deg", "deg", None, constant, label=words),
         ),
         remarks=tuple(remarks),
-        extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
+        extra={"measured_crater_depth": MEASURED},
         subject=study,
         answer=_answer(study, depths, simulated, printed),
     )
@@ -132,33 +125,32 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
         beside = f" (printed {amount(printed[name] or 0.0, 'm')})" if name in printed else ""
         return f"{amount(depths[name] or 0.0, 'm')}{beside}"
 
-    found = "Merchant's plies cut no chip"
-    if "merchant_crater_depth" in depths:
-        found = f"Merchant's plies cut {shown('merchant_crater_depth')}"
+    chip = "no chip" if study.no_chip else shown("merchant_crater_depth")
     own = [value for value in simulated.values() if value is not None]
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:
-        depths_of_contact = dict.fromkeys(amount(each, "m") for each in (min(own), max(own)))
-        contact = f"the simulated contact {' to '.join(depths_of_contact)}"
-    return f"{found}, work and energy {shown('energy_crater_depth')}, {contact}; measured {amount(MEASURED, 'm')}."
+        contact = (
+            f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
+        )
+    energy = f"work and energy {shown('energy_crater_depth')}"
+    return f"Merchant's plies cut {chip}, {energy}, {contact}; measured {amount(MEASURED, 'm')}."
 
 
 def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float) -> CraterStudy:
     """Simulate only the contact's compression: the tip cuts until it is deepest."""
-    gamma, angles, no_chip = math.radians(crater.impact_angle_deg), None, ""
+    cut, angles, no_chip = cut_of(crater), None, ""
     try:
-        angles = oblique_angles(crater.friction, gamma)
+        angles = oblique_angles(cut["friction"], cut["impact_angle"])
     except ShearAngleError as error:
         no_chip = str(error)
-    surface, rate = Surface(friction=crater.friction, restitution=0.0), crater.speed_ratio * hub.speed
-    timed = {"compression_time": crater.compression_time, "rate": rate}
+    surface = Surface(friction=crater.friction, restitution=0.0)
+    timed = {"compression_time": cut.pop("compression_time"), "rate": crater.speed_ratio * hub.speed}
     try:
-        contact = timed_contact(hub, bristle, surface, gamma, settings, **timed)
+        contact = timed_contact(hub, bristle, surface, cut["impact_angle"], settings, **timed)
     except ValueError as error:
         if speed > 0.0:
             raise
         return CraterStudy(crater, angles, no_chip, no_contact=str(error))
-    cut = {name: value for name, value in cut_of(crater).items() if name != "compression_time"}
     columns = contact.history.columns().values()
     craters = (crater_depth_from_contact(*columns, **cut, surface=kind) for kind in ("parallel", "inclined"))
     return CraterStudy(crater, angles, no_chip, contact, "", *craters)
@@ -169,20 +161,20 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 
     The latter gives up m v/3 along the path and the energy m v^2/6.
     """
-    crater, gamma, parallel, inclined = study.crater, study.impact_angle, study.parallel, study.inclined
+    crater, parallel, inclined = study.crater, study.parallel, study.inclined
     if parallel is None or inclined is None:
         return {}, {}
+    gamma, energy = study.impact_angle, bristle.mass * speed**2 / 6.0
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
-    energy = bristle.mass * speed**2 / 6.0
     cut = (crater.friction, gamma, crater.shear_yield_stress)
     straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
-    pairs = (
-        (parallel.depth_from_force, float(depth_from_force(force, straight, gamma))),
-        (parallel.depth_from_energy, float(depth_from_energy(energy, straight, gamma))),
-        (inclined.depth_from_energy, float(depth_from_energy(energy, leaning, gamma))),
-    )
-    named = dict(list(zip(CONTACT_DEPTHS, pairs, strict=True))[0 if parallel.shear_plane_emerges else 2 :])
-    return {name: each[0] for name, each in named.items()}, {name: each[1] for name, each in named.items()}
+    simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
+    limits = [depth_from_force(force, straight, gamma)]
+    limits += [depth_from_energy(energy, specific, gamma) for specific in (straight, leaning)]
+    known = list(CONTACT_DEPTHS)[0 if parallel.shear_plane_emerges else 2 :]
+    sides = (dict(zip(CONTACT_DEPTHS, map(float, each), strict=True)) for each in (simulated, limits))
+    first, second = ({name: each[name] for name in known} for each in sides)
+    return first, second
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:
@@ -197,50 +189,23 @@ def merchant_depth_course(crater: Crater) -> Array:
     steep, gamma = math.degrees(math.atan2(1.0, crater.friction)), crater.impact_angle_deg
     shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
     resultant, leaning = math.radians(45.0 + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
-    growth = np.diff(_printed_force(time) * math.cos(leaning))
+    growth = np.diff(BRISTLE(time) * math.cos(leaning))
     ratio = math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
-    width = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * time[1:])) ** 2)
-    return np.concatenate([[0.0], np.cumsum(growth * ratio / (width * crater.shear_yield_stress))])
+    return np.concatenate([[0.0], np.cumsum(growth * ratio / (PRINTED_WIDTH(time[1:]) * crater.shear_yield_stress))])
 
 
 def energy_depth_course(crater: Crater) -> Array:
     """Return the depth after each ply by work and energy (4.58, 4.62-4.65), m, from the printed motion (4.6, 4.7)."""
-    time, wire = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1), Bristle()
-    left = np.exp(-92400.0 * time)
-    rate, centre = 1111.0 * left - 266.65, 15.0 * left + 3.615
+    time, wire, motion = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1), Bristle(), PRINTED_KINEMATICS
+    rate, centre = motion.bristle_rate(time), motion.centre_velocity(time)
     energy = 0.5 * wire.mass * centre**2 + 0.5 * wire.inertia_about_centre * rate**2
-    depth = np.cumsum(-np.diff(energy) / _printed_force(time[1:]))
+    depth = np.cumsum(-np.diff(energy) / BRISTLE(time[1:]))
     return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
 
 
-def _printed_force(time: Array) -> Array:
-    """Return the force (3.19), N."""
-    turning = np.cos(2.0 * np.pi * (time + 0.00001) / 0.00012)
-    return np.asarray(1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * turning))
-
-
-def constants_over(
-    crater: Crater,
-    depth: float,
-    frictions: Iterable[float] = FRICTIONS,
-    impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
-) -> list[dict[str, Any]]:
-    """Return C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
-    found = []
-    for gamma, friction in product(impact_angles_deg, frictions):
-        tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
-        row: dict[str, Any] = {"friction": friction, "impact_angle_deg": gamma}
-        constant, shear = _constant_deg(tried, depth), None
-        if constant is not None:  # C = 2 eta + beta - alpha
-            shear = 0.5 * (constant - math.degrees(math.atan2(1.0, friction) - math.radians(gamma)))
-        emerges = None if shear is None else shear >= gamma - 1e-9  # (4.35)
-        found.append(row | {"constant_deg": constant, "shear_angle_deg": shear, "shear_plane_emerges": emerges})
-    return found
-
-
-def _constant_deg(crater: Crater, depth: float) -> float | None:
-    """Return C, degrees; None where there is none."""
+def _constant_deg(crater: Crater) -> float | None:
+    """Return C for the measured depth, degrees; None where there is none."""
     try:
-        return math.degrees(float(constant_for_crater_depth(depth, plies=int(crater.plies), **cut_of(crater))))
+        return math.degrees(float(constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut_of(crater))))
     except ValueError:
         return None

@@ -10,7 +10,6 @@ beyond the noise, which is estimated from second differences.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,10 +23,22 @@ from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.timed_contact import contact_fields, timed_contact, work_row
+from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
+
+QUANTITIES = {
+    "peak_force": ("peak force", "N"),
+    "compression_time": ("compression time", "s"),
+    "compressive_impulse": ("impulse of compression p_c", "N s"),
+}
+
+PRINTED = {
+    "peak_force": "eq. 3.21: largest force",
+    "compression_time": "eq. 3.20: compression time",
+    "compressive_impulse": "eq. 3.9: compressive impulse of the bristle",
+}
+"""Places of printed values."""
 
 SUMMED_BEYOND = 0.1
 """Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
@@ -39,9 +50,6 @@ FORM = 0.05
 FORM_IMPULSE = 0.02
 """Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same."""
 
-NEAR_PEAK = 0.05
-"""Part of the duration before and after the peak over which its force is averaged; a clipped record is lower there."""
-
 CERTAIN = 5.0
 """Standard deviations of noise that a difference may have."""
 
@@ -51,21 +59,13 @@ class MeasuredForce:
     """Points of a contact and the curve fitted to them, whose start is on the file's clock; arrays of shape (n,).
 
     Times in s since that start reach from half a duration before it to half a duration after the contact's end; forces in N are
-    those above the baseline. An inverted file has them with the opposite sign;
-    ``reading`` tells from which columns and in which units they were read.
+    those above the baseline. ``reading`` says from which columns and in which units they were read.
     """
 
     time: Array
     force: Array
     fit: ForceFit
-    inverted: bool = False
-    reading: str = ""
-
-    @property
-    def noise(self) -> float:
-        """Return the standard deviation of a point, N, from second differences, whose variance is 6 times a point's."""
-        second = np.diff(self.force, 2)
-        return math.sqrt(float(second @ second) / 6.0 / second.size)
+    reading: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,56 +101,45 @@ def force_comparison(
         contact = timed_contact(hub, bristle, surface, gamma, settings, **timed)
     except ValueError as error:
         no_contact = str(error)
-    subject = ForceComparison(curve, contact, measured, no_contact)
-    main = _main_rows(subject, history, 10.0 * max(1e-6, settings.accuracy))  # ten times timed_contact's own tolerance
+    # Time and impulse agree by construction where they are taken from the curve, to ten times the adjustment's tolerance. A
+    # measurement that this tool's bristle could not make is compared with nothing.
+    within = dict[str, float]()
+    if contact is not None or measured is None:
+        taken = {"compression_time": history.compression_time, "compressive_impulse": history.speed_ratio}
+        within = {name: 10.0 * max(1e-6, settings.accuracy) for name, given in taken.items() if given is None}
+    simulated = {} if contact is None else {name: float(getattr(contact, name)) for name in QUANTITIES}
+    theory = dict(zip(QUANTITIES, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True))
+    printed = {name: printed_number(place) for name, place in PRINTED.items()} if curve is BRISTLE else {}
+    main = rows(QUANTITIES, simulated, theory, {}, printed, within.get)
     if contact is not None:
-        fields, works = contact_fields(contact, end=float(contact.time[-1])), [work_row(contact)]
-        speed = f"{contact.tip_speed:.2f} m/s with mu = {contact.surface.friction:g}"
-        simulated = f"resultant force of a bristle whose tip strikes at {speed}"
-    else:  # a measurement is fitted whether this bristle could make such a contact or not
-        fields, works = {"outcome": None} if measured else contact_fields(None), []
-        simulated = f"nothing; {no_contact}"
+        fields = contact_fields(contact, end=float(contact.time[-1]))
+        speed = f"{contact.tip_speed:.2f} m/s with mu = {surface.friction:g}"
+        shown = f"resultant force of a bristle whose tip strikes at {speed}"
+    else:
+        fields, shown = {"outcome": None} if measured else contact_fields(None), f"nothing; {no_contact}"
     source = ("theory: the curve as printed in (3.19)",) if measured is None else _measured_in_words(measured)
     return Report(
         **fields,
-        quantities=(*main, *works, *(_measured_rows(measured) if measured else ())),
-        remarks=(*source, f"simulated: {simulated}"),
+        quantities=(*main, *(_measured_rows(measured) if measured else ())),
+        remarks=(*source, f"simulated: {shown}"),
         extra={"measured_fit": None if measured is None else _as_dict(measured.fit)},
-        subject=subject,
-        answer=_answer(subject, main),
+        subject=ForceComparison(curve, contact, measured, no_contact),
+        answer=_answer(
+            "chapter 3's curve" if measured is None else "the curve fitted to the measurement", main, no_contact
+        ),
     )
 
 
-def _answer(subject: ForceComparison, main: Sequence[Quantity]) -> str:
+def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
     peak, time, impulse = main
-    curve = "chapter 3's curve" if subject.measured is None else "the curve fitted to the measurement"
     own = f"{curve} {amount(peak.theory or 0.0, 'N')}"
     if peak.simulated is None or time.simulated is None or impulse.simulated is None:
-        return f"There is no simulated force: {subject.no_contact}. By {own} is the peak."
+        return f"There is no simulated force: {no_contact}. By {own} is the peak."
     compared = "at the same" if time.ok and impulse.ok else "at an"
     return (
         f"The simulated force peaks at {amount(peak.simulated, 'N')}, {own} ({peak.relative_difference or 0.0:+.0%}), {compared}"
         f" impulse of {amount(impulse.simulated, 'N s')} and compression time of {amount(time.simulated, 's')}."
     )
-
-
-def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float) -> tuple[Quantity, ...]:
-    """Compare force, time and impulse; the last two agree by construction where they are taken from the curve."""
-    curve, contact = subject.curve, subject.contact
-    peak = curve.peak_time()
-    units = {
-        "peak_force": ("peak force", "N"),
-        "compression_time": ("compression time", "s"),
-        "compressive_impulse": ("impulse of compression p_c", "N s"),
-    }
-    simulated = {} if contact is None else {name: float(getattr(contact, name)) for name in units}
-    theory = dict(zip(units, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True))
-    same = {"compression_time": history.compression_time is None, "compressive_impulse": history.speed_ratio is None}
-    if contact is None and subject.measured is not None:
-        same = {}  # there is nothing to compare a measurement with that this tool's bristle could not make
-    places = ("eq. 3.21: largest force", "eq. 3.20: compression time", "eq. 3.9: compressive impulse of the bristle")
-    printed = dict(zip(units, map(printed_number, places), strict=True)) if curve is BRISTLE else {}
-    return rows(units, simulated, theory, {}, printed, lambda name: tolerance if same.get(name) else None)
 
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
@@ -173,67 +162,42 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
     except ValueError as error:
         raise ValueError(f"force_csv = {error}") from None
     try:
-        found = _fitted(time, force)
-        if not _measured_rows(found)[-1].ok:
-            found = _pulled(time, force) or found
+        fit = fit_force_history(time, force)
     except ValueError as error:
-        # A contact only pushes: where nothing is found but in the opposite sense, the sensor's sign is meant.
-        pulled = _pulled(time, force)
-        if pulled is None:
-            raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
-        found = pulled
-    return dataclasses.replace(found, reading=reading)
-
-
-def _pulled(time: Array, force: Array) -> MeasuredForce | None:
-    """Return the contact in a record with the opposite sign; None where there is none of the curve's form."""
-    try:
-        found = dataclasses.replace(_fitted(time, -force), inverted=True)
-    except ValueError:
-        return None
-    return found if all(each.ok for each in _measured_rows(found)) else None
-
-
-def _fitted(time: Array, force: Array) -> MeasuredForce:
-    fit = fit_force_history(time, force)
+        raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
     later, length = time - fit.start, fit.curve.duration
     shown = (later >= -0.5 * length) & (later <= 1.5 * length)
-    return MeasuredForce(later[shown], force[shown] - fit.baseline, fit)
+    return MeasuredForce(later[shown], force[shown] - fit.baseline, fit, reading)
 
 
 def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
-    """Compare the fit's impulse and its force near the peak with those of the points, and its misfit with the noise."""
-    curve, noise, peak = measured.fit.curve, measured.noise, measured.fit.curve.peak_force()
-    length = curve.duration
+    """Compare the fit's impulse with that of the points, and its misfit with their noise."""
+    curve, length = measured.fit.curve, measured.fit.curve.duration
+    second = np.diff(measured.force, 2)  # their variance is 6 times a point's
+    noise, peak = math.sqrt(float(second @ second) / 6.0 / second.size), curve.peak_force()
     inside = (measured.time >= -SUMMED_BEYOND * length) & (measured.time <= (1.0 + SUMMED_BEYOND) * length)
     time, force = measured.time[inside], measured.force[inside]
     fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
     summed = float(np.trapezoid(force, time))
-    # Points h apart have errors of noise sqrt(h T) in their sum, which the fit's amplitude shares.
+    # Points h apart have errors of noise sqrt(h T) in their sum, of which the fit's amplitude has a part.
     spread = CERTAIN * noise * math.sqrt(2.0 * length * float(np.mean(np.diff(time)))) / abs(summed)
     # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
     chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
     misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
-    rows = [Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread)]
-    top = np.abs(time - curve.peak_time()) <= NEAR_PEAK * length
-    if top.any():
-        slack = FORM + CERTAIN * noise / math.sqrt(int(top.sum())) / peak
-        near, points = float(np.asarray(curve(time[top])).mean()), float(force[top].mean())
-        rows.append(Quantity("fitted_force_near_peak", "N", near, reference=points, tolerance=slack))
-    within = math.sqrt(FORM**2 + chance)
-    return (*rows, Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=within))
+    return (
+        Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread),
+        Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
+    )
 
 
 def _measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
     fit = measured.fit
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
-    sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
     shown = ", ".join(f"{name} = {value:.5g} +- {error:.1g}" for name, value, error in pairs)
+    found = f"contact found at {1e6 * fit.start:.6g} us on the file's clock, for {1e6 * fit.curve.duration:.4g} us"
     return (
         f"read from the file: {measured.reading}",
-        *sign,
-        f"contact found at {1e6 * fit.start:.6g} us on the file's clock, for {1e6 * fit.curve.duration:.4g} us;"
-        f" baseline {level}",
+        f"{found}; baseline {level}",
         f"theory: the curve (3.3) fitted to it, {shown}; residuals {fit.root_mean_square:.2g} N",
     )

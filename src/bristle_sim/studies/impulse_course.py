@@ -14,7 +14,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
-from bristle_sim.studies.contact_course import cubics
+from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactHistory
 

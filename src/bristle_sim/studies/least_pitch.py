@@ -16,8 +16,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.contact_course import cubics
 from bristle_sim.studies.pass_invariants import complex_points
+from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)

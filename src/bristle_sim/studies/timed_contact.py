@@ -1,4 +1,4 @@
-"""A bristle's contact of a given compression time, and perhaps of a given impulse.
+"""A bristle's contact resolved in time: force and motion of one of a given compression time, and perhaps of a given impulse.
 
 A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its impulse
 and duration differ from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until the contact in
@@ -10,19 +10,22 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
-from bristle_sim.scene.strike import ChainStrike, strike
+from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import TimedContact, compression_end
 from bristle_sim.studies.impacts import Impacts, radial_chain
 from bristle_sim.studies.strike_point import outcome_of
 from bristle_sim.theory.monofilament import normal_compressive_impulse
+from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 Result = TypeVar("Result")
 
@@ -35,13 +38,125 @@ MOST_ROUNDS = 30
 LARGEST_STEP = 0.5
 """Largest change of the logarithm of speed or duration in a round."""
 
-WORK_TOLERANCE = 1e-4
-"""Relative difference between the work of the force and the energy given up: cubics through some thirty samples of a half wave
-leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by degrees meanwhile or the last piece is short; six samples of
-its velocities leave 5e-5."""
-
 PRINTED_COMPRESSION = 5e-5
 """Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)."""
+
+
+def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
+    """Return cubics through samples; they are smooth except at instants sampled more than once, where they jump.
+
+    Times have the shape (n,), values and slopes (n, ...). Without slopes each piece is a spline.
+    """
+    coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
+    coefficients[3] = values[:-1]  # in an interval that is rounding
+    for first, last in pieces(time):
+        own = time[first:last], values[first:last]
+        piece = CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
+        coefficients[:, first : last - 1] = piece.c
+    return PPoly(coefficients, time)
+
+
+def pieces(time: Array) -> list[tuple[int, int]]:
+    """Return the first sample of each smooth piece and the one past its last; instants that differ by rounding are equal."""
+    least = 1e-12 * float(time[-1] - time[0])
+    edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
+    return [(first, last) for first, last in pairwise(edges) if last - first > 1]
+
+
+def compression_end(history: ContactHistory) -> float:
+    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
+    return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
+
+
+@dataclass(frozen=True)
+class TimedContact:
+    """A radial bristle's contact resolved in time, the scene's record of it, and the cost of the last strike.
+
+    Series have one entry a sample.
+    """
+
+    surface: Surface
+    chain: Chain
+    record: ContactRecord
+    steps: int
+    wall_s: float
+
+    @property
+    def history(self) -> ContactHistory:
+        """The contact in time."""
+        assert self.record.history is not None
+        return self.record.history
+
+    @cached_property
+    def time(self) -> Array:
+        """s since the first touch."""
+        return np.asarray(self.history.time - self.history.time[0])
+
+    @property
+    def compression_time(self) -> float:
+        """From first touch to the deepest penetration, s."""
+        return compression_end(self.history)
+
+    @property
+    def tip_speed(self) -> float:
+        """v_C (2.24), m/s."""
+        return self.chain.lengths[0] * self.chain.rates[0] + self.chain.hub_radius * self.chain.hub_speed
+
+    @cached_property
+    def force(self) -> Array:
+        """Resultant force, N."""
+        return np.asarray(np.hypot(self.history.normal_force, self.history.tangential_force))
+
+    @cached_property
+    def resultant(self) -> PPoly:
+        """Resultant force as a function of time, N; its slope is the speed times a stiffness, constant in each piece."""
+        depth, slopes = self.history.penetration, np.zeros_like(self.time)
+        for first, last in pieces(self.time):
+            deeper = depth[last - 1] - depth[first]
+            stiffness = (self.force[last - 1] - self.force[first]) / deeper if deeper else 0.0
+            slopes[first:last] = -stiffness * self.history.normal_velocity[first:last]
+        return cubics(self.time, self.force, slopes)
+
+    @property
+    def peak_force(self) -> float:
+        """Largest resultant force, N; it is reached at the deepest penetration, which is a sample."""
+        return float(self.force.max())
+
+    @property
+    def compressive_impulse(self) -> float:
+        """Integral of the resultant force over the compression, p_c (Zhang 2020, eq. 3.1), N s."""
+        return float(self.resultant.integrate(0.0, self.compression_time))
+
+    @property
+    def path(self) -> Array:
+        """Length of the tip's path since first touch, m."""
+        return self._sums(np.hypot(self.history.normal_velocity, self.history.tangential_velocity))
+
+    @property
+    def rate(self) -> Array:
+        """Rate of the bristle, rad/s."""
+        return self._rate_and_lead[0]
+
+    @property
+    def centre_speed(self) -> Array:
+        """v_G, m/s."""
+        rate, lead = self._rate_and_lead
+        rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * rate
+        return np.sqrt(rim**2 + half**2 + 2.0 * rim * half * np.cos(lead))
+
+    @cached_property
+    def _rate_and_lead(self) -> tuple[Array, Array]:
+        """The bristle's rate, rad/s, by the tip's velocity along the workpart, and its angle ahead of the root's, rad."""
+        radius, length, hub_speed = self.chain.hub_radius, self.chain.lengths[0], self.chain.hub_speed
+        start, angle, velocity = self.chain.hub_angle, self.chain.angles[0], self.history.tangential_velocity
+        root = start + hub_speed * self.time
+        along = length * math.sin(angle) + self._sums(velocity) - radius * (np.sin(root) - math.sin(start))
+        below = length * math.cos(angle) + self.history.penetration - radius * (np.cos(root) - math.cos(start))
+        turned = np.arctan2(along, below)
+        return (velocity - radius * hub_speed * np.cos(root)) / (length * np.cos(turned)), turned - root
+
+    def _sums(self, values: Array) -> Array:
+        return np.asarray(cubics(self.time, values).antiderivative()(self.time))
 
 
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
@@ -82,9 +197,9 @@ def timed_contact(
             )
         chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
         found = strike(chain, surface, Contact("compliant", duration), settings)
-        record, values = found.contact, (0.0, 0.0)
-        contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
-        if record.history is not None and record.history.normal_force.max() > 0.0:
+        contact = TimedContact(surface, chain, found.contact, found.steps, found.wall_s)
+        history, values = found.contact.history, (0.0, 0.0)
+        if history is not None and history.normal_force.max() > 0.0:
             values = contact.compression_time, contact.compressive_impulse
         if not min(values) > 0.0:
             raise ValueError(f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s")
@@ -110,12 +225,6 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
         "wall_s": contact.wall_s,
         "steps": contact.steps,
     }
-
-
-def work_row(contact: TimedContact) -> Quantity:
-    """Compare the work of the force over the path with the energy given up."""
-    words, given = "work of the force", contact.energy_given_up
-    return Quantity("contact_work", "J", -contact.work, given, tolerance=WORK_TOLERANCE, label=words)
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
