@@ -15,5 +15,5 @@ Subpackages:
 - ``integrate/``: ``extrapolation`` of engine steps to the accuracy, ``time_scales``.
 - ``events/``: the ``table`` of event functions, the one locator (``locate``), gaps that close (``touches``).
 - ``contact/``: geometry (``obstacles``, ``gaps``); impacts (``laws``); contacts that last (``sustained``): rigid ones (``rigid``,
-  by the engine's ``shapes`` or, of several links, by the ``solver``) and those with a ``spring`` (``compliant``), or two (``elastic``).
+  by the engine's ``shapes`` or, of several links, by the ``solver``) and those with springs (``compliant``, ``spring``, ``course``).
 """

@@ -14,7 +14,7 @@ from bristle_sim.scene.contact.gaps import GAP_ROUNDING
 from bristle_sim.scene.contact.laws import contact_at
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts, rigid_contacts, sense_of_slip
-from bristle_sim.scene.contact.spring import ContactLoad, Spring
+from bristle_sim.scene.contact.spring import SPRING_TOTALS, ContactLoad, Spring
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import Interval, first_change, look_back
 from bristle_sim.scene.events.table import (
@@ -209,7 +209,7 @@ class SmoothMotion:
             begins[each] = max(0.0, each.add(normal, (push, rub, 0.0, work), length))
             ends[each] = max(0.0, normal)
         for number, (each, _) in enumerate(self.springs):
-            each.add_spring(totals[TOTALS * len(self.ordered) + 6 * number :][:6])
+            each.add_spring(totals[TOTALS * len(self.ordered) + SPRING_TOTALS * number :][:SPRING_TOTALS])
             ends[each] = each.sample(progress.gaps, progress.state)
         if self.rigid is not None:
             if self.before is None and not self.springs:

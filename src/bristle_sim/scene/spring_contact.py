@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from bristle_sim.scene.contact.course import SpringPhase
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS
-from bristle_sim.scene.contact.spring import ContactLoad, Spring, SpringPhase
+from bristle_sim.scene.contact.spring import ContactLoad, Spring
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
 from bristle_sim.scene.events.table import SpringChange, SpringEvent
 from bristle_sim.scene.motion import SmoothMotion, follow_bodies
@@ -47,22 +48,23 @@ def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> N
     _note_phase(contact, spring)
 
 
+def _note_phase(contact: Sustained, spring: Spring) -> None:
+    spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.sums[0]))
+
+
 def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
     """Pass a contact into its next phase; return its outcome if it is over."""
-    contact, spring = change.contact, change.contact.spring
+    contact, spring, progress = change.contact, change.contact.spring, motion.progress
     assert spring is not None
-    before = spring.loading, spring.slip
+    before, penetration = (spring.loading, spring.slip), _penetration(motion, contact, spring)
     if spring.elastic:
-        spring.stick_force = spring.forces(
-            spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
-        )[1]
+        spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(motion, contact, spring, change.event)
     # Bodies that vibrate meanwhile may press the point on again.
-    quiet = motion.progress.mechanism.lone or not spring.expected.moves
-    if outcome is None and quiet and not spring.loading:
-        penetration = spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
-        if penetration - spring.residual < LEAST_UNLOADING * (spring.deepest - spring.residual):
-            return Outcome.REBOUND
+    quiet = not spring.loading and (progress.mechanism.lone or not spring.expected.moves)
+    least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
+    if outcome is None and quiet and penetration - spring.residual < least:
+        return Outcome.REBOUND
     if outcome is not None or before == (spring.loading, spring.slip):
         return outcome
     _note_phase(contact, spring)
@@ -72,7 +74,7 @@ def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
             return Outcome.JAM
         if course.stopped is None:
             # Bodies that move meanwhile may still get out.
-            course.stopped = motion.progress.state, contact.sums, len(course.rows), len(course.phases)
+            course.stopped = progress.state, contact.sums, len(course.rows), len(course.phases)
     return None
 
 
@@ -92,7 +94,7 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
             stuck = expected.outcome in (Outcome.JAM, Outcome.STICTION)
             return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
         case SpringEvent.PRESSED_ON:
-            spring.loading = True
+            spring.deepest = None
             if spring.elastic or not spring.slip:
                 _settle_slip(motion, contact, spring)
         case SpringEvent.STICK_BREAKS:
@@ -120,12 +122,11 @@ def _end_compression(motion: SmoothMotion, contact: Sustained, spring: Spring) -
 
 
 def _unload(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
-    spring.course.compression = contact.sums
-    spring.unload(spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state))
+    spring.course.compression, spring.deepest = contact.sums, _penetration(motion, contact, spring)
 
 
-def _note_phase(contact: Sustained, spring: Spring) -> None:
-    spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.sums[0]))
+def _penetration(motion: SmoothMotion, contact: Sustained, spring: Spring) -> float:
+    return spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
 
 
 def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
@@ -136,28 +137,26 @@ def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
 
 def _settle_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
-    progress = motion.progress
+    progress, obstacle = motion.progress, contact.obstacle
     if spring.elastic:
-        touch, joint = progress.gaps.closest(contact.obstacle, progress.state), progress.gaps.poses(progress.state)
-        spring.settle(touch, joint[contact.obstacle.link].joint[0] + touch.arm[0], progress.slip_error)
+        touch, joint = progress.gaps.closest(obstacle, progress.state), progress.gaps.poses(progress.state)
+        spring.settle(touch, joint[obstacle.link].joint[0] + touch.arm[0], progress.slip_error)
         return
     spring.slip = 0
-    follow_bodies(progress, contact.obstacle, spring)
+    follow_bodies(progress, obstacle, spring)
     others = [each for each, _ in motion.springs if each is not contact]
     load = ContactLoad(progress.scene, motion.rigid, [contact, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
-    most = float(spring.inverse_mass[0, 0]) + spring.friction * abs(float(spring.inverse_mass[0, 1]))
-    most *= spring.present_stiffness
-    quickest = math.pi / math.sqrt(most) if most else math.inf
-    length = PROBED_FRACTION * min(spring.expected.duration, quickest)
+    normal, coupling = spring.inverse_mass[0].tolist()
+    most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
+    length = PROBED_FRACTION * min(spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf)
     probe = spring.expected.stepper.advance(progress.scene, progress.state, length, load)
-    rigid = 0 if motion.rigid is None else TOTALS * len(motion.rigid.obstacles)
-    spring.stick_force, later = probe.totals[rigid + 4 : rigid + 6]
-    state, force = progress.state, spring.stick_force
+    first = 0 if motion.rigid is None else TOTALS * len(motion.rigid.obstacles)
+    spring.stick_force, later = probe.totals[first + 4 : first + 6]
+    force, penetration = spring.stick_force, _penetration(motion, contact, spring)
     if spring.loading and not contact.sums[0]:
         # Both forces are zero at the first touch.
-        state, force = probe.state, later
-    penetration = spring.surface - progress.gaps.gap(contact.obstacle, state)
-    limit = CONE_ROUNDING * spring.friction * spring.present_stiffness * (penetration - spring.residual)
+        force, penetration = later, spring.surface - progress.gaps.gap(obstacle, probe.state)
+    limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
     if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
         spring.slip = -1 if force > 0.0 else 1

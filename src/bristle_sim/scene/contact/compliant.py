@@ -99,13 +99,9 @@ class CompliantLaw(ContactLaw):
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
-        of_contact = stiffness, obstacle, expected, touch.gap, space.inverse_mass
-        if not elastic:
-            return Spring(*of_contact)
-        from bristle_sim.scene.contact.elastic import ElasticSpring  # only where a contact has this effect
-
-        return ElasticSpring(*of_contact, squared=self.tangential_compliance)
+        compliance = self.tangential_compliance if elastic else 0.0
+        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper, compliance)
+        return Spring(stiffness, obstacle, expected, touch.gap, space.inverse_mass)
 
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Apply the rigid-body law to a touch that is too slow to be resolved in time."""

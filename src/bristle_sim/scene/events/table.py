@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from bristle_sim.scene.contact.gaps import neighbour
 from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
-from bristle_sim.scene.contact.spring import Spring
+from bristle_sim.scene.contact.spring import SPRING_TOTALS, Spring
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import EventFunction
 from bristle_sim.scene.integrate.extrapolation import Advance
@@ -137,7 +137,7 @@ def contact_events(
             found += _slides(progress, contact.obstacle, rigid, index)
     springs = [(contact, contact.spring) for contact in contacts if contact.spring is not None]
     for number, (contact, spring) in enumerate(springs):
-        found += _spring_events(progress, contact, spring, TOTALS * len(ordered) + 6 * number)
+        found += _spring_events(progress, contact, spring, TOTALS * len(ordered) + SPRING_TOTALS * number)
     return found
 
 
@@ -247,7 +247,7 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
         act, sticks = partial(SpringChange, contact, what), what is SpringEvent.STICK_BREAKS
         return EventFunction(value, falling, act=act, tolerance=tolerance, turns=turning, positive=sticks)
 
-    if spring.loading:
+    if spring.deepest is None:
         found = [event(SpringEvent.COMPRESSION_ENDS, opening, False)]
     else:
         found = [

@@ -1,0 +1,95 @@
+"""The record of a contact with a spring while it lasts: its phases, and samples of forces and motion."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.scene.mechanism import State
+from bristle_sim.trajectory import ContactHistory
+
+LEAST_PHASE = 1e-6
+"""A phase of less than this fraction of the normal impulse is not named. Close to separation the force is too small to keep a
+point from moving with its bodies, so stick always ends in slip; this has no effect in the limit of short contacts."""
+
+BETWEEN = np.linspace(0.0, 1.0, 6)[1:-1, None, None]
+"""Fractions of an interval of the rigid-body limit at which samples are added."""
+
+ONE_INSTANT = 1e-6
+"""Samples nearer to each other than this fraction of the contact are two sides of one instant: over a shorter time the
+rounding of positions, some 1e-16 m of nanometres of penetration, would be a speed of its own."""
+
+
+class SpringPhase(NamedTuple):
+    """A phase of the contact: whether the spring loads, the sense of slip, and the normal impulse before the phase."""
+
+    loading: bool
+    slip: int
+    impulse: float
+
+
+@dataclass(slots=True)
+class ContactCourse:
+    """The record of one contact while it lasts.
+
+    Attributes:
+        rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
+            time are the end of a phase and the start of the next.
+        compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
+        stopped: where the rigid-body law jams: the state, the sums, and the numbers of rows and phases there.
+    """
+
+    phases: list[SpringPhase] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    compression: tuple[float, ...] | None = None
+    stopped: tuple[State, tuple[float, ...], int, int] | None = None
+
+    @property
+    def approach(self) -> float:
+        """Speed of approach at the first touch."""
+        return abs(self.rows[0][4])
+
+    def let_go(self) -> None:
+        """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
+        time, _, _, *motion = self.rows[-1]
+        self.rows[-1] = (time, 0.0, 0.0, *motion)
+
+    def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
+        """Return the names of the phases in order, without those too short to matter; a jam's last phase always counts."""
+        ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
+        names: list[str] = []
+        first = 0
+        for phase, end in zip(self.phases, ends, strict=True):
+            if end - phase.impulse >= LEAST_PHASE * impulse or (jams and phase is self.phases[-1]):
+                first = first or phase.slip
+                motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+                names.append(f"{'compression' if phase.loading else 'restitution'} {motion}")
+        return tuple(name for name, _ in itertools.groupby(names))
+
+    def history(self, inverse_mass: Array | None) -> ContactHistory:
+        """Return the samples; given a constant K, with others on the cubics in time between those at an interval's ends.
+
+        Between two samples of one phase forces are linear in the penetration, d(delta)/dt = -v_n and dv/dt = K (N, T).
+        """
+        rows = np.array(self.rows)
+        if inverse_mass is not None:
+            length, values, forces = np.diff(rows[:, :1], axis=0), rows[:, 1:], rows[:, 1:3]
+            long = length[:, 0] > ONE_INSTANT * np.ptp(rows[:, 0])
+            deeper = np.diff(rows[:, 3:4], axis=0)
+            steepness = np.diff(forces, axis=0) / np.where(deeper == 0.0, 1.0, deeper)
+            accelerations = forces @ inverse_mass
+            first, last = (
+                np.hstack([-speed * steepness, -speed, acceleration]) * length
+                for speed, acceleration in ((rows[at, 4:5], accelerations[at]) for at in (slice(-1), slice(1, None)))
+            )
+            part, left = BETWEEN, 1.0 - BETWEEN
+            between = values[:-1] + part**2 * (3.0 - 2.0 * part) * np.diff(values, axis=0)
+            between += part * left * (left * first - part * last)
+            times = rows[:-1, :1] + part * length
+            added = np.concatenate([times, between], axis=2)[:, long].reshape(-1, 6)
+            rows = np.insert(rows, np.tile(1 + np.flatnonzero(long), len(BETWEEN)), added, axis=0)
+        return ContactHistory(*np.ascontiguousarray(rows.T))
