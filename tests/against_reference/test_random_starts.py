@@ -14,8 +14,6 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 
-FEW = Settings(maximum_steps=5000)
-
 
 def drawn(seed: int) -> tuple[Tool, dict[str, float]]:
     """A tool whose bar stands on the incoming side, and whose bristle starts near bar and workpart."""

@@ -115,5 +115,5 @@ def test_wires_in_each_other_at_the_start_are_refused(pitch: float) -> None:
 
 
 def test_a_number_of_bristles_is_a_whole_one() -> None:
-    with pytest.raises(ValueError, match="^bristles = 0.*: must be a whole number"):
+    with pytest.raises(ValueError, match=r"^bristles = 0.*: must be a whole number"):
         simulate_row(Tool(), bristles=0, pitch=0.3, **ELASTIC)

@@ -11,12 +11,8 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
-from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 
@@ -234,25 +230,3 @@ def test_longer_chains_gain_nothing(count: int) -> None:
         found = hit(chain, float(draw % 4), 1.0)
         assert found.kinetic_energy_ratio is not None
         assert found.kinetic_energy_ratio <= 1.0 + 1e-12  # rounding
-
-
-@pytest.mark.parametrize("ratio", [1e-2, 1.0, 1e6, 1e12])
-def test_flight_beside_an_independent_integration(ratio: float) -> None:
-    """Lagrange's equations of two rods of 1 m: both ways are good to some intervals of 1e-10."""
-    scene = Scene(Mechanism((Link.rod(ratio, 1.0), Link.rod(1.0, 1.0))), Effects())
-    state, stepper = State(0.0, (0.3, 1.2), (1.0, -2.0)), Extrapolation(1e-10)
-    while state.time < 0.5:
-        length = stepper.propose(0.5 - state.time)
-        result = stepper.advance(scene, state, length)
-        state = result.state if stepper.accepts(result, length) else state
-    expected = solve_ivp(acceleration, (0.0, 0.5), [0.3, 1.2, 1.0, -2.0], args=(ratio,), rtol=1e-12, atol=1e-13).y[
-        :, -1
-    ]
-    np.testing.assert_allclose([*state.angles, *state.rates], expected, rtol=0.0, atol=1e-8)
-
-
-def acceleration(_: float, motion: np.ndarray, ratio: float) -> tuple[float, float, float, float]:
-    first, second, one, other = motion
-    apart, coupled = math.sin(first - second) / 2.0, math.cos(first - second) / 2.0
-    inertia = np.array([[ratio / 3.0 + 1.0, coupled], [coupled, 1.0 / 3.0]])
-    return (one, other, *np.linalg.solve(inertia, [-apart * other**2, apart * one**2]))

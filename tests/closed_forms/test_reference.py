@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp, trapezoid
-from scipy.special import ellipj, ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
 from bristle_sim.reference import simulate_reference
@@ -16,7 +15,6 @@ from bristle_sim.stop_reason import StopReason
 FREE = Tool(bar=None, workpart=None)
 RETRACTED = -math.radians(44.5)
 GRAVITY = 9.81
-"""A bar that touches the wire's end all the way, and one that touches its flank in between."""
 
 
 def natural_rate(tool):
@@ -77,26 +75,6 @@ def contact_moment(tool, run):
     velocity = (tool.hub.speed * root + run.rates * arm) @ quarter_turn
     slip = np.sign((velocity * tangent).sum(axis=1, keepdims=True))
     return cross(arm, run.normal_force[:, np.newaxis] * (normal - tool.bar.friction * slip * tangent))
-
-
-class TestFlight:
-    @pytest.mark.parametrize("speed", [0.0, 261.8])
-    def test_pendulum_without_belt_is_an_elliptic_function(self, speed):
-        """sin(a/2) = sin(a_0/2) cd(t sqrt(3 g/2L)), g being gravity, or at the hub's rim r_h omega^2."""
-        tool = replace(FREE, hub=Hub(speed=speed), belt=Belt(stiffness=0.0), gravity=0.0 if speed else GRAVITY)
-        strength = tool.hub.radius * speed**2 or GRAVITY
-        rate = math.sqrt(1.5 * strength / tool.bristle.length)
-        hub_angle, angle = (0.7, -1.3) if speed else (0.2, -1.3)
-        run = simulate_reference(tool, start_hub_angle=hub_angle, start_relative_angle=angle, accuracy=1e-12)
-        start = angle if speed else hub_angle + angle
-        modulus = math.sin(0.5 * start) ** 2
-        _, cosine, delta, _ = ellipj(rate * run.time, modulus)
-        swing = run.relative_angle if speed else run.angles[:, 0]
-        expected = 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta)
-        # A hundred times the requested accuracy.
-        np.testing.assert_allclose(swing, expected, rtol=0.0, atol=1e-10)
-        quarter = ellipk(modulus) / rate
-        assert run.event_time("highest relative speed") == pytest.approx(quarter, rel=1e-9)
 
 
 class TestOperatingPoint:

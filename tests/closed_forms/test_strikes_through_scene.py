@@ -1,9 +1,8 @@
 """The energetic law acting through the pymunk scene equals the closed forms, for parameters drawn at random.
 
 The closed forms are the dissertation's own, written independently of the general law; what is compared is what comes
-back from the engine's bodies. 1e-9 leaves room for the conditioning of K (1e-16 times a mass ratio of 1e6) and nothing
-for physics. Draws closer than 1e-3 to a jam are left out here: there the result magnifies rounding without bound, which
-the stability suite looks at.
+back from the engine's bodies. 1e-9 leaves room for the conditioning of K and nothing for physics. Draws closer than 1e-3
+to a jam are left out here: there the result magnifies rounding without bound, which the hard cases look at.
 """
 
 import math
@@ -16,7 +15,6 @@ from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import double_pendulum, single_pendulum
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact
 
 TOLERANCE = 1e-9
 DRAWS = 1500
@@ -48,45 +46,6 @@ def test_radial_bristle() -> None:
         assert close(found.impulse[0], theory.normal_final_impulse, impulse)
         assert close(found.rates_after[0], theory.final_bristle_rate, ratio * speed)
     assert DRAWS / 4 < rebounds < DRAWS
-
-
-def test_double_pendulum() -> None:
-    rng = np.random.default_rng(22)
-    phases = set()
-    for _ in range(DRAWS):
-        ratio, (angle_1, angle_2) = 10.0 ** rng.uniform(math.log10(0.3), 6.0), rng.uniform(-1.5, 1.5, 2)
-        rate_1, rate_2 = rng.normal(size=2)
-        friction, e = rng.uniform(0.0, 1.5), rng.uniform(0.0, 1.0)
-        later = rng.uniform(0.0, 1.5) if rng.random() < 0.3 else friction
-        mass, length = 10.0 ** rng.uniform(-6, 2), 10.0 ** rng.uniform(-3, 1)
-        chain = Chain((ratio * mass, mass), (length, length), (-angle_1, -angle_2), (-rate_1, -rate_2))
-        found = strike(chain, Surface(friction, later, e), Contact(), Settings())
-        theory = double_pendulum_impact(mass, ratio, length, angle_1, angle_2, rate_1, rate_2, friction, e, later)
-        if near_degenerate(ratio, angle_1, angle_2, max(friction, later)):
-            continue
-        assert found.contact.outcome == theory.outcome
-        phases |= set(found.contact.phases)
-        scale = max(abs(rate_1), abs(rate_2))
-        for rate, expected in zip(found.contact.rates_after, (theory.final_rate_1, theory.final_rate_2), strict=True):
-            assert close(-rate, expected, scale)
-        assert close(found.contact.impulse[0], theory.normal_final_impulse, 0.0)
-        assert found.kinetic_energy_ratio is not None
-        assert found.kinetic_energy_ratio <= 1.0 + 1e-12
-    wanted = {
-        f"{part} {motion}" for part in ("compression", "restitution") for motion in ("slip", "reverse slip", "stick")
-    }
-    assert phases == wanted
-
-
-def near_degenerate(ratio: float, angle_1: float, angle_2: float, friction: float) -> bool:
-    """A heavy first rod leaves the second nearly one degree of freedom: stick then takes impulses of the order of n, and
-    slip near mu = tan(theta_2) ones without bound; both magnify rounding by more than 1e7."""
-    c = math.cos(angle_1 - angle_2)
-    masses = np.array([[ratio / 3.0 + 1.0, c], [c, 4.0 / 3.0]])
-    contact = np.array([[math.sin(angle_1), 2.0 * math.sin(angle_2)], [-math.cos(angle_1), -2.0 * math.cos(angle_2)]])
-    k = contact @ np.linalg.solve(masses, contact.T)
-    slips = [k[0, 0] - friction * abs(k[0, 1]), np.linalg.det(k) / k[1, 1]]
-    return bool(min(slips) < 1e-6 * k[0, 0])
 
 
 PAIR = (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2)

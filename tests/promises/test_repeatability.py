@@ -12,12 +12,10 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import pymunk
 import pytest
 
-import bristle_sim
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
@@ -126,23 +124,3 @@ def test_a_bit_that_differs_is_noticed(first: dict[str, str]) -> None:
     event = dataclasses.replace(run.events[0], time=math.nextafter(run.events[0].time, 1.0))
     assert bits(dataclasses.replace(run, events=(event, *run.events[1:]))) != first["energetic"]
     assert bits(simulate(Tool(), Settings(accuracy=math.nextafter(1e-6, 1.0)))) != first["energetic"]
-
-
-def guards(source: str) -> list[int]:
-    """Return the lines of asserts that do more than tell a type checker what is known already: python -O drops them."""
-    asserts = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Assert)]
-    return [node.lineno for node in asserts if not _tells_a_type(node.test)]
-
-
-def _tells_a_type(test: ast.expr) -> bool:
-    if isinstance(test, ast.Compare):
-        plain = isinstance(test.left, ast.Name | ast.Attribute)
-        return plain and isinstance(test.ops[0], ast.IsNot) and ast.unparse(test.comparators[0]) == "None"
-    plain = test.operand if isinstance(test, ast.UnaryOp) else test
-    return isinstance(plain, ast.Call) and ast.unparse(plain.func) == "isinstance"
-
-
-def test_no_assert_of_the_source_guards_input() -> None:
-    sources = Path(bristle_sim.__file__).parent.rglob("*.py")
-    found = {file.name: guards(file.read_text(encoding="utf-8")) for file in sources}
-    assert {name: lines for name, lines in found.items() if lines} == {}

@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.compliant import CompliantLaw
 from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw
-from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
 from bristle_sim.settings import Settings
-from bristle_sim.trajectory import ContactHistory, ContactRecord
+from bristle_sim.trajectory import ContactRecord
 
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 
@@ -105,51 +102,6 @@ class TestCompliantContact:
         assert (found.outcome, found.phases) == ("stiction", ("compression slip",))
         assert found.impulse[0] == pytest.approx(1.0 / (3.0 * (math.sin(0.6) + friction * math.cos(0.6))), rel=duration)
         assert found.duration == pytest.approx(duration, rel=max(duration, 1e-4))
-
-
-def press(friction: float, speed: float, turning: float = 0.0) -> tuple[ContactRecord, Mechanism, State, State]:
-    """A belt of natural rate 1 presses a slow rod on, at 0.6 from the normal and from time 2 on, for 1e-3 or so.
-
-    On a hub that turns from the rod's angle the belt is relaxed at first and presses more and more.
-    """
-    obstacle = WorkpartObstacle(math.cos(0.6), friction, friction, 0.5)
-    mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.0, turning, 0.6 - 2.0 * turning if turning else 0.0)
-    scene = Scene(mechanism, Effects(stiffness=1.0 / 3.0, obstacles=(obstacle,)))
-    before = State(2.0, (0.6,), (-speed,))
-    law = CompliantLaw(1e-3, 1e-6)
-    after, record, _ = struck(scene, before, dataclasses.replace(obstacle, law=law), Settings())
-    return record, scene.mechanism, before, after
-
-
-class TestPressedContact:
-    @pytest.mark.parametrize(("friction", "speed"), [(0.0, 1e-5), (0.3, 1e-4), (2.0, 1e-5)])
-    def test_angular_momentum_balances(self, friction: float, speed: float) -> None:
-        """About the root, arm (sin, -cos) 0.6: I dw = sin N + cos T - k angle time, the angle constant to 1e-5."""
-        found, mechanism, before, after = press(friction, speed)
-        gained = (after.rates[0] - before.rates[0]) / 3.0 + 0.6 / 3.0 * found.duration
-        moment = math.sin(0.6) * found.impulse[0] + math.cos(0.6) * found.impulse[1]
-        assert moment == pytest.approx(gained, rel=1e-4)
-        assert found.duration == pytest.approx(after.time - before.time, rel=1e-12)
-        assert found.duration <= 10.0 * 1e-3 * (1.0 + 1.0 / 24.0), "a contact that lasts is given up as an impact"
-        assert (found.time, found.obstacle) == (2.0, "workpart")
-        assert (found.angles, found.rates_before, found.rates_after) == (before.angles, before.rates, after.rates)
-        u, v = mechanism.poses(after)[-1].tip_velocity
-        assert found.velocity_after == pytest.approx((v, u), rel=1e-9, abs=1e-18)
-
-    def test_reloading_follows_the_way_in(self) -> None:
-        """Pressed deeper than ever before, the spring is again the one of compression, N = k delta."""
-        found, *_ = press(0.3, 1e-6, -3.0)
-        history = found.history
-        assert isinstance(history, ContactHistory)
-        assert any(name.startswith("compression") for name in found.phases[2:])
-        first_peak = history.penetration[int(np.flatnonzero(np.diff(history.penetration) < 0.0)[0])]
-        deepest = history.penetration >= np.maximum.accumulate(history.penetration)
-        deeper = deepest & (history.penetration > 1.2 * first_peak)
-        stiffness = history.normal_force[2] / history.penetration[2]
-        assert deeper.sum() > 100
-        # Turns are located to a tenth of 1e-7 of the duration, 1e-11 of at least 3e-10 deep; the way out is four times as
-        # stiff, which would be half as much again and more.
-        np.testing.assert_allclose(history.normal_force[deeper], stiffness * history.penetration[deeper], rtol=0.1)
 
 
 class TestCompliantRefusals:

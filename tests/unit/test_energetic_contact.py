@@ -60,16 +60,6 @@ def test_resting_speed_brings_a_rod_to_rest() -> None:
     assert rod.position.y == pytest.approx(0.01, abs=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("friction", -0.1), ("friction", math.nan), ("restitution", 1.5), ("restitution_friction", -1.0)],
-)
-def test_bad_coefficients_are_refused(name: str, value: float) -> None:
-    values = {"friction": 0.3, "restitution": 0.5} | {name: value}
-    with pytest.raises(ValueError, match=rf"^{name} = "):
-        EnergeticContact(pymunk.Space(), 1, 2, **values)
-
-
 GRAVITY = 9.81
 SLOP = 1e-3
 

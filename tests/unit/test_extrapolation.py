@@ -54,37 +54,11 @@ def test_plain_steps_are_of_first_order(damping: float) -> None:
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.03)
 
 
-class TestExtrapolation:
-    @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
-    def test_uniform_motion_is_hardly_ever_refused(self, tolerance: float) -> None:
-        """An oscillator's intervals are all alike, and each is aimed at half the tolerance: its phase alone is new."""
-        scene, state = oscillator()[:2]
-        stepper = Extrapolation(tolerance)
-        refused = accepted = 0
-        while state.time < 60.0:
-            length = stepper.propose(1e3)
-            result = stepper.advance(scene, state, length)
-            if stepper.accepts(result, length):
-                state, accepted = result.state, accepted + 1
-            else:
-                refused += 1
-        assert accepted > 10
-        assert refused <= 0.2 * accepted
-
-
 REFEREE = 1e-13
 """Error of scipy's integration over a few radians."""
 
 
 class TestAccuracy:
-    @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
-    @pytest.mark.parametrize("damping", [0.0, 0.3])
-    def test_oscillation(self, tolerance: float, damping: float) -> None:
-        """Three radians are a few intervals; each keeps the tolerance, and an oscillator does not magnify errors."""
-        scene, start, exact = oscillator(damping)
-        found = carried(Extrapolation(tolerance), scene, start, 3.0)
-        assert np.abs(found - exact(3.0)).max() < 10.0 * tolerance
-
     def test_repetitions_remove_one_power_of_the_step_each(self) -> None:
         """Weights add up to 1 and annihilate n^-j, j = 1 ... rows - 1; they magnify rounding by their own size."""
         for table in (repetitions.CLOSE, repetitions.WIDE):

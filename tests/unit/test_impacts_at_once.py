@@ -83,20 +83,6 @@ def test_a_touch_on_a_moving_plate_is_located() -> None:
     assert body.position.y - 0.1255 == pytest.approx(3.0 * (0.02 - 0.01275), rel=1e-12)
 
 
-def test_two_stacked_balls_touch_in_their_order() -> None:
-    """Balls 0.25 m apart fall together; the light one leaves with what two elastic impacts in line give: 3 v at most."""
-    space = on_floor()
-    lower, upper = ball(space, 0.0, 0.6), ball(space, 0.0, 0.8002)
-    upper.mass = 1e-3
-    contact = EnergeticContact(space, 1, 2, friction=0.0, restitution=1.0)
-    contact.add_pair(2, 2, friction=0.0, restitution=1.0)
-    while upper.velocity.y <= 0.0:
-        contact.step(1.0 / 240.0)
-    # Relative speed is kept, v_2 - v_1 = 2 v, and v_1 = v (1 - 4 m/M) to first order; v at the floor, 0.5 m below.
-    assert upper.velocity.y == pytest.approx(3.0 * math.sqrt(2.0 * GRAVITY * 0.5), rel=2e-2)
-    assert lower.velocity.y > 0.0
-
-
 def row(count: int, restitution: float) -> tuple[pymunk.Space, list[LocatedImpact]]:
     """A row of touching balls in the air, the first of which is hit at 3 m/s, after one step."""
     space, impacts = pymunk.Space(), list[LocatedImpact]()
@@ -259,17 +245,6 @@ def test_a_tangential_compliance_out_of_range_or_unknown_to_the_law_is_refused(v
     contact = EnergeticContact(pymunk.Space(), 1, 2, friction=0.0, restitution=0.0)
     with pytest.raises(ValueError, match=r"^tangential_compliance = .*: must be"):
         contact.add_pair(3, 4, friction=0.3, restitution=0.5, tangential_compliance=value, law=law)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
-def test_a_light_ball_between_two_heavy_ones_does_not_approach_any_longer(restitution: float) -> None:
-    """1000 times heavier, in the step in which both touch; 1e-12 of their speed is rounding times the ratio."""
-    space = pymunk.Space()
-    light, left, right = (ball(space, (0.2 - 1e-9) * at, 0.0, (-float(at), 0.0)) for at in (0, -1, 1))
-    left.mass = right.mass = 1e3
-    EnergeticContact(space, 2, 2, friction=0.3, restitution=restitution).step(1e-9)
-    assert left.velocity.x - light.velocity.x <= 1e-12
-    assert light.velocity.x - right.velocity.x <= 1e-12
 
 
 def test_many_impacts_that_have_nothing_to_do_with_each_other_act_at_their_instants() -> None:

@@ -1,4 +1,4 @@
-"""The reference's wire of links: Jacobians, conservation of energy, compliant strikes and whole passes."""
+"""The reference's wire of links: the power of its hub, and compliant strikes."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from bristle_sim.parameters import Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import Bristle, Contact, Tool, Workpart
 from bristle_sim.reference import simulate_reference, strike_reference
 from bristle_sim.reference.contacts import Point, obstacles_of
 from bristle_sim.reference.mechanics import Chain
@@ -15,62 +15,7 @@ from bristle_sim.theory.impact import energetic_impact
 GAMMA, RATIO, RESTITUTION, SPEED = math.radians(23.4), 3.23, 0.42, 261.8
 
 
-def touches(chain, obstacle, point, angles, rates, accelerations, step):
-    """The contact a step before, at and after an instant of a motion of constant accelerations."""
-    return [
-        obstacle.touch(
-            chain,
-            chain.kinematics(1e-3 + at, angles + rates * at + 0.5 * accelerations * at**2, rates + accelerations * at),
-            point,
-        )
-        for at in (-step, 0.0, step)
-    ]
-
-
-class TestKinematics:
-    @pytest.mark.parametrize("seed", range(3))
-    @pytest.mark.parametrize(
-        "point", [Point("bar", 2, False), Point("bar", 3, True), Point("workpart", 5, True)], ids=str
-    )
-    def test_rows_and_biases_are_derivatives(self, point, seed):
-        """Central differences over 1e-7 s: their truncation is (1e3 rad/s 1e-7 s)^2 = 1e-8 of terms up to 1e6 m/s^2.
-
-        Rounding of a length of 0.05 m, or of 50 m/s, over 1e-7 s is 1e-10 m/s and 1e-7 m/s^2. A contact is in touch, so
-        its gap must not open, or its place would move along the normal.
-        """
-        rng = np.random.default_rng(seed)
-        tool = Tool(bristle=Bristle(links=5, knee_angle_deg=25.0))
-        chain, obstacle = Chain(tool, -1.0), obstacles_of(tool)[point.obstacle]
-        angles, rates = -1.0 + 0.3 * rng.normal(size=5), 300.0 * rng.normal(size=5)
-        accelerations = 1e5 * rng.normal(size=5)
-        touch = obstacle.touch(chain, chain.kinematics(1e-3, angles, rates), point)
-        rates = rates - touch.normal_row * touch.velocity[0] / (touch.normal_row @ touch.normal_row)
-        before, touch, after = touches(chain, obstacle, point, angles, rates, accelerations, 1e-7)
-        assert (after.gap - before.gap) / 2e-7 == pytest.approx(touch.velocity[0], abs=1e-5)
-        found = [(after.velocity[i] - before.velocity[i]) / 2e-7 for i in (0, 1)]
-        rows = (touch.normal_row, touch.tangential_row)
-        expected = [row @ accelerations + bias for row, bias in zip(rows, touch.bias, strict=True)]
-        assert found == pytest.approx(expected, rel=1e-6, abs=0.1)
-
-
 class TestFreeWire:
-    def test_energy_is_kept(self):
-        """A bent wire of four links on a hub at rest, under gravity, from a bent and moving state.
-
-        Nothing does work; a hundred times the accuracy of 1e-12, of the energy that swings to and fro.
-        """
-        bristle = Bristle(links=4, knee_angle_deg=20.0, modulus=1e9)
-        tool = Tool(hub=Hub(speed=0.0), bristle=bristle, bar=None, workpart=None, gravity=9.81)
-        run = simulate_reference(
-            tool,
-            start_hub_angle=-0.3,
-            start_relative_angle=-0.4,
-            start_relative_rate=200.0,
-            duration=0.01,
-            accuracy=1e-12,
-        )
-        assert np.ptp(run.total_energy) < 1e-10 * np.ptp(run.kinetic_energy)
-
     def test_power_of_the_hub(self):
         """Without gravity the drive's torque is h', h being the angular momentum about the hub's centre.
 

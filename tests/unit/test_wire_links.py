@@ -1,4 +1,4 @@
-"""The links that a bristle is cut into: their masses, and that they make the whole bristle again."""
+"""The links that a bristle is cut into: their masses, that they make the whole bristle again, and pairs that may touch."""
 
 import itertools
 import math
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.contact.obstacles import wire_pairs
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import Units, wire_hinges, wire_links
 
 SIZE = Units(0.027, 8.387e-5, 1.0)
@@ -47,3 +48,12 @@ def test_hinges() -> None:
     damping = 0.2 * stiffness / (math.tau * 3062.10)
     assert len(hinges) == 7
     assert hinges[3] == pytest.approx((stiffness / SIZE.energy, damping / SIZE.angular_damping), rel=5e-6)
+
+
+def test_pairs_are_of_different_wires() -> None:
+    bent = Link(0.5, 0.01, (0.0, -0.2), (0.1, -0.5), ((0.0, -0.3),))
+    row = Mechanism((Link.rod(0.5, 0.5), bent) * 2, wires=2, pitch=0.3, hub_radius=1.0)
+    pairs = list(wire_pairs(row, 0.01, 0.1, 0.2))
+    # One piece of the straight link and two of the bent one, on either side.
+    assert len(pairs) == 9
+    assert {(each.link // 2, each.partner // 2) for each in pairs} == {(0, 1)}

@@ -1,4 +1,4 @@
-"""The linear solve that keeps joints and contacts of a wire: against the plastic impact of the joints, K of the contact, and order."""
+"""The linear solve that keeps joints and contacts of a wire: its order, and a contact without lever."""
 
 import itertools
 
@@ -10,20 +10,6 @@ from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.obstacles import Held, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
-
-BENT = Link(0.7, 0.02, (0.05, -0.2), (0.1, -0.45), ((0.0, -0.2),))
-LINKS = (Link.rod(1.0, 0.4), Link.rod(0.3, 0.5), BENT)
-ANGLES, RATES = (0.2, -0.4, 0.7, 0.1, 0.5, -0.2), (1.0, -2.0, 0.5, 0.3, 1.5, -0.7)
-
-
-def wires(count: int = 1, hub: float = 1.1, **effects: object) -> tuple[Scene, State]:
-    """Wires of three unequal links, one of them bent, that bend."""
-    size = 3 * count
-    mechanism = Mechanism(LINKS * count, hub, 0.8 * bool(hub), 0.3, count, 0.4)
-    scene = Scene(mechanism, Effects(hinges=((5.0, 0.0),) * (2 * count), **effects))  # type: ignore[arg-type]
-    state = State(0.0, ANGLES[:size], RATES[:size])
-    scene.place(state)
-    return scene, state
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.3])
