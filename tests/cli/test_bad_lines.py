@@ -64,6 +64,7 @@ REFUSED = [
     (f"{SWEPT} --video a.mp4", "--video: must be left out with --sweep"),
     (f"{SWEPT} --workers 0", "workers = 0: must be"),
     ("cue_and_impact --workers 2", "must be given with --sweep"),
+    ("film --workers 0", "workers = '0': must be"),
     ("explore none.toml", "none.toml"),
     ("explore --port 99999", "must be a whole number from 0 to"),
     ("compare tool.toml none.toml", "none.toml"),
@@ -102,7 +103,14 @@ def test_a_line_is_refused_in_one_line(line: str, words: str, folder: Path, caps
     assert {path: path.is_symlink() or path.read_text() for path in folder.iterdir()} == before
 
 
-def test_without_its_extra_a_sweep_names_it(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    monkeypatch.setitem(sys.modules, "bristle_sim.cli.sweep", None)
-    assert command.main(shlex.split(SWEPT)) == 2
-    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep]" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("line", "module", "words"),
+    [
+        (SWEPT, "cli.sweep", "--sweep needs the extra sweep: pip install bristle-sim[sweep]"),
+        ("explore", "cli.explore.server", "pip install 'bristle-sim[explore]' brings it"),
+    ],
+)
+def test_a_missing_extra_is_named(line: str, module: str, words: str, monkeypatch: pytest.MonkeyPatch, capsys):
+    monkeypatch.setitem(sys.modules, f"bristle_sim.{module}", None)
+    assert command.main(shlex.split(line)) == 2
+    assert words in capsys.readouterr().err

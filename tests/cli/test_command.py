@@ -42,6 +42,8 @@ def test_help_and_version(capsys: pytest.CaptureFixture[str]):
     assert "--list-keys" in out
 
 
+# argcomplete leaves its stream to the garbage collector.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize(
     ("line", "completed"),
     [
@@ -53,19 +55,18 @@ def test_help_and_version(capsys: pytest.CaptureFixture[str]):
         ("bristle-sim single_pendulum --list", ["--list-keys"]),
     ],
 )
-def test_a_shell_completes_scenarios_options_and_keys(line: str, completed: list[str], tmp_path: Path):
+def test_a_shell_completes_scenarios_options_and_keys(line: str, completed: list[str], tmp_path: Path, monkeypatch):
     """As the shell asks: the line in the environment, the answer in the file that the environment names."""
     pytest.importorskip("argcomplete")
-    answer = tmp_path / "answer"
-    breaks = " \t\n\"'><=;|&(:"
     asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
-    asked |= {
-        "_ARGCOMPLETE_IFS": "\n",
-        "_ARGCOMPLETE_COMP_WORDBREAKS": breaks,
-        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer),
-    }
-    subprocess.run([sys.executable, "-m", "bristle_sim"], env=os.environ | asked, check=False, timeout=60)
-    assert [each.rstrip() for each in answer.read_text().split("\n")] == completed
+    asked |= {f"_ARGCOMPLETE_{name}": value for name, value in {"IFS": "\n", "COMP_WORDBREAKS": " =:"}.items()}
+    asked["_ARGCOMPLETE_STDOUT_FILENAME"] = str(tmp_path / "answer")
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.delattr(os, "fdopen")  # by which it would take the tests' ninth file
+    with pytest.raises(SystemExit):
+        command.main([])
+    assert [each.rstrip() for each in (tmp_path / "answer").read_text().split("\n")] == completed
 
 
 def test_a_distribution_carries_its_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("zarr", reason="needs the extra sweep")
 
-from bristle_sim.cli import command
+from bristle_sim.cli import command, sweep
 from bristle_sim.studies.strike_point import strike_of_keys
 
 
@@ -42,10 +42,14 @@ def test_a_sweep_over_one_key_is_the_single_passes(tmp_path: Path, capsys: pytes
     assert json.loads(capsys.readouterr().out)["columns"] == found["columns"]
 
 
-def test_a_sweep_over_two_keys_is_a_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_sweep_over_two_keys_is_a_map_and_more_rows_than_a_terminal_shows_are_in_files(
+    tmp_path: Path, capsys, monkeypatch
+):
+    monkeypatch.setattr(sweep, "MOST_ROWS", 3)
     keys = ("--sweep", "friction=0.1:0.3:2", "--sweep", "hub_speed=2400rpm:2600rpm:2", "--set", "accuracy=1e-3")
     assert called(*keys, "--plot", str(tmp_path / "map.png")) == 0
-    assert "2 values of friction and 2 values of hub_speed: 4 points, all with results" in capsys.readouterr().out
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line == "2 values of friction and 2 values of hub_speed: 4 points, all with results."
     assert (tmp_path / "map.png").stat().st_size > 0
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import re
 import threading
+import time
 import urllib.parse
 import urllib.request
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +23,7 @@ from bristle_sim.cli import command
 pytest.importorskip("flask")
 
 from bristle_sim.cli.explore import explore
+from bristle_sim.cli.explore import server as server_module
 from bristle_sim.cli.explore.server import application, server
 
 
@@ -74,6 +77,19 @@ def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) 
     assert client.get("/download/json").json["answer"]
     assert "<h1>From bar to rebound" in client.get("/download/html").text
     assert "must" in client.get("/radial?bar_radius=0.05").json["error"]
+
+
+def test_a_wire_that_bends_runs_beside_the_server(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A newer run of the same page ends the older one, and a server takes no more than it can bear."""
+    slow, wire = server_module.SlowRuns(), ["wire_links=2", "accuracy=1e-3"]
+    with ThreadPoolExecutor(1) as pool:
+        older = pool.submit(slow.compute, "page", [], ["wire_links=24"])
+        while not slow._running:
+            time.sleep(0.01)
+        assert slow.compute("page", [], wire)["answer"].startswith("The bristle strikes at ")
+        assert older.result()["error"] == "stopped by a newer run"
+    monkeypatch.setattr(server_module, "MOST_CLIENTS", 0)
+    assert "the server is busy" in client.get(f"/run?{'&'.join(wire)}").json["error"]
 
 
 def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

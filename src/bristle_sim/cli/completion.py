@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections.abc import Iterable
 
 import argcomplete
@@ -23,7 +24,7 @@ def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
     parser.add_argument("scenario", choices=[*names])
     if scenario is None:
         parser.add_argument("tools", nargs="*")  # files of a command
-    argcomplete.autocomplete(parser)
+    argcomplete.autocomplete(parser, exit_method=sys.exit)
 
 
 def typed_words() -> list[str]:
