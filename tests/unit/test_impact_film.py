@@ -36,7 +36,7 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     scene = ImpactFilm(shown, width=320, height=180)
     assert scene.motion.compression_end == pytest.approx(5e-5, rel=1e-5)
     # Impulse over duration: the mean force of 2.8 mN s in some 100 us; the peak is at most pi/2 of it in either half.
-    assert 20.0 < scene.motion.normal_force.max() < 100.0
+    assert 20.0 < scene.motion.largest("normal_force") < 100.0
     written = "\n".join(each.get_text() for each in scene.figure.texts)
     assert "compression 50 µs (as printed, for the film)" in written
 
@@ -52,8 +52,7 @@ def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> N
 
 def test_film_shows_the_motion(pendulum: Impacts) -> None:
     scene = ImpactFilm(pendulum, width=320, height=180, duration=4.0)
-    stop = scene.motion.slip_stop
-    assert stop is not None
+    stop = next(phase.start for phase in scene.motion.phases if phase.caption == "restitution reverse slip")
     film_time = float(scene.warp.film_time(stop))
     scene.show(film_time)
     for marker, name, factor in scene.markers:

@@ -16,7 +16,7 @@ from bristle_sim.studies.cue_timing import CueTiming
 from bristle_sim.theory.cueing import released_motion
 
 POINTS = 400  # instants of the formula's curve
-PLAN = (8.6, 1.2, 7.2, 8.6)  # place of the drawing to scale, cm
+PLAN = (8.6, 2.9, 7.2, 6.9)  # place of the drawing to scale, cm
 
 
 @styled()

@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
-from bristle_sim.render.style import MILLIMETRES, scale_for
+from bristle_sim.render.style import MILLIMETRES, note, scale_for
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 BAR_SHOWN = 2.0  # a bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture
@@ -28,8 +27,7 @@ GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.
 """Look of parts at rest: a workpart, the bracket of a hinge."""
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """The rectangle that a drawing shows, in the unit of its points."""
 
     left: float
@@ -38,8 +36,8 @@ class View:
     top: float
 
     @classmethod
-    def around(cls, points: Sequence[ArrayLike], aspect: float, margin: float) -> View:
-        """Return the smallest view of that ratio of width to height around arrays of points, shape (..., 2).
+    def around(cls, points: Sequence[ArrayLike], aspect: float | None, margin: float) -> View:
+        """Return the smallest view of a ratio of width to height, or of any, around arrays of points, shape (..., 2).
 
         ``margin`` is the free border as a fraction of the points' larger extent.
         """
@@ -47,6 +45,7 @@ class View:
         (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
         border = margin * max(right - left, top - bottom, 1e-300)
         width, height = right - left + 2.0 * border, top - bottom + 2.0 * border
+        aspect = aspect or width / height
         across, up = max(0.0, height * aspect - width) / 2.0 + border, max(0.0, width / aspect - height) / 2.0 + border
         return cls(left - across, right + across, bottom - up, top + up)
 
@@ -87,15 +86,14 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
     axes.set_axis_off()
     draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
-    most = LONGEST_SCALE_BAR * (view.right - view.left)
-    decade = 10.0 ** math.floor(math.log10(most))
-    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= most * (1.0 + 1e-9))
-    shown, halo = scale_for(length / MILLIMETRES, "m"), [withStroke(linewidth=4.0, foreground="white")]
+    longest, halo = LONGEST_SCALE_BAR * (view.right - view.left), [withStroke(linewidth=4.0, foreground="white")]
+    decade = 10.0 ** math.floor(math.log10(longest))
+    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1e-9))
+    shown = scale_for(length / MILLIMETRES, "m")
     end, height = view.right - 0.025 * (view.right - view.left), view.bottom + 0.03 * (view.top - view.bottom)
     axes.plot([end - length, end], [height, height], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
-    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "path_effects": halo}
-    words = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}"
-    axes.annotate(words, (end - 0.5 * length, height), (0.0, 5.0), fontsize=letter_size, **look)
+    words, place = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}", (end - 0.5 * length, height)
+    note(axes, words, place, (0.0, 5.0), fontsize=letter_size, color=BLACK, ha="center", path_effects=halo)
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
@@ -129,13 +127,13 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
     # As near to the hub's centre as the view lets it.
     x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
     y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
-    names = [("hub", (x, y), "center", HUB_COLOUR)] if math.hypot(x, y) < 0.9 * radius else []
+    names = {"hub": ((x, y), "center", HUB_COLOUR)} if math.hypot(x, y) < 0.9 * radius else {}
     if tool.bar is not None:
-        centre = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1])
-        names.append(("bar", centre, "center", BAR_COLOUR))
+        x, y = (MILLIMETRES * each for each in tool.bar.centre)
+        names["bar"] = ((x, y), "center", BAR_COLOUR)
     if tool.workpart is not None:
-        names.append(("workpart", (left + 0.025 * width, bottom + 0.03 * height), "left", "white"))
-    for name, place, side, ground in names:
+        names["workpart"] = ((left + 0.025 * width, bottom + 0.03 * height), "left", "white")
+    for name, (place, side, ground) in names.items():
         halo = [withStroke(linewidth=2.5, foreground=ground)]
         axes.text(*place, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
 
@@ -151,19 +149,19 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
     Centre lines have the shape (corners, 2), m. A touch is where a corner or an end is within 1.05 diameters of the other line.
     """
     places = []
-    for pair in itertools.pairwise(lines):
-        near = [(point, _foot(point, other)) for line, other in (pair, pair[::-1]) for point in line[1:]]
-        point, foot = min(near, key=lambda each: float(np.hypot(*(each[0] - each[1]))))
-        if np.hypot(*(point - foot)) < 1.05 * diameter:
+    for one, other in itertools.pairwise(lines):
+        pairs = [(point, _foot(point, line)) for points, line in ((one, other), (other, one)) for point in points[1:]]
+        point, foot = min(pairs, key=lambda pair: math.dist(*pair))
+        if math.dist(point, foot) < 1.05 * diameter:
             places.append(0.5 * (point + foot))
     return MILLIMETRES * np.reshape(places, (-1, 2))
 
 
 def _foot(point: Array, line: Array) -> Array:
     """Return the point of a polyline that is nearest to a point."""
-    starts, along = line[:-1], np.diff(line, axis=0)
-    part = np.clip(((point - starts) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-    feet: Array = starts + part[:, None] * along
+    along = np.diff(line, axis=0)
+    part = np.clip(((point - line[:-1]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    feet = line[:-1] + part[:, None] * along
     return np.asarray(feet[np.argmin(np.hypot(*(point - feet).T))])
 
 
@@ -190,8 +188,8 @@ class WireDrawing:
         self.wire.set_data(*corners.T)
         self.root.set_data(root[:1], root[1:])
         if len(self.artists) > 2:
-            rim, length = math.hypot(*root), float(np.hypot(*np.diff(corners, axis=0).T).sum())
-            outward = root / rim if rim > 0.0 else np.zeros(2)
-            self.radial.set_data(*np.array([root, root + length * outward]).T)
-            turns = np.exp(1j * np.arange(1, 12) * (np.pi / 6.0)) * complex(*root)
-            self.ring.set_data(turns.real, turns.imag)
+            length, turns = float(np.hypot(*np.diff(corners, axis=0).T).sum()), np.arange(1, 12) * (np.pi / 6.0)
+            end = root * (1.0 + length / max(math.hypot(*root), 1e-300))
+            self.radial.set_data(*np.array([root, end]).T)
+            roots = np.exp(1j * turns) * complex(*root)
+            self.ring.set_data(roots.real, roots.imag)

@@ -7,16 +7,16 @@ import math
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -40,8 +40,7 @@ DOTS_PER_INCH = 100.0
 GIF_COLOURS, GIF_SAMPLES = 64, 30  # colours of a gif's one palette, and from how many frames it is taken
 
 
-@dataclass(frozen=True, slots=True)
-class TimeWarp:
+class TimeWarp(NamedTuple):
     """Film time and physical time at the same nodes, both ascending, s; ``slow_down`` is d film/d physical."""
 
     film: Array
@@ -115,6 +114,14 @@ class Film(ABC):
         self.hands: list[Line2D] = []
         self.texts: tuple[str, ...] = ()
 
+    def add_timeline(self, place: tuple[float, float, float, float], letters: float) -> Axes:
+        """Add a panel over the film's clock, with a line that shows the instant and letters of this size on its scales."""
+        axes = self.figure.add_axes(place)
+        axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
+        axes.tick_params(labelsize=letters)
+        self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
+        return axes
+
     @abstractmethod
     def move(self, time: float) -> Sequence[str]:
         """Move everything to an instant of the run, s; return the caption and the texts of the read-outs."""
@@ -162,13 +169,12 @@ class Film(ABC):
             try:
                 import_module("imageio_ffmpeg").get_ffmpeg_exe()
             except (ImportError, RuntimeError):
-                advice = "pip install bristle-sim[video], or a .gif"
-                reason = f"mp4 needs imageio-ffmpeg with an ffmpeg for this machine: {advice}"
-                raise ValueError(f"{target}: {reason}") from None
+                advice = "mp4 needs imageio-ffmpeg with an ffmpeg for this machine: pip install bristle-sim[video], or a .gif"
+                raise ValueError(f"{target}: {advice}") from None
+            if any(edge % 2 for edge in self.pixels):
+                raise ValueError(f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)")
         if not 0.0 < fps <= HIGHEST_RATE[kind]:
             raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST_RATE[kind]:g} for {kind} (in 1/s)")
-        if kind == ".mp4" and any(edge % 2 for edge in self.pixels):
-            raise ValueError(f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)")
         times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
         with complete_or_absent(target) as partial:
             (_write_mp4 if kind == ".mp4" else _write_gif)(partial, self, times, fps)
@@ -183,13 +189,10 @@ def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
     """Return the instants of the frames, counted on a terminal where tqdm is installed."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return times
     with contextlib.suppress(ImportError):
-        from tqdm import tqdm
-
-        counted: Iterable[float] = tqdm(times, unit="frame", leave=False, file=sys.stderr)
-        return counted
+        if sys.stderr is not None and sys.stderr.isatty():
+            counted: Iterable[float] = import_module("tqdm").tqdm(times, unit="frame", leave=False, file=sys.stderr)
+            return counted
     return times
 
 

@@ -32,11 +32,9 @@ PANELS = (
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
 BEFORE, AFTER = 0.10, 0.18  # free motion shown before and after, as fractions of the time in touch
-BRIEF = 1e-3  # slip that stops earlier, as a fraction of the time in touch, is not shown
-ROUNDING = 1e-6  # velocities below this fraction of the fastest are drawn as zero
+STILL = 1e-6  # velocities below this fraction of the fastest are drawn as zero
 ARROW = 0.3  # length of the tip's velocity before the impact, as a fraction of its drawing's height
 LONGEST_FORCE = 0.28  # length of the largest force, as a fraction of its drawing's height
-LEAST_DEPTH = 0.08  # the depth of a grazing tip is stretched until it takes this much of the drawing's height
 LETTERS = 15.0  # height of the letters in a picture of normal size, px
 CRATER = 0.02  # depth at which the tip leaves, as a fraction of the largest, from which on the picture explains it
 TIP_RADIUS, ROD_LENGTH = 9.0, 300.0  # size of the enlarged rod's end, not to scale, points in a picture of normal size
@@ -48,43 +46,29 @@ class ContactMotion:
 
     Attributes:
         time: s, from the first touch; negative before it.
-        normal_velocity, tangential_velocity: of the tip, m/s.
-        normal_force, tangential_force: on the tip, N.
-        depth, along: displacement of the tip below the surface and along it since the first touch, m.
+        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces on it (``normal_force``,
+            ``tangential_force``, N), and its displacement since the first touch, ``depth`` below the surface and ``along`` it, m.
         phases: what happens from when on, e.g. ``compression slip``; the first is the arrival, the last the outcome.
         touch_end: when the contact ends, s.
     """
 
     time: Array
-    normal_velocity: Array
-    tangential_velocity: Array
-    normal_force: Array
-    tangential_force: Array
-    depth: Array
-    along: Array
+    samples: dict[str, Array]
     phases: tuple[Phase, ...]
     touch_end: float
 
-    @property
-    def fastest(self) -> float:
-        """Highest speed of the tip, m/s."""
-        return float(np.hypot(self.normal_velocity, self.tangential_velocity).max())
+    def largest(self, *names: str) -> float:
+        """Return the largest size of a vector of these components."""
+        return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
 
     @property
     def compression_end(self) -> float:
         """When the tip is deepest in the surface, s from the first touch."""
-        return float(self.time[int(np.argmax(self.depth))])
-
-    @property
-    def slip_stop(self) -> float | None:
-        """When the slip of arrival comes to its end, s; None if it does not."""
-        later = (phase.start for phase in self.phases[2:-1] if phase.caption.partition(" ")[2] != "slip")
-        stop = next(later, 0.0)
-        return stop if stop > BRIEF * self.touch_end else None
+        return float(self.time[int(np.argmax(self.samples["depth"]))])
 
     def at(self, name: str, time: float) -> float:
-        """One of the arrays at an instant, s."""
-        return float(np.interp(time, self.time, getattr(self, name)))
+        """Return one of the samples' arrays at an instant, s."""
+        return float(np.interp(time, self.time, self.samples[name]))
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
@@ -96,15 +80,23 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     history = record.history
     if history is None or history.time.size < 2:
         raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
-    clock = history.time - history.time[0]
-    motion = (history.normal_velocity, history.tangential_velocity, history.normal_force, history.tangential_force)
-    samples = np.stack([*motion, history.penetration, slide_path(history)])
-    end, first, last = float(clock[-1]), samples[:, 0], samples[:, -1]
-    if record.outcome == "rebound":
-        after = [_freely(last, 0.0), _freely(last, AFTER * end)]
-    else:
-        after = [np.array([0.0, 0.0, *last[2:]])] * 2
-    columns = np.column_stack([_freely(first, -BEFORE * end), _freely(first, 0.0), samples, *after])
+    clock, samples = history.time - history.time[0], {
+        "normal_velocity": history.normal_velocity, "tangential_velocity": history.tangential_velocity,
+        "normal_force": history.normal_force, "tangential_force": history.tangential_force,
+        "depth": history.penetration, "along": slide_path(history),
+    }  # fmt: skip
+    end, touching = float(clock[-1]), np.array([*samples.values()])
+
+    def freely(state: Array, elapsed: float) -> Array:
+        """Return velocities, no forces, and displacements a time after a state, s."""
+        normal, tangential, _, _, depth, along = state.tolist()
+        return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])
+
+    before = [freely(touching[:, 0], elapsed) for elapsed in (-BEFORE * end, 0.0)]
+    after = [freely(touching[:, -1], elapsed) for elapsed in (0.0, AFTER * end)]
+    if record.outcome != "rebound":
+        after = [np.array([0.0, 0.0, *touching[2:, -1]])] * 2
+    columns = np.column_stack([*before, touching, *after])
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
     # A piece of no length is rounding at the end of another one.
     parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[-len(record.phases) :]
@@ -112,38 +104,24 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
     outcome = Phase(end, ending.get(record.outcome, record.outcome))
     phases = (Phase(-BEFORE * end, "the tip arrives"), *named, outcome)
-    v_n, v_t, normal, tangential, depth, along = columns
-    return ContactMotion(time, v_n, v_t, normal, tangential, depth, along, phases, end)
-
-
-def _freely(state: Array, elapsed: float) -> Array:
-    """Return velocities, no forces, and displacements a time after a state, s."""
-    normal, tangential, _, _, depth, along = state.tolist()
-    return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])
+    return ContactMotion(time, dict(zip(samples, columns, strict=True)), phases, end)
 
 
 class TipDrawing:
-    """The surface and the tip's way, to scale but for a grazing tip's depth; the rod's end and the forces are not to scale.
-
-    Attributes:
-        scale, stretch: of the drawing, and the factor by which it draws depth larger.
-        moving: trail, rod and forces.
-    """
+    """The surface and the tip's path, to scale; the rod's end and the forces are not to scale. ``moving`` are its artists."""
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
+        along, depth = motion.samples["along"], motion.samples["depth"]
         self._motion, box, size = motion, axes.get_window_extent(), 0.62 * letters
-        self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
-        way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
-        view, depth = View.around([way], box.width / box.height, 0.5), max(float(np.ptp(way[:, 1])), 1e-300)
+        self.scale = scale_for(max(float(np.ptp(along)), float(np.ptp(depth))), "m")
+        self._path = np.stack([along, -depth], axis=-1) * self.scale.factor
+        view = View.around([self._path], box.width / box.height, 0.5)
         height = view.top - view.bottom
-        self.stretch = max(1.0, LEAST_DEPTH * height / depth)
-        axes.set(xlim=(view.left, view.right), ylim=(view.bottom / self.stretch, view.top / self.stretch))
-        axes.set_aspect(self.stretch)
+        view.apply(axes)
         axes.grid(visible=False)
         axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
-        deeper = f", drawn {self.stretch:.2g} times as large" if self.stretch > 1.0 else ""
         axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size)
-        axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=size)
+        axes.set_ylabel(f"away from it ({self.scale.unit})", fontsize=size)
         axes.tick_params(labelsize=0.9 * size)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
         outline = _rod_outline(last_rod) * letters / LETTERS
@@ -151,11 +129,11 @@ class TipDrawing:
         (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
         self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
         self.moving = [self.trail, self.rod, *self.forces]
-        strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
+        strongest = motion.largest("normal_force", "tangential_force") or 1.0
         self._newton, self._shortest = LONGEST_FORCE / strongest * height, 0.02 * height
         words: dict[str, Any] = {"transform": axes.transAxes, "fontsize": size}
         left = motion.at("depth", motion.touch_end)
-        if left > CRATER * motion.depth.max():
+        if left > CRATER * depth.max():
             crater = scale_for(left, "m")
             deep = f"{left * crater.factor:.3g} {crater.unit}"
             why = (
@@ -169,13 +147,12 @@ class TipDrawing:
         """Move the rod's end, its trail and the forces to an instant, s."""
         motion, factor = self._motion, self.scale.factor
         x, y = motion.at("along", time) * factor, -motion.at("depth", time) * factor
-        past = slice(np.searchsorted(motion.time, time, side="right"))
-        way = np.stack([motion.along[past], -motion.depth[past]]) * factor
-        self.trail.set_data(*np.column_stack([way, [x, y]]))
+        past = self._path[: np.searchsorted(motion.time, time, side="right")]
+        self.trail.set_data(*np.vstack([past, [x, y]]).T)
         self.rod.set_data([x], [y])
         up, aside = (motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential"))
         # The normal arrow ends at the tip: above it is the rod.
-        point_arrow(self.forces[0], (x, y - up / self.stretch), (x, y), shortest=self._shortest / self.stretch)
+        point_arrow(self.forces[0], (x, y - up), (x, y), shortest=self._shortest)
         point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self._shortest)
 
 
@@ -188,30 +165,25 @@ class ImpactFilm(Film):
     size, letter_size = (960, 540), LETTERS
 
     @styled()
-    def __init__(
-        self, impacts: Impacts, *, width: int = 960, height: int = 540, duration: float = 10.0, slower: float = 3.0
-    ) -> None:
+    def __init__(self, impacts: Impacts, *, width: int = 960, height: int = 540, duration: float = 10.0) -> None:
         if "compliant" not in impacts.strikes:
             raise ValueError("contact: not resolved in time for these values; there is no motion to film")
         struck, surface = impacts.strikes["compliant"], impacts.surface
         self.motion = motion = contact_motion(struck.contact)
-        focus = () if motion.slip_stop is None else (motion.slip_stop,)
-        start, end = motion.time[[0, -1]].tolist()
-        warp = slow_motion(start, end, duration, focus, slower=slower, width=0.05)
+        warp = slow_motion(float(motion.time[0]), float(motion.time[-1]), duration)
         super().__init__(warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s"))
-        top, line = 1.0 - HEADER, struck.centre_line
+        self.fastest, top = motion.largest("normal_velocity", "tangential_velocity"), 1.0 - HEADER
         self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
+        self.arrow = draw_chain(self.chain, struck.centre_line, impacts.chain.hub_radius)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
-        self.tip = TipDrawing(close_up, motion, line[-1] - line[-2], self.letters)
+        self.tip = TipDrawing(close_up, motion, struck.centre_line[-1] - struck.centre_line[-2], self.letters)
         self.markers: list[tuple[Line2D, str, float]] = []
         for number, row in enumerate(PANELS):
             self._draw_panel(number, *row)
         self.moving = [*self.tip.moving, self.arrow, *self.hands, *(each for each, *_ in self.markers)]
         source = f" ({impacts.timing})" if impacts.timing else ""
-        compressed, touched = (
-            f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in (motion.compression_end, motion.touch_end)
-        )
+        instants = (motion.compression_end, motion.touch_end)
+        compressed, touched = (f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in instants)
         words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
         self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY)
 
@@ -219,13 +191,13 @@ class ImpactFilm(Film):
         """Move drawings and markers to an instant, s; the arrow ends at a tip that comes, and begins at one that leaves."""
         motion, height = self.motion, float(np.ptp(self.chain.get_ylim()))
         tangential, normal = motion.at("tangential_velocity", time), motion.at("normal_velocity", time)
-        x, y = ARROW * height / motion.fastest * np.array([tangential, normal])
+        x, y = ARROW * height / self.fastest * np.array([tangential, normal])
         start, end = ((-x, -y), (0.0, 0.0)) if normal < 0.0 else ((0.0, 0.0), (x, y))
         point_arrow(self.arrow, start, end, shortest=0.006 * height)
         self.tip.move(time)
         for marker, name, factor in self.markers:
             marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
-        speed = scale_for(motion.fastest, "m/s")
+        speed = scale_for(self.fastest, "m/s")
         words = (("away", normal), ("along", tangential))
         texts = (f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words)
         half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
@@ -235,27 +207,25 @@ class ImpactFilm(Film):
         motion, letters, height = self.motion, 0.6 * self.letters, (1.0 - HEADER - 0.13) / len(PANELS)
         lowest, clock = number == len(PANELS) - 1, self.clock.factor
         bottom = 0.10 + (len(PANELS) - 1 - number) * height
-        axes = self.figure.add_axes((0.685, bottom, 0.305, height - 0.035))
-        largest = max(float(np.abs(getattr(motion, name)).max()) for name in lines)
-        least = ROUNDING * motion.fastest if unit == "m/s" else 0.0
+        axes = self.add_timeline((0.685, bottom, 0.305, height - 0.035), 0.9 * letters)
+        largest = max(motion.largest(name) for name in lines)
+        least = STILL * self.fastest if unit == "m/s" else 0.0
         scale = scale_for(max(largest, least), unit)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         for name, color in lines.items():
-            axes.plot(motion.time * clock, getattr(motion, name) * scale.factor, color=color, linewidth=1.8)
+            axes.plot(motion.time * clock, motion.samples[name] * scale.factor, color=color, linewidth=1.8)
             (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
             self.markers.append((marker, name, scale.factor))
-        self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
         ends = [*(phase.start for phase in motion.phases[1:]), float(motion.time[-1])]
         for phase, end in zip(motion.phases, ends, strict=True):
             color = PHASE_COLOURS.get(phase.caption, "white")
             axes.axvspan(phase.start * clock, end * clock, color=color, linewidth=0.0, zorder=0)
-        axes.set_xlim(*motion.time[[0, -1]] * clock)
         axes.margins(y=0.1)
         if largest < least:
             axes.set_ylim(-least * scale.factor, least * scale.factor)
         axes.set_ylabel(f"{title} ({scale.unit})", fontsize=letters)
         axes.locator_params(axis="y", nbins=5)
-        axes.tick_params(labelsize=0.9 * letters, labelbottom=lowest)
+        axes.tick_params(labelbottom=lowest)
         axes.set_xlabel(f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters)
 
 

@@ -15,14 +15,16 @@ from bristle_sim.trajectory import Interpolation, Motion, Trajectory
 ROUNDS, TRIED = 12, 0.4
 """Most times that an interval is halved, and where in it the page's interpolation is tried: where errors do not cancel."""
 
-SHOWN = {"line": 0.001, "speed": 0.01, "retraction": 0.001, "force": 0.0007}
-"""Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, m/s, degrees and N."""
+SHOWN = {"line": 0.001, "retraction": 0.001, "force": 0.0007}
+SPEED_SHOWN = 0.01
+"""Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, degrees, N, and m/s of the tip."""
 
 STRIKE_SHOWN = 0.01  # part of the run for which an impact at an instant is shown
 PLAYED, IN_CONTACT = 8000, 0.08
 """Steps of the slider, a millisecond each when it plays, and the least part of them that a contact resolved in time gets."""
 
-Columns = dict[str, Array]
+Columns = dict[str, tuple[Array, Array]]
+"""Values and slopes of the line's corners, mm, the retraction, degrees, and the force, N, each (n, m); times are in ms."""
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
@@ -34,13 +36,18 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     interpolation, end = Interpolation(run), story_end(run)
     time = _nodes(interpolation, end)
     before, after = _columns(interpolation(time, "before")), _columns(interpolation(time))
-    columns = {name: np.stack([before[name], after[name]], axis=1) for name in after}
+    columns = {name: np.stack([np.hstack(before[name]), np.hstack(after[name])], axis=1) for name in after}
     jumps = [np.abs(np.diff(each, axis=1)).max(axis=(1, 2)) > 1e-9 for each in columns.values()]
     kept = np.stack([np.any(jumps, axis=0) & (time > time[0]), np.ones(time.size, dtype=bool)], axis=1)
+    # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
+    nodes = {name: np.round(each[kept], 9) for name, each in columns.items()}
+    line, velocity = np.hsplit(nodes["line"], 2)
     return {
-        # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
         "time": np.round(MILLISECONDS * np.stack([time, time], axis=1)[kept], 12).tolist(),
-        **{name: np.round(each[kept], 9).tolist() for name, each in columns.items()},
+        "line": line.tolist(),
+        "velocity": velocity.tolist(),
+        "retraction": nodes["retraction"].tolist(),
+        "force": nodes["force"][:, :1].tolist(),
         "hub": [float(run.hub_angle[0]), run.hub_speed / MILLISECONDS],
         "clock": _clock(run, end).tolist(),
         "hubRadius": tool.hub.radius * MILLIMETRES,
@@ -77,35 +84,28 @@ def _nodes(interpolation: Interpolation, end: float) -> Array:
 
 
 def _columns(motion: Motion) -> Columns:
-    """Return the columns of the nodes, each of shape (n, m); m/s are mm/ms."""
-    count = motion.time.size
-    return {
-        "line": (motion.centre_line * MILLIMETRES).reshape(count, -1),
-        "velocity": motion.centre_line_velocity.reshape(count, -1),
-        "retraction": np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS]).T,
-        "force": motion.normal_force[:, np.newaxis],
-    }
+    """Return values and slopes of what the page interpolates; m/s are mm/ms, and the force between nodes is a straight line."""
+    shape, force = (motion.time.size, -1), motion.normal_force[:, np.newaxis]
+    retraction, falling = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])[..., np.newaxis]
+    velocity = motion.centre_line_velocity.reshape(shape)
+    line = (motion.centre_line * MILLIMETRES).reshape(shape), velocity
+    return {"line": line, "retraction": (retraction, falling), "force": (force, np.zeros_like(force))}
 
 
 def _differs(length: Array, start: Columns, end: Columns, motion: Columns) -> Any:
     """Return in which intervals of a length, ms, the page's interpolation differs visibly from the motion at TRIED."""
-    s, h = TRIED, length[:, np.newaxis]
-
-    def cubic(p: Array, v: Array, q: Array, w: Array) -> tuple[Array, Array]:
-        """Return Hermite's cubic and its slope from values and slopes at both ends."""
-        v, w = h * v, h * w
-        place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * ((1.0 - s) * v - s * w)
-        return place, (6.0 * s * (s - 1.0) * (p - q) + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w) / h
-
-    line, velocity = cubic(start["line"], start["velocity"], end["line"], end["velocity"])
-    sides = (each["retraction"][:, [column]] for each in (start, end) for column in (0, 1))
-    pairs = {
-        "line": (line, motion["line"]),
-        "speed": [np.linalg.norm(each[:, -2:], axis=1, keepdims=True) for each in (velocity, motion["velocity"])],
-        "retraction": (cubic(*sides)[0], motion["retraction"][:, :1]),
-        "force": (start["force"] + s * (end["force"] - start["force"]), motion["force"]),
-    }
-    return np.any([np.abs(a - b).max(axis=1) > SHOWN[name] for name, (a, b) in pairs.items()], axis=0)
+    s, h, wrong = TRIED, length[:, np.newaxis], []
+    for name, shown in SHOWN.items():
+        (p, v), (q, w), (true, velocity) = start[name], end[name], motion[name]
+        # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight line.
+        place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * h * ((1.0 - s) * v - s * w)
+        slope = 6.0 * s * (s - 1.0) * (p - q) / h + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w
+        place = p + s * (q - p) if name == "force" else place
+        wrong.append(np.abs(place - true).max(axis=1) > shown)
+        if name == "line":
+            speeds = (np.hypot(*each[:, -2:].T) for each in (slope, velocity))
+            wrong.append(np.abs(np.subtract(*speeds)) > SPEED_SHOWN)
+    return np.any(wrong, axis=0)
 
 
 def _clock(run: Trajectory, end: float) -> Array:

@@ -8,7 +8,6 @@ import platform
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from html import escape
 from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -32,7 +31,6 @@ Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 
 LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")  # libraries whose version may change a digit or a line
-SHORT, LONG = 16, 60  # letters of a cell that stays in one line, and of one that needs a wide column
 BEFORE_UNIT = re.compile(
     r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
 )
@@ -70,21 +68,21 @@ def write_report(
             figures = _embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
         except ValueError as error:
             missing = f"no figure: {error}"
-    rows = status_table(report.extra.get("rows"))
-    remarks = [each for each in (*report.remarks, missing) if each and not (rows and ALIGNED.search(each))]
+    rows: Sequence[Mapping[str, Any]] = report.extra.get("rows") or [{}]
+    rows = rows if "status" in rows[0] else []
     content = {
         "name": name,
         "question": question,
         "command": command,
-        "answer": report.answer or (f"Outcome: {report.outcome}." if report.outcome else ""),
+        "parameters": parameters,
+        "figures": figures,
+        "report": report,
         "verdict": verdict(report),
         "table": cells(report.quantities),
-        "tables": report.tables,
         "rows": rows,
-        "phases": report.phases,
-        "remarks": remarks,
-        "parameters": [(declared, _shown(value), value == default) for declared, value, default in parameters],
-        "figures": figures,
+        "head": [key for key in rows[0] if any(row[key] not in (None, "") for row in rows)] if rows else [],
+        "counts": Counter(row["status"] for row in rows),
+        "remarks": [each for each in (*report.remarks, missing) if each and not (rows and ALIGNED.search(each))],
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
         "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
         "versions": {"bristle_sim": bristle_sim.__version__, **named_commit(), "Python": platform.python_version()}
@@ -119,23 +117,17 @@ def write_comparison(
     _write(path, "comparison.html.jinja", names=names, passes=passes, changed=changed, rows=rows)
 
 
-def view_page(run: Trajectory) -> str:
-    """Return the motion with its slider as a frame for a notebook, whose page keeps its own style and names."""
-    page = _page("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
-    look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
-    return f'<iframe srcdoc="{escape(page)}" {look}></iframe>'
-
-
 def explore_page(knobs: Sequence[dict[str, Any]]) -> str:
     """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`; it asks its own server for runs."""
-    return _page("explore.html.jinja", keys=knobs)
+    return filled("explore.html.jinja", keys=knobs)
 
 
-def _page(template: str, **content: Any) -> str:
+def filled(template: str, **content: Any) -> str:
     """Return the page of some content; spaces between a number and its unit do not break, names may after an underscore."""
     loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    environment.filters["shown"] = _shown
     environment.filters["bound"] = lambda text: BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", str(text))
     environment.filters["breakable"] = lambda name: Markup("_<wbr>").join(str(name).split("_"))
     return environment.get_template(template).render(content)
@@ -143,7 +135,7 @@ def _page(template: str, **content: Any) -> str:
 
 def _write(path: Path, template: str, **content: Any) -> None:
     with complete_or_absent(path) as partial:
-        partial.write_text(_page(template, **content), encoding="utf-8")
+        partial.write_text(filled(template, **content), encoding="utf-8")
 
 
 def verdict(report: Report) -> str:
@@ -154,29 +146,6 @@ def verdict(report: Report) -> str:
         return ""
     said = f"{len(judged) - len(missed)} of {len(judged)} comparisons that have a tolerance are within it"
     return f"{said}; not: {', '.join(missed)}." if missed else f"{said}."
-
-
-def status_table(rows: Sequence[Mapping[str, Any]] | None) -> dict[str, Any] | None:
-    """Return head, cells and the number of rows by status of rows that have one; None where they have none."""
-    if not rows or "status" not in rows[0]:
-        return None
-    plain = str | float | int | None
-    names = [name for name in rows[0] if name != "formula" and all(isinstance(row.get(name), plain) for row in rows)]
-    names = [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
-    return {
-        "head": names,
-        "rows": [[_shown(row.get(name), "") for name in names] for row in rows],
-        "looks": [_look([row.get(name) for row in rows]) for name in names],
-        "status": names.index("status"),
-        "counts": Counter(row["status"] for row in rows),
-    }
-
-
-def _look(column: Sequence[object]) -> str:
-    if all(isinstance(value, float | int | None) for value in column):
-        return "number"
-    longest = max(len(str(value)) for value in column)
-    return "short" if longest <= SHORT else "long" if longest > LONG else ""
 
 
 def _embedded_figures(

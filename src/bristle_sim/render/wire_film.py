@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.colours import BLACK, BLUE, ORANGE, VERMILION
+from bristle_sim.render.colours import BLUE, ORANGE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, signed, styled
+from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, signed, styled, write_key
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.theory.wire import hinge_stiffness
@@ -29,24 +28,19 @@ class WireFilm(Film):
 
     @styled()
     def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
-        end = float(struck.wire.time[-1])
-        super().__init__(slow_motion(0.0, end, duration), width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
-        self.struck, figure, top, small = struck, self.figure, 1.0 - HEADER, 0.62 * self.letters
-        self._draw_wires(figure.add_axes((0.0, 0.0, 0.5, top)), small)
-        force = figure.add_axes((0.565, 0.55, 0.35, top - 0.6))
-        wave = figure.add_axes((0.565, 0.115, 0.35, 0.3))
+        warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
+        super().__init__(warp, width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
+        self.struck, small = struck, 0.62 * self.letters
+        self._draw_wires(self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER)), small)
+        force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * small)
+        wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * small)
         for (touch, pushed), color in ((_force(struck.rigid), ORANGE), (_force(struck.wire), BLUE)):
             force.fill_between(touch * MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
             force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
-        self.arrival = _draw_wave(wave, figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck)
-        for axes, title in ((force, "normal force (N)"), (wave, "bending moment along the wire (mN m)")):
-            axes.set_title(title, loc="left", fontsize=small)
-            axes.set_xlim(0.0, end * MICROSECONDS)
-            axes.tick_params(labelsize=0.9 * small)
-            self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
-        wave.set_xlabel(wave.get_xlabel(), fontsize=small)
-        wave.set_ylabel(wave.get_ylabel(), fontsize=small)
+        force.set_title("normal force (N)", loc="left", fontsize=small)
+        wave.set_title("bending moment along the wire (mN m)", loc="left", fontsize=small)
+        self.arrival = _draw_wave(wave, self.figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck, small)
         self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
@@ -55,13 +49,15 @@ class WireFilm(Film):
         pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in runs)
         self.rigid.place(_centre_line(self.struck.rigid, time))
         self.wire.place(line := _centre_line(self.struck.wire, time))
-        (x, y), links = (line[-1] * MILLIMETRES).tolist(), self.struck.strike.tool.bristle.links
+        x, y = (line[-1] * MILLIMETRES).tolist()
         point_arrow(self.arrow, (x, y - self.longest * pushed / force.max()), (x, y), shortest=0.3)
         caption = "the wave is at the root"
         if time > touch[-1]:
             caption = "released, the wire swings on"
-        elif time < self.arrival or links == 1:
-            caption = "the end is struck" + ("; the root does not know of it" if time < self.arrival else "")
+        elif self.struck.strike.tool.bristle.links == 1:
+            caption = "the end is struck"
+        elif time < self.arrival:
+            caption = "the end is struck; the root does not know of it"
         return caption, f"wire {signed(pushed, 1, 5)} N", f"rigid {signed(rigid, 1, 5)} N"
 
     def _draw_wires(self, axes: Axes, letters: float) -> None:
@@ -73,10 +69,10 @@ class WireFilm(Film):
         draw_film_tool(axes, tool, close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1), letters)
         self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
         self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
-        wire, force = f"wire of {links} link{'s' * (links > 1)}", "normal force on its end"
-        named = ((ORANGE, "rigid bristle"), (BLUE, wire), (VERMILION, force))
-        handles = [Line2D([], [], color=color, linewidth=2.5, label=name) for color, name in named]
-        axes.legend(handles=handles, loc="upper left", fontsize=letters, borderaxespad=1.0)
+        wire = f"wire of {links} link{'s' * (links > 1)}"
+        named = {"rigid bristle": ORANGE, wire: BLUE, "normal force on its end": VERMILION}
+        looks = {name: {"color": color, "linewidth": 2.5} for name, color in named.items()}
+        write_key(axes, looks, loc="upper left", ncols=1, fontsize=letters, borderaxespad=1.0)
 
 
 def _force(run: Any) -> tuple[Array, Array]:
@@ -91,7 +87,7 @@ def _centre_line(run: Any, time: float) -> Array:
     return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
 
 
-def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
+def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
     """Draw the bending moments over time and place, root on top; return when the wave is at the hinge next to the root, s."""
     bristle, run = struck.strike.tool.bristle, struck.wire
     time, bends = np.linspace(0.0, run.time[-1], GRID), np.diff(run.angles, axis=1).T
@@ -106,7 +102,9 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     sides = (0.0, float(time[-1]) * MICROSECONDS, length - half, half)
     look: dict[str, Any] = {"cmap": "RdBu", "vmin": -1e3 * most, "vmax": 1e3 * most, "aspect": "auto"}
     picture = axes.imshow(1e3 * moments, extent=sides, interpolation="bilinear", **look)
-    axes.set(ylim=(length, 0.0), xlabel="time since the first touch (µs)", ylabel="from the root (mm)")
+    axes.set_ylim(length, 0.0)
+    axes.set_xlabel("time since the first touch (µs)", fontsize=letters)
+    axes.set_ylabel("from the root (mm)", fontsize=letters)
     axes.grid(visible=False)
     axes.figure.colorbar(picture, cax=scale)
     scale.tick_params(labelsize="x-small")
