@@ -109,6 +109,10 @@ def test_the_results_are_those_that_come_out(capsys: pytest.CaptureFixture[str])
             assert f"{factor * value:.{decimals}f}" == shown[0], (label, side)
 
 
+def test_the_costs_are_those_of_the_kept_results() -> None:
+    assert runpy.run_path(str(ROOT / "docs" / "keep.py"))["costs"]() in README
+
+
 def test_every_scenario_is_in_the_table() -> None:
     table = README[README.index("| scenario | question") :].split("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", table)) == {path.stem for path in (ROOT / "scenarios").glob("*.py")}
