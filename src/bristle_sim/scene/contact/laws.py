@@ -160,11 +160,13 @@ class EngineLaw(ContactLaw):
         touch, _ = contact_at(scene, state, obstacle)
         friction, elasticity = obstacle.friction, obstacle.restitution
         scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)
-        scene.step(ENGINE_STEP, 1)
-        impulse = scene.contacts.totals(obstacle)[:2]
+        record = scene.contacts.record(obstacle, slips=False)
+        record.begin()
+        scene.step(ENGINE_STEP, 1, record.note)
+        ((*impulse, _),) = record.read(touch.normal) or [(0.0, 0.0, 0.0)]
         scene.contacts.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
         velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
-        return self._record(obstacle, state, after.rates, outcome, impulse, (touch.velocity, velocity))
+        return self._record(obstacle, state, after.rates, outcome, (impulse[0], impulse[1]), (touch.velocity, velocity))

@@ -10,21 +10,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from operator import mul
 
 import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
 from bristle_sim.scene.contact.obstacles import Held, Obstacle
-from bristle_sim.scene.contact.shapes import ImpulseRecord
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.mechanism import State, cross
 
 LEAST_SLIP = 1e-9  # slip, in the scene's unit, below which it has no sense, however accurate the run is
 
 LEAST_ACCELERATION = 1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
-
-ROUNDED_PULL = 1e-14  # impulse of a step, in the scene's unit, below which a pull is rounding
 
 TOTALS = 5
 """Numbers of a contact: normal and tangential force in the last step, normal and tangential impulse, friction's work."""
@@ -39,61 +37,29 @@ class RigidContacts:
         pieces: for each contact, the touching straight piece of its link.
         slips: for each contact, the sense of slip that friction opposes until an event changes it. 0 sticks; None is without
             friction, or a lone link that does not slip.
-        paired: whether steps are symmetric in time. Odd and even steps then have errors in the force that cancel in the mean of
-            two.
     """
 
     symmetric = True  # they act alike forwards and backwards in time
 
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
-        self.scene, self.paired = scene, paired
-        self.obstacles, self.slips = tuple(obstacles), list(slips)
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None]) -> None:
+        self.scene, self.obstacles, self.slips = scene, tuple(obstacles), list(slips)
         self.pieces: list[int | None] = [None] * len(obstacles)
-        self._step, self._steps_read = 0.0, -1
-        self._sums: list[list[float]] = []
-        self._last: list[tuple[float, float]] = []
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return the least grip."""
+        """Let the contacts act from a state on; return the least compliance in slip."""
         raise NotImplementedError
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so; those that stick do not slip either."""
         raise NotImplementedError
 
-    def _impulses(self) -> Sequence[tuple[float, float, float]]:
-        """Return normal and tangential impulse of each contact in the step before, and its slip."""
-        raise NotImplementedError
-
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
-        self._step, self._steps_read = step, -1
-        self._sums = [[0.0] * TOTALS for _ in self.obstacles]
-        self._last = [(0.0, 0.0)] * len(self.obstacles)
-        return self._add
-
-    def _add(self) -> None:
-        self._steps_read += 1
-        if not self._steps_read:
-            return
-        step, odd = self._step, self.paired and self._steps_read % 2 == 1
-        for index, (push, rub, slip) in enumerate(self._impulses()):
-            sums, (old_push, old_rub) = self._sums[index], self._last[index]
-            if not odd:
-                mean = 0.5 * (old_push + push) if self.paired else push
-                # Where an earlier step pulled, that counts, so that the contact is released.
-                if mean < -ROUNDED_PULL or sums[0] >= 0.0:
-                    sums[0] = mean / step
-                sums[1] = (0.5 * (old_rub + rub) if self.paired else rub) / step
-            self._last[index] = push, rub
-            sums[2] += push
-            sums[3] += rub
-            sums[4] += rub * slip
+        """Reset the sums. Return a callback to run before each step; it notes the previous step's impulses."""
+        raise NotImplementedError
 
     def totals(self) -> list[float]:
         """Return ``TOTALS`` numbers of each contact, with the last step."""
-        self._add()
-        return [number for sums in self._sums for number in sums]
+        raise NotImplementedError
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -112,8 +78,8 @@ class RigidContacts:
         stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
-    def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
-        """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
+    def compliance_in_slip(self, gaps: Gaps, state: State, index: int = 0) -> float:
+        """Return the gain of v_n per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt, over that of a free link.
 
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
@@ -150,75 +116,104 @@ class RigidContacts:
 class EngineContact(RigidContacts):
     """The engine's own contact of a lone link."""
 
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], _: bool) -> None:
-        super().__init__(scene, obstacles, slips, paired=False)
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None]) -> None:
+        super().__init__(scene, obstacles, slips)
         (self._obstacle,) = obstacles
-        # A push alone is read once an interval.
-        self._record = None if self._obstacle.friction else ImpulseRecord(scene.space)
+        self._record = scene.contacts.record(self._obstacle, slips=self._obstacle.friction > 0.0)
+        self._step, self._normal = 0.0, (0.0, 0.0)
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Activate the contact from a state on; return its grip.
+        """Activate the contact from a state on; return its compliance in slip.
 
-        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - grip of the
-        error. Their number is chosen to suit the state.
+        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - this
+        fraction of the error. Their number is chosen to suit the state.
         """
-        obstacle, contacts, grip = self._obstacle, self.scene.contacts, self.grip(gaps, state)
-        self.pieces = [piece := self._next_piece(obstacle, state)]
-        left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
+        obstacle, contacts, compliance = self._obstacle, self.scene.contacts, self.compliance_in_slip(gaps, state)
+        touch, self.pieces = gaps.closest(obstacle, state), [piece := self._next_piece(obstacle, state)]
+        left = min(max(abs(1.0 - compliance), 1e-3), 1.0 - 1e-6)
         rounds = max(contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
         contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
+        self._normal = touch.normal
         if (slip := self.slips[0]) is not None:
-            contacts.direct_friction(slip, gaps.closest(obstacle, state).tangent)
-        return grip
+            contacts.direct_friction(slip, touch.tangent)
+        return compliance
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Turn the link back onto the obstacle."""
         return turned_back(gaps, self._obstacle, state, self.pieces[0])
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback to run before each step; it notes the previous step's contact impulse."""
+        """Reset the record of the contact's impulses; return the callback that notes the previous step's."""
         if step != self._step:
             self.scene.engine.warm_up(step)
-        if self._record is None:
-            return super().begin(step)
         self._step = step
         self._record.begin()
         return self._record.note
 
     def totals(self) -> list[float]:
         """Return the contact's numbers."""
-        if self._record is None:
-            return super().totals()
-        found = self._record.pushes()
-        return [found[-1] / self._step if found else 0.0, 0.0, sum(found), 0.0, 0.0]
-
-    def _impulses(self) -> Sequence[tuple[float, float, float]]:
-        return [self.scene.contacts.totals(self._obstacle)]
+        found = self._record.read(self._normal) or [(0.0, 0.0, 0.0)]
+        pushes, rubs, slips = zip(*found, strict=True)
+        force = pushes[-1] / self._step, rubs[-1] / self._step
+        return [*force, sum(pushes), sum(rubs), sum(map(mul, rubs, slips))]
 
 
 class SolvedContacts(RigidContacts):
-    """Contacts of several links; their forces are solved for together with the joints."""
+    """Contacts of several links; their forces are solved for together with the joints.
+
+    In steps that are symmetric in time (``paired``) odd and even ones have errors in the force that cancel in the mean of two.
+    """
+
+    def __init__(
+        self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool
+    ) -> None:
+        super().__init__(scene, obstacles, slips)
+        self._paired, self._step = paired, 0.0
+        self._steps: list[list[tuple[float, float, float]]] = []
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return the least grip."""
+        """Let the contacts act from a state on; return the least compliance in slip."""
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
         self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
-        return min(self.grip(gaps, state, index) for index in range(len(self.obstacles)))
+        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.obstacles)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Set links back onto the obstacles; contacts that stick do not slip either."""
         return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
 
-    def _impulses(self) -> Sequence[tuple[float, float, float]]:
-        return self.scene.joint_solver.impulses
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset the record of the impulses; return the callback that notes the previous step's."""
+        solver, steps = self.scene.joint_solver, list[list[tuple[float, float, float]]]()
+        self._step, self._steps = step, steps
+
+        def note() -> None:
+            steps.append(solver.impulses)
+
+        return note
+
+    def totals(self) -> list[float]:
+        """Return ``TOTALS`` numbers of each contact; where it has to pull in the interval, the last pull is its force."""
+        found: list[float] = []
+        for each in zip(*self._steps[1:], self.scene.joint_solver.impulses, strict=True):
+            pushes, rubs, slips = zip(*each, strict=True)
+            normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
+            force = ([push for push in normal if push < 0.0] or normal)[-1] / self._step, along[-1] / self._step
+            found += [*force, sum(pushes), sum(rubs), sum(map(mul, rubs, slips))]
+        return found
+
+
+def _means(numbers: Sequence[float]) -> Sequence[float]:
+    """Return the means of the first two numbers, the next two, and so on."""
+    return [0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)]
 
 
 def rigid_contacts(
     scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool = True
 ) -> RigidContacts:
     """Return the contacts of a scene, by the engine or by the linear solve."""
-    kind = SolvedContacts if scene.engine.solves_contacts else EngineContact
-    return kind(scene, obstacles, slips, paired)
+    if scene.engine.solves_contacts:
+        return SolvedContacts(scene, obstacles, slips, paired=paired)
+    return EngineContact(scene, obstacles, slips)
 
 
 def sense_of_slip(gaps: Gaps, obstacle: Obstacle, state: State, error: float) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
@@ -71,24 +72,9 @@ class ContactShapes:
         self._ignore()
         self._set_iterations(self.in_flight)
 
-    def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
-        """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
-        body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
-
-        def look(arbiter: pymunk.Arbiter) -> None:
-            """Record the impulse of one of the body's contacts; its normal part can only push."""
-            nonlocal found
-            normal, impulse = arbiter.normal, arbiter.total_impulse
-            tangent = (normal.y, -normal.x)
-            push, slip = impulse.dot(normal), 0.0
-            first = arbiter.shapes[0].body is body
-            for each in arbiter.contact_point_set.points if obstacle.friction else ():
-                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
-                slip = (-1.0 if first else 1.0) * velocity.dot(tangent)
-            found = (abs(push), math.copysign(1.0, push) * impulse.dot(tangent), slip)
-
-        body.each_arbiter(look)
-        return found
+    def record(self, obstacle: Obstacle, *, slips: bool) -> ImpulseRecord:
+        """Return a record of the engaged contact's impulses, and of its slip if it ``slips`` with friction."""
+        return ImpulseRecord(self.space, self.links[obstacle.link], slips=slips)
 
     def _ignore(self) -> None:
         for shape in self._engaged:
@@ -102,36 +88,65 @@ class ContactShapes:
         corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
         shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
         for shape in shapes:
-            shape.filter = _NOWHERE
-            shape.friction = 1.0
-            shape.elasticity = 1.0
+            shape.filter, shape.friction, shape.elasticity = _NOWHERE, 1.0, 1.0
         self.space.add(*shapes)
         return shapes
 
 
 class ImpulseRecord:
-    """Makes the engine record the impulses of all contacts step by step, so that they can be read at once."""
+    """Makes the engine record a contact's impulses step by step, and the link's motion where it slips with friction.
 
-    def __init__(self, space: pymunk.Space) -> None:
-        self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
-        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, lib.TOTAL_IMPULSE | lib.NORMAL))
+    All are read at once, as a Python callback at each step would take longer than the step.
+
+    Attributes:
+        note: records those of the last step.
+    """
+
+    def __init__(self, space: pymunk.Space, link: pymunk.Body, *, slips: bool) -> None:
+        points = lib.POINT_A_1 | lib.POINT_B_1 if slips else 0
+        self._size, self._slips, self._stale = 8 if slips else 4, slips, 0
+        self._impulses, impulses = _numbers(lib.TOTAL_IMPULSE | lib.NORMAL | points)
+        self._motion, motion = _numbers(lib.POSITION | lib.VELOCITY | lib.ANGULAR_VELOCITY)
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
-        self.note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, self._data)
-        self._stale = 0
+        note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, impulses)
+        follow = partial(lib.pmSpaceBodyGetIteratorFuncBatched, link._body, motion)
+
+        def note_both() -> None:
+            note()
+            follow()
+
+        self.note: Callable[[], None] = note_both if slips else note
 
     def begin(self) -> None:
-        """Reset the record. The impulse before the interval is noted twice: here and before the first step."""
-        self._numbers.num = 0
+        """Reset the record. The step before the interval is noted twice: here and before the first step."""
+        self._impulses.num = self._motion.num = 0
         self.note()
-        self._stale = 2 * self._numbers.num
+        self._stale = 2 * self._impulses.num
 
-    def pushes(self) -> list[float]:
-        """Return the normal impulse of each step of the interval.
+    def read(self, normal: Vector) -> list[tuple[float, float, float]]:
+        """Return normal and tangential impulse on the link in each step, and its slip, for a normal out of the obstacle.
 
-        The sign of the engine's normal and impulse depends on the order of the shapes inside the engine; a contact only
-        pushes, which settles both.
+        The signs of the engine's normal and impulse depend on the order of the shapes inside the engine; a contact only pushes,
+        which settles the latter.
         """
         self.note()
-        numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)
-        each = [iter(numbers[self._stale :])] * 4
-        return [abs(p * x + q * y) for p, q, x, y in zip(*each, strict=True)]
+        found, numbers = [], ffi.unpack(self._impulses.arr, self._impulses.num)
+        motion = ffi.unpack(self._motion.arr, self._motion.num)[10:] if self._slips else []
+        for step, at in enumerate(range(self._stale, len(numbers), self._size)):
+            p, q, x, y, *points = numbers[at : at + self._size]
+            sense = 1.0 if x * normal[0] + y * normal[1] > 0.0 else -1.0
+            push, rub, slip = p * x + q * y, sense * (p * y - q * x), 0.0
+            if self._slips:
+                # The first shape is the obstacle's if the engine's normal leads out of it.
+                place = points[2:] if sense > 0.0 else points[:2]
+                centre_x, centre_y, u, v, rate = motion[5 * step : 5 * step + 5]
+                u, v = u - rate * (place[1] - centre_y), v + rate * (place[0] - centre_x)
+                slip = sense * (u * y - v * x)
+            found.append((abs(push), math.copysign(1.0, sense * push) * rub, slip))
+        return found
+
+
+def _numbers(fields: int) -> tuple[Any, Any]:
+    """Return a list of numbers that the engine can write to, and the data by which it writes these fields."""
+    numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
+    return numbers, ffi.new("pmBatchedData *", (ffi.NULL, numbers, fields))

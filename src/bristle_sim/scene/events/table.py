@@ -24,7 +24,9 @@ from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
-LEAST_GRIP = 1e-3  # with less, the force that keeps a contact closed grows beyond bounds: a jam
+LEAST_COMPLIANCE_IN_SLIP = (
+    1e-3  # of a free link's; with less, the force that keeps a contact closed grows beyond bounds: a jam
+)
 LOCATED_VELOCITY = 0.1  # fraction of an interval's error in velocity to which a spring's events are located
 
 
@@ -142,14 +144,14 @@ def contact_events(
 
 
 def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The grip gets too small, the force vanishes, stick breaks, slip reverses, or the contact passes a corner.
+    """The compliance in slip gets too small, the force vanishes, stick breaks, slip reverses, or the contact passes a corner.
 
-    With too little grip friction locks the link; without friction, the link then meets the obstacle end-on.
+    With too little of it friction locks the link; without friction, the link then meets the obstacle end-on.
     """
     obstacle, gaps, reached = rigid.obstacles[index], progress.gaps, [0.0]
 
-    def grip(at: Advance) -> float:
-        return rigid.grip(gaps, at.state, index) - LEAST_GRIP
+    def compliance(at: Advance) -> float:
+        return rigid.compliance_in_slip(gaps, at.state, index) - LEAST_COMPLIANCE_IN_SLIP
 
     def push(at: Advance) -> float:
         return rigid.normal(at.totals)[index] if at.totals else math.nan
@@ -171,7 +173,7 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
 
     event, final = ("jam", StopReason.JAM) if obstacle.friction else (None, StopReason.NO_GRIP)
     found = [
-        EventFunction(grip, True, event, progress.wires_of(obstacle)[0], final, positive=True),
+        EventFunction(compliance, True, event, progress.wires_of(obstacle)[0], final, positive=True),
         EventFunction(push, True, act=partial(Release, (obstacle,)), difference=True),
     ]
     if contact.slip == 0:
