@@ -83,12 +83,19 @@ def rows(
     printed: Values = UNKNOWN,
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
-    """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name."""
+    """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name.
+
+    A tolerance, which may depend on the name, holds where there is another side.
+    """
     found = []
     for name, declared in units.items():
         label, unit = ("", declared) if isinstance(declared, str) else declared
-        sides = simulated.get(name), theory.get(name), reference.get(name), printed.get(name)
-        found.append(Quantity(name, unit, *sides, tolerance(name) if callable(tolerance) else tolerance, label))
+        row = Quantity(
+            name, unit, simulated.get(name), theory.get(name), reference.get(name), printed.get(name), None, label
+        )
+        if row.judge is not None:
+            row = replace(row, tolerance=tolerance(name) if callable(tolerance) else tolerance)
+        found.append(row)
     return tuple(found)
 
 

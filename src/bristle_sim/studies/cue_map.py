@@ -6,16 +6,17 @@ tip at its fastest.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import itertools
 import logging
 import math
 import time as clock
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from bristle_sim.comparison import Report, Table, Values, amount, rows
+import numpy as np
+
+from bristle_sim.comparison import UNKNOWN, Report, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
@@ -51,13 +52,10 @@ QUANTITIES = {
 USUAL_PASSES = 12
 """Passes that a search usually takes."""
 
-MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
-"""Variations for which the answer is found again: factors on the tool's own value; damping ratios as they are."""
-
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, the formula's direction, rad, and the sensitivity of the answer."""
+    """The results: the tool, its places, and the formula's direction, rad; None for a belt without stiffness."""
 
     tool: Tool
     settings: Settings
@@ -65,7 +63,6 @@ class CueMap:
     radial: Place
     fastest: Place
     formula: float | None
-    moves: tuple[dict[str, Any], ...]
 
 
 def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True) -> Report:
@@ -76,45 +73,42 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, a wire that bends, or a bar whose distance allows no retraction.
     """
     require_rigid(tool)
-    started = clock.perf_counter()
-    passes = USUAL_PASSES * (2 + sum(map(len, MOVES.values())) + 2 * with_reference)
-    strike = _logged(simulation(settings), passes)
+    started, usual = clock.perf_counter(), 2 * USUAL_PASSES
+    strike = _logged(simulation(settings), usual * (1 + with_reference))
     radial = radial_place(tool, strike)
-    fastest, formula = fastest_place(tool, strike, radial.direction), _formula(tool)
-    moves, simulated = _moves(tool, strike, radial.direction), _named(tool, radial, fastest)
-    referred, printed, within = dict[str, float | None](), dict[str, float](), dict[str, float]()
+    fastest = fastest_place(tool, strike, radial.direction)
+    simulated, theory, referred, printed = _named(tool, radial, fastest), UNKNOWN, UNKNOWN, UNKNOWN
     if with_reference:
-        independent = _logged(reference_solution(settings), 2 * USUAL_PASSES)
+        independent = _logged(reference_solution(settings), usual)
         found = radial_place(tool, independent, radial.direction)
         referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
-        # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
-        tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
-        within = dict.fromkeys(QUANTITIES, tolerance) | {
-            "bar_vertical": tolerance * max(1.0, steep),
-            "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
-            "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction,
-        }
+    # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
+    tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
+    within = dict.fromkeys(QUANTITIES, tolerance) | {
+        "bar_vertical": tolerance * max(1.0, steep),
+        "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
+        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction,
+    }
     if tool == Tool():
         names = ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg", "bar_horizontal", "bar_vertical")
         printed = dict(zip(names, printed_cue().values(), strict=True))
-    theory = {} if formula is None else _by_formula(tool, formula)
-    quantities = rows(QUANTITIES, simulated, theory, referred, printed, within.get)
-    head = ("another", "value", "radial strike, deg", "formula, deg", "relative speed, rad/s")
-    cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]
-    now = _where_it_stands(tool, strike)
+    cue = cueing.cue(tool, retraction(tool)) if tool.belt.stiffness else None
+    if cue is not None:  # in it the radial and the fastest strike are the same
+        speed = cue.highest_relative_speed
+        tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
+        place = Place(cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
+        theory = _named(tool, place, place)
     return Report(
         outcome=None,
-        quantities=quantities,
-        wall_s=clock.perf_counter() - started,
+        quantities=rows(QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None),
         remarks=(f"the formula with centrifugal stiffening: {math.degrees(stiffened_direction(tool)):.3f} deg",),
-        tables=(Table("how the direction moves", head, tuple(map(tuple, cells))),),
-        extra={"moves": list(moves)},
-        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
-        answer=_answer(simulated, now),
+        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, None if cue is None else cue.bar_direction),
+        answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strike)}",
+        wall_s=clock.perf_counter() - started,
     )
 
 
-def _answer(simulated: Values, now: str) -> str:
+def _found_in_words(simulated: Values) -> str:
     found = {name: value or 0.0 for name, value in simulated.items()}
     direction = found["bar_direction_for_radial_strike_deg"]
     apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
@@ -123,7 +117,7 @@ def _answer(simulated: Values, now: str) -> str:
     place = f"{horizontal} before the hub's axis and {vertical} below it"
     return (
         f"The bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
-        f" {amount(found['highest_tip_speed'], 'm/s')}. {now}"
+        f" {amount(found['highest_tip_speed'], 'm/s')}."
     )
 
 
@@ -151,12 +145,7 @@ def _logged(strike: Strike, usual: int) -> Strike:
     return logged
 
 
-def _formula(tool: Tool) -> float | None:
-    """Return the dissertation's direction, rad; None for a belt without stiffness, which it does not cover."""
-    return cueing.cue(tool, retraction(tool)).bar_direction if tool.belt.stiffness else None
-
-
-def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]:
+def _named(tool: Tool, radial: Place, fastest: Place) -> Values:
     bar = placed(tool, radial.direction).bar
     assert bar is not None
     strike, highest = radial.strike, fastest.strike["tip_speed_at_contact"]
@@ -165,36 +154,11 @@ def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]
     return dict(zip(QUANTITIES, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True))
 
 
-def _by_formula(tool: Tool, direction: float) -> Values:
-    """Return the dissertation's values; in it the radial and the fastest strike are the same."""
-    speed = cueing.cue(tool, retraction(tool)).highest_relative_speed
-    tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
-    place = Place(direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
-    return _named(tool, place, place)
-
-
-def _moves(tool: Tool, strike: Strike, start: float) -> tuple[dict[str, Any], ...]:
-    """Return the direction and tip speed of a radial strike at other hub speeds, stiffnesses and damping ratios."""
-    own, found = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}, []
-    for key, value in ((key, own.get(key, 1.0) * choice) for key, choices in MOVES.items() for choice in choices):
-        other, direction, speed = tool.replace(**{key: value}), None, None
-        with contextlib.suppress(ValueError):  # the row says so by having no direction
-            place = radial_place(other, strike, start)
-            direction, speed = math.degrees(place.direction), place.strike["relative_speed_at_contact"]
-        formula = _formula(other)
-        names = ("key", "value", "bar_direction_for_radial_strike_deg", "theory", "relative_speed_at_contact")
-        values = (key, value, direction, formula and math.degrees(formula), speed)
-        found.append(dict(zip(names, values, strict=True)))
-    return tuple(found)
-
-
 def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
     """Return measures of the strike over the bar's position, NaN where it cues none; needs the extra ``sweep``.
 
     The maps are centred on the bar's position.
     """
-    import numpy as np
-
     try:
         from bristle_sim.studies.sweep import sweep
     except ImportError as error:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,11 +63,6 @@ class CueTiming:
     readings: Mapping[str, CueTiming] = field(default_factory=dict)
 
     @property
-    def motion(self) -> tuple[Array, Array, Array]:
-        """Return instants, s, retraction, rad, and relative speed, rad/s."""
-        return self.trajectory.time, -self.trajectory.relative_angle, self.trajectory.relative_rate
-
-    @property
     def wires(self) -> Array:
         """Return the simulated wire as released and when fastest, turned to where it then strikes radially.
 
@@ -87,19 +82,13 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
 
-def stiffness_readings(tool: Tool) -> dict[str, float]:
-    """Return the readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
-    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
-    printed = PRINTED_BELT_STIFFNESS
-    return {"per radian": printed, "per degree": math.degrees(printed), "from 254 Hz": filmed}
-
-
 def cue_timing(
     tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
 ) -> Report:
     """Simulate the release from rest at a retraction (rad), and place the bar by the result, for each belt stiffness.
 
-    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
+    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's. The belt stiffness is read
+    from the printed "0.00041 N m/rad" per radian and per degree, and from the bristle filmed at 254 Hz.
 
     Raises ValueError if nothing drives the bristle, the wire bends, the tip cannot reach the workpart radially, or the
     release is not computed within the settings' steps.
@@ -111,18 +100,29 @@ def cue_timing(
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
         return _timed(read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference)
 
-    printed = dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True))
-    own, readings = timed(tool.belt.stiffness), stiffness_readings(tool)
+    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
+    readings = {"per radian": PRINTED_BELT_STIFFNESS, "per degree": math.degrees(PRINTED_BELT_STIFFNESS)}
+    readings["from 254 Hz"] = filmed
+    same = (tool.hub, tool.bristle, tool.workpart) == (Tool().hub, Tool().bristle, Tool().workpart)
+    as_printed = same and not tool.belt.damping_ratio and retraction == math.radians(44.5)
+    printed = dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True)) if as_printed else {}
+    own = timed(tool.belt.stiffness)
     found = _rows(own, settings, QUANTITIES, printed if tool.belt == Belt() else {})
     for reading, stiffness in readings.items():
-        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), printed, reading)
+        units = {
+            name: (f"{QUANTITIES[name][0]}, {reading}", QUANTITIES[name][1])
+            for name in ("cue_time", "bar_direction_deg")
+        }
+        suffix = f"_{reading.replace(' ', '_').lower()}"
+        read = _rows(timed(stiffness), settings, units, printed)
+        found += tuple(dataclasses.replace(each, name=each.name + suffix) for each in read)
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
     timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
     passes = [row for each in timings.values() for row in each.passes]
     return Report(
         outcome=None,
-        quantities=tuple(found),
+        quantities=found,
         **ran(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
         remarks=(
@@ -131,11 +131,11 @@ def cue_timing(
         ),
         tables=(_readings_table(timings),),
         subject=dataclasses.replace(own, readings=timings),
-        answer=_answer(own, found[3]),
+        answer=_answer(found[3], own.passes[0]["lag_deg_at_contact"]),
     )
 
 
-def _answer(own: CueTiming, direction: Quantity) -> str:
+def _answer(direction: Quantity, lag: float | None) -> str:
     if direction.simulated is None:
         return "No bar cues this bristle: its relative speed has no maximum."
     formula = ""
@@ -144,18 +144,20 @@ def _answer(own: CueTiming, direction: Quantity) -> str:
         word = "less" if missed < 0.0 else "more"
         formula = f", {amount(abs(missed), 'deg')} {word} than the formula's {direction.theory:.2f}°"
     printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
-    there = own.passes[0]["lag_deg_at_contact"]
-    strike = "has no cued strike" if there is None else f"strikes {beside_radial(there)}"
+    strike = "has no cued strike" if lag is None else f"strikes {beside_radial(lag)}"
     return f"The release needs the bar at {direction.simulated:.2f}°{formula}{printed}; a whole pass with the bar there {strike}."
 
 
 def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
     rows = []
     for name, each in readings.items():
-        cues = (cue and f"{math.degrees(cue.bar_direction):.2f}" for cue in (each.simulated, each.formula))
+        cues = (
+            "none" if cue is None else f"{math.degrees(cue.bar_direction):.2f}"
+            for cue in (each.simulated, each.formula)
+        )
         lags = [None, *(row["lag_deg_at_contact"] for row in each.passes)][-2:]
         strikes = ("no strike" if lag is None else f"{lag:.2f}" for lag in lags)
-        rows.append((name, f"{each.tool.belt.stiffness:.5g}", *(cue or "none" for cue in cues), *strikes))
+        rows.append((name, f"{each.tool.belt.stiffness:.5g}", *cues, *strikes))
     stands = f"{next(iter(readings.values())).passes[-1]['bar_direction_deg']:.2f}"
     head = ("belt stiffness", "N m/rad", "bar at, deg", "formula, deg", "lag there, deg", f"lag at {stands} deg, deg")
     return Table("the bar for each reading of the printed belt stiffness", head, tuple(rows))
@@ -167,41 +169,6 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
         raise ValueError("bar, workpart: must both be parts of the tool")
     start: dict[str, Any] = {"start_relative_angle": -retraction, "stop_after": "highest relative speed"}
     bare = dataclasses.replace(tool, bar=None, workpart=None)
-    run = _release(bare, settings, start)
-    found, referred = _cue(tool, retraction, run), None
-    if with_reference and found is not None:
-        from bristle_sim.reference import simulate_reference
-
-        reference = simulate_reference(bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start)
-        referred = _cue(tool, retraction, reference)
-    formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
-    places = [(found.bar_horizontal, found.bar_vertical)] if found is not None else []
-    bars = [dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in (*places, (bar.horizontal, bar.vertical))]
-    passes = tuple(full_pass(tool, each, settings) for each in bars)
-    return CueTiming(tool, retraction, run, found, formula, referred, bar, passes)
-
-
-def _rows(
-    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, reading: str = ""
-) -> list[Quantity]:
-    """Compare the bars that a release needs with those of formula and reference, which judges them."""
-    tool, own = timing.tool, Tool()
-    simulated, theory, reference = (_values(each) for each in (timing.simulated, timing.formula, timing.reference))
-    same = (tool.hub, tool.bristle, tool.workpart) == (own.hub, own.bristle, own.workpart)
-    if not same or tool.belt.damping_ratio or timing.retraction != math.radians(44.5):
-        printed = {}
-
-    def tolerance(name: str) -> float | None:
-        return None if timing.reference is None else _tolerance(settings) * _conditioning(name, reference, tool)
-
-    found = rows({name: QUANTITIES[name] for name in names}, simulated, theory, reference, printed, tolerance)
-    if not reading:
-        return list(found)
-    suffix = f"_{reading.replace(' ', '_').lower()}"
-    return [dataclasses.replace(each, name=each.name + suffix, label=f"{each.label}, {reading}") for each in found]
-
-
-def _release(bare: Tool, settings: Settings, start: dict[str, Any]) -> Trajectory:
     # An overdamped release is over in a small part of the period that samples are counted in.
     samples = math.ceil(settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
@@ -214,12 +181,18 @@ def _release(bare: Tool, settings: Settings, start: dict[str, Any]) -> Trajector
             f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
             " (dimensionless)"
         )
-    return run
+    found, referred, places = _cue(tool, retraction, run), None, [(bar.horizontal, bar.vertical)]
+    if found is not None:
+        places.insert(0, (found.bar_horizontal, found.bar_vertical))
+        if with_reference:
+            from bristle_sim.reference import simulate_reference
 
-
-def _tolerance(settings: Settings) -> float:
-    """Return the relative difference from the reference that a release may have."""
-    return max(1e-8, 10.0 * settings.accuracy)
+            reference = simulate_reference(bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start)
+            referred = _cue(tool, retraction, reference)
+    formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
+    bars = (dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in places)
+    passes = tuple(full_pass(tool, each, settings) for each in bars)
+    return CueTiming(tool, retraction, run, found, formula, referred, bar, passes)
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
@@ -230,27 +203,36 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
     return cueing.placed_cue(tool, retraction, time, run.relative_rate[int(abs(run.time - time).argmin())])
 
 
-def _values(cue: Cue | None) -> Values:
-    if cue is None:
-        return dict.fromkeys(QUANTITIES)
-    turn, direction = math.degrees(cue.hub_turn), math.degrees(cue.bar_direction)
-    values = (cue.cue_time, turn, cue.highest_relative_speed, direction, cue.bar_horizontal, cue.bar_vertical)
-    return dict(zip(QUANTITIES, values, strict=True))
+def _rows(
+    timing: CueTiming, settings: Settings, units: Mapping[str, tuple[str, str]], printed: Values
+) -> tuple[Quantity, ...]:
+    """Compare the bars that a release needs with those of formula and reference, which judges them.
 
-
-def _conditioning(name: str, values: Values, tool: Tool) -> float:
-    """Return the factor by which a quantity magnifies a relative error of the motion.
-
-    Highest is the rate where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
+    The speed is highest where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
     error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
     of the bar magnifies what turns the bar, some delta of its direction, by the other coordinate over this one.
     """
-    time = values["cue_time"]
-    if name == "highest_relative_speed" or not time:
-        return 1.0
-    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + cueing.field_stiffness(tool)) * time))
-    if name not in ("bar_horizontal", "bar_vertical"):
-        return timing
-    distance = math.hypot(values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
-    turned = max(1.0, math.radians(values["bar_direction_deg"] or 0.0))
-    return timing * turned * distance / max(abs(values[name] or 0.0), 1e-300)
+    tool, cue = timing.tool, timing.reference
+    magnified = dict.fromkeys(units, 1.0)
+    if cue is not None and cue.cue_time:
+        damped = tool.belt_damping / ((tool.belt.stiffness + cueing.field_stiffness(tool)) * cue.cue_time)
+        magnified = dict.fromkeys(units, max(1.0, damped)) | {"highest_relative_speed": 1.0}
+        for name in ("bar_horizontal", "bar_vertical"):
+            leverage = cue.bar_distance / max(abs(getattr(cue, name)), 1e-300)
+            magnified[name] = max(1.0, damped) * max(1.0, cue.bar_direction) * leverage
+    within = {name: None if cue is None else _tolerance(settings) * factor for name, factor in magnified.items()}
+    simulated, theory, reference = (_values(each) for each in (timing.simulated, timing.formula, cue))
+    return rows(units, simulated, theory, reference, printed, within.get)
+
+
+def _tolerance(settings: Settings) -> float:
+    """Return the relative difference from the reference that a release may have."""
+    return max(1e-8, 10.0 * settings.accuracy)
+
+
+def _values(cue: Cue | None) -> Values:
+    if cue is None:
+        return {}
+    turn, direction = math.degrees(cue.hub_turn), math.degrees(cue.bar_direction)
+    values = (cue.cue_time, turn, cue.highest_relative_speed, direction, cue.bar_horizontal, cue.bar_vertical)
+    return dict(zip(QUANTITIES, values, strict=True))

@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import newton
+from scipy.optimize import brentq, newton
 
-from bristle_sim.comparison import Report, amount, rows
+from bristle_sim.comparison import Report, Values, amount, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import require_result, require_rigid
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.interpolation import Interpolation
 
 QUANTITIES = {
     "largest_retraction_deg": ("largest retraction", "deg"),
@@ -36,12 +37,6 @@ HALF_PERIODS = 1.3
 
 DOUBLINGS = 6
 """Doublings of that length after which the bristle counts as not returning."""
-
-CORRECTIONS = 6
-"""Most correcting runs, each ending closer to the radial direction; each squares the error, so two usually suffice."""
-
-TIME_TOLERANCE = 1e-9
-"""Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
 
 LEAST_TURN = 1e-12
 """Least turn of the hub, rad, that a run may be given."""
@@ -101,68 +96,54 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     radial, with_bar = until_radial(tool, run), simulate(tool, settings, stop_after="strike")
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
-    reference = _reference(tool) if with_reference else {}
-    theory = _theory(tool, strike_speed)
     # A slow return magnifies an error of the motion, which is relative to its first rate.
     slow = 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
     # The bar-cued strike is itself good to ten times the accuracy of the motion.
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
-    judged = {name for side in (reference, theory) for name, value in side.items() if value is not None}
-    cost = None if radial is None else radial.trajectory.cost
+    reference = _reference(tool) if with_reference else {}
     return Report(
         outcome=None,
-        quantities=rows(
-            QUANTITIES, simulated, theory, reference, tolerance=lambda name: within[name] if name in judged else None
-        ),
+        quantities=rows(QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerance=within.get),
         events=() if radial is None else (("radial", radial.time),),
-        wall_s=cost.wall_s if cost else 0.0,
-        steps=cost.steps if cost else 0,
+        wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
+        steps=0 if radial is None else radial.trajectory.cost.steps,
         subject=InertiaDriven(tool, radial, with_bar),
-        answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated),
+        answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated["hub_speed_for_equal_tip_speed"]),
     )
 
 
 def until_radial(tool: Tool, run: BareRun) -> Radial | None:
     """Return the bristle when it passes the radial direction; None where it does not."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
-    time = _first_crossing(bare, run)
-    if time is None:
+    stiffness, inertia = bare.belt.stiffness + cueing.field_stiffness(bare), bare.bristle.inertia_about_root
+    if not stiffness:
         return None
-    inertia, hub = bare.bristle.inertia_about_root, bare.hub
-    for _ in range(CORRECTIONS):
+    length = HALF_PERIODS * math.pi * math.sqrt(inertia / stiffness)
+    for doubling in range(DOUBLINGS + 1):
+        found = run(bare, length * 2.0**doubling)
+        lagging = 1 + np.flatnonzero((found.relative_angle[1:-1] < 0.0) & (found.relative_angle[2:] >= 0.0))
+        if lagging.size:
+            break
+        if found.event_time("retraction limit") is not None:
+            return None
+    else:
+        return None
+    motion = Interpolation(found)
+    time = brentq(lambda time: float(motion(time).relative_angle), *found.time[lagging[0] : lagging[0] + 2])
+    for _ in range(2):  # each run ends closer to the radial direction, with the square of the error before
         end = run(bare, time)
         rate = float(end.relative_rate[-1])
         # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
         missing = -float(end.relative_angle[-1]) / rate
         time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
-        if abs(missing) <= TIME_TOLERANCE * time:
-            break
-    if rate < LEAST_RATE * hub.speed:
+    if rate < LEAST_RATE * bare.hub.speed:
         return None
-    speed = bare.bristle.length * (rate + hub.speed) + hub.radius * hub.speed
-    return Radial(time, rate, -float(end.relative_angle.min()), speed, end)
+    speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
+    return Radial(time, rate, float(end.retraction.max()), speed, end)
 
 
-def _first_crossing(bare: Tool, run: BareRun) -> float | None:
-    """Return about when the bristle comes back to the radial direction, by a line from sample to sample, s."""
-    stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
-    if not stiffness:
-        return None
-    length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
-    for doubling in range(DOUBLINGS + 1):
-        found = run(bare, length * 2.0**doubling)
-        angle = found.relative_angle
-        lagging = np.flatnonzero((angle[1:-1] < 0.0) & (angle[2:] >= 0.0))
-        if lagging.size:
-            pair = slice(int(lagging[0]) + 1, int(lagging[0]) + 3)
-            return float(np.interp(0.0, angle[pair], found.time[pair]))
-        if found.event_time("retraction limit") is not None:
-            return None
-    return None
-
-
-def _reference(tool: Tool) -> dict[str, float | None]:
+def _reference(tool: Tool) -> Values:
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
@@ -172,7 +153,7 @@ def _reference(tool: Tool) -> dict[str, float | None]:
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
 
 
-def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
+def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float | None) -> Values:
     if radial is None:
         return dict.fromkeys(QUANTITIES)
     equal = None if strike_speed is None else _equal_hub_speed(tool, run, radial, strike_speed)
@@ -182,19 +163,17 @@ def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float
 
 def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
     """Return the pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over."""
-    known = {0.0: 0.0, tool.hub.speed: radial.tip_speed}
 
     def missing(speed: float) -> float:
-        """Return the tip's speed less the bar-cued tip's, m/s; each hub speed is simulated once."""
-        if speed not in known:
-            tried = until_radial(tool.replace(hub_speed=speed), run)
-            if tried is None:
-                raise RuntimeError
-            known[speed] = tried.tip_speed
-        return known[speed] - strike_speed
+        """Return the tip's speed less the bar-cued tip's, m/s."""
+        tried = radial if speed == tool.hub.speed else until_radial(tool.replace(hub_speed=speed), run)
+        if tried is None:
+            raise RuntimeError
+        return tried.tip_speed - strike_speed
 
+    guess = tool.hub.speed * strike_speed / radial.tip_speed
     try:
-        return float(newton(missing, 0.0, x1=tool.hub.speed, tol=1e-300, rtol=1e-11, maxiter=TRIES))
+        return float(newton(missing, tool.hub.speed, x1=guess, tol=1e-300, rtol=1e-11, maxiter=TRIES))
     except RuntimeError:  # the bristle leans over, or the last try was not close enough
         return None
 
@@ -204,31 +183,27 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
     return None if contact is None else math.hypot(*contact.velocity_before)
 
 
-def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
+def _theory(tool: Tool, strike_speed: float | None) -> Values:
     """Return the theoretical values by energy and quadrature, for an undamped belt; hub speed from the bar-cued strike."""
     if tool.belt_damping:
         return {}
-    reach = 2.0 * tool.bristle.length + tool.hub.radius
-    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, cueing.field_stiffness(tool), tool.hub.speed)
+    reach, speed = 2.0 * tool.bristle.length + tool.hub.radius, tool.hub.speed
+    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, cueing.field_stiffness(tool), speed)
     try:
         retraction, time = inertia_drive.largest_retraction(*drive), inertia_drive.time_to_radial(*drive)
     except ValueError:
         return {}
     equal = None if strike_speed is None else strike_speed / reach
-    sides = (math.degrees(retraction), time, tool.hub.speed, reach * tool.hub.speed, equal)
-    return dict(zip(QUANTITIES, sides, strict=True))
+    return dict(zip(QUANTITIES, (math.degrees(retraction), time, speed, reach * speed, equal), strict=True))
 
 
-def _answer(
-    radial: Radial | None, strike_speed: float | None, stop_reason: str, found: Mapping[str, float | None]
-) -> str:
+def _answer(radial: Radial | None, strike_speed: float | None, stop_reason: str, equal: float | None) -> str:
     if radial is None:
         return "The bristle does not come back to the radial direction: it leans over by 90°, or creeps."
     own = f"Without a bar the tip reaches {amount(radial.tip_speed, 'm/s')} after {amount(radial.time, 's')}"
     if strike_speed is None:
         return f"{own}; with the bar there is no strike to compare with ({stop_reason})."
-    ratio, equal = radial.tip_speed / strike_speed, found["hub_speed_for_equal_tip_speed"]
-    compared = f"{own}, {ratio:.0%} of the bar-cued tool's {amount(strike_speed, 'm/s')}"
+    compared = f"{own}, {radial.tip_speed / strike_speed:.0%} of the bar-cued tool's {amount(strike_speed, 'm/s')}"
     if equal is None:
         return f"{compared}; at no pulley speed is it as fast, as the bristle leans over first."
     return f"{compared}; to be as fast the pulley must turn at {equal:.1f} rad/s ({60.0 * equal / math.tau:.0f} rpm)."
