@@ -140,7 +140,7 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
     if rate < LEAST_RATE * bare.hub.speed:
         return None
     speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
-    return Radial(time, rate, float(end.retraction.max()), speed, end)
+    return Radial(min(time, float(end.time[-1])), rate, float(end.retraction.max()), speed, end)
 
 
 def _reference(tool: Tool) -> Values:
