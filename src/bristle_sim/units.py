@@ -14,7 +14,7 @@ import re
 import reprlib
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
@@ -22,7 +22,7 @@ from typing import Any
 from bristle_sim.conversion import DECIMAL_COMMA, TYPED, TYPICAL_UNITS, conversion, likely_unit
 
 ANY = (0.0, math.inf)
-"""Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
+"""Usual sizes of a number whose default does not say which others are likely, such as an accuracy."""
 
 FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
@@ -37,11 +37,9 @@ class Range:
         lowest, highest, lowest_allowed: the range; whether it includes its lower end.
         source: of the default.
         optional: whether the value may be None.
-        meaning: what it is, in a few words.
         usual: smallest and largest size that draws no warning; None for those within a factor of 100 of the default.
         needs: a condition on another key without which this one has no effect, such as ``contact = compliant``.
         whole: whether it must be a whole number, which is then kept as an int.
-        mistaken: a value that is likely a mistake, and why.
     """
 
     key: str
@@ -55,11 +53,10 @@ class Range:
     usual: tuple[float, float] | None = None
     needs: str = ""
     whole: bool = False
-    mistaken: tuple[float, str] | None = None
 
     @property
     def allowed(self) -> str:
-        """Say the range in words, for messages and listings."""
+        """The range in words, for messages and listings."""
         if self.whole:
             return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
         return f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
@@ -79,23 +76,19 @@ class Range:
                 why = f", to which {typed['unit']} cannot be converted{likely_unit(typed['unit'], self.unit)}"
                 raise self.refusal(text, why)
             number *= factor
-        return self._checked(number, text)
+        return self.check(number, text)
 
-    def check(self, value: Any) -> float:
-        """Return the value as a float, or raise ValueError naming key, value, range and unit."""
+    def check(self, value: Any, typed: str | None = None) -> float:
+        """Return the value as a float without a negative zero, or raise ValueError naming key, value, range and unit."""
         if isinstance(value, bool) or not isinstance(value, Real):
             raise self.refusal(value)
         try:
             number = float(value)
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
-        return self._checked(number, number)
-
-    def _checked(self, number: float, given: Any) -> float:
-        """Return a number that is in range, without a negative zero."""
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
         if not (above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())):
-            raise self.refusal(given)
+            raise self.refusal(number if typed is None else typed)
         return int(number) if self.whole else number + 0.0
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
@@ -105,9 +98,6 @@ class Range:
         return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")
 
 
-MISTAKEN = 0.02  # a value this close to a likely mistake, relative, is taken for it
-
-
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     """Return a line that says why a value is unusual, with the unit that may have been meant; empty where it is usual.
 
@@ -115,15 +105,13 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     """
     if not isinstance(declared, Range) or value is None:
         return ""
-    unit = "" if declared.unit == "1" else f" {declared.unit}"
-    named = f"{declared.key} = {value:.6g}{unit}"
-    if declared.mistaken is not None and math.isclose(value, declared.mistaken[0], rel_tol=MISTAKEN):
-        return f"{named} is {declared.mistaken[1]}"
     least, most = declared.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
     if value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12):  # but for rounding
         return ""
+    unit = "" if declared.unit == "1" else f" {declared.unit}"
     ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
-    return f"{named}{ratio}{_meant_unit(declared, given if isinstance(given, str) else f'{given:g}', default)}"
+    meant = _meant_unit(declared, given if isinstance(given, str) else f"{given:g}", default)
+    return f"{declared.key} = {value:.6g}{unit}{ratio}{meant}"
 
 
 def _meant_unit(declared: Range, text: str, default: float | None) -> str:
@@ -153,7 +141,7 @@ class Choice:
 
     @property
     def allowed(self) -> str:
-        """List the words, for messages and listings."""
+        """The words, for messages and listings."""
         return " | ".join(self.options)
 
     def check(self, value: Any) -> str:
@@ -179,7 +167,7 @@ def shown(value: Any) -> str:
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
-    """Return the advice to a misspelt word: the one that was likely meant, or else the one given, or all there are."""
+    """Return the word that a misspelt one was likely meant to be, as advice; else ``otherwise``, or all words."""
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
@@ -199,7 +187,6 @@ def quantity(
     usual: tuple[float, float] | None = None,
     needs: str = "",
     whole: bool = False,
-    mistaken: tuple[float, str] | None = None,
 ) -> Any:
     """Declare a dataclass field that holds a real number by its key's range and unit, ``0 <= hub_speed <= 1e6 rad/s``.
 
@@ -208,7 +195,7 @@ def quantity(
     found = RULE.fullmatch(rule)
     assert found is not None, rule
     lowest, sign, key, highest, unit = found.groups("1")
-    words = (source, default is None, meaning, usual, needs, whole, mistaken)
+    words = (source, default is None, meaning, usual, needs, whole)
     return declared_field(default, Range(key, unit, float(lowest), float(highest), sign == "<=", *words))
 
 
@@ -226,20 +213,17 @@ def declared_field(default: Any, declared: Any) -> Any:
     return field(default=default, metadata={"declaration": declared})
 
 
-def _fields_of(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
-    found = {each.name: (each.metadata.get("declaration"), each.default) for each in dataclasses.fields(kind)}
-    return {name: (declared, default) for name, (declared, default) in found.items() if declared is not None}
-
-
-_declared: Callable[[Any], dict[str, tuple[Range | Choice, Any]]] = functools.cache(_fields_of)
-"""Declarations and defaults of a parameter class by the names of its fields."""
-
-
-def declarations(owner: Any) -> dict[str, Range | Choice]:
-    """Return the declarations of a parameter class or object by the names of its fields."""
+@functools.cache
+def declared_fields(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
+    """Return declaration and default of each declared field of a parameter class, by the field's name."""
     return {
-        name: declared for name, (declared, _) in _declared(owner if isinstance(owner, type) else type(owner)).items()
+        each.name: (each.metadata["declaration"], each.default) for each in dataclasses.fields(kind) if each.metadata
     }
+
+
+def declarations(kind: Any) -> dict[str, Range | Choice]:
+    """Return the declarations of a parameter class by the names of its fields."""
+    return {name: declared for name, (declared, _) in declared_fields(kind).items()}
 
 
 def validate(instance: Any) -> None:
@@ -247,7 +231,8 @@ def validate(instance: Any) -> None:
 
     A text such as "27 mm" counts as typed.
     """
-    for name, (declared, default) in _declared(type(instance)).items():
+    kind: Any = type(instance)
+    for name, (declared, default) in declared_fields(kind).items():
         given = getattr(instance, name)
         if given is None and declared.optional:
             continue

@@ -140,7 +140,7 @@ def test_a_value_far_from_the_usual(value: float, default: float | None, usual: 
         ),
         (
             lambda: bs.Belt(stiffness=0.00041),
-            "belt_stiffness = 0.00041 N m/rad is the number in print, which is per degree:"
+            "belt_stiffness = 0.00041 N m/rad is 0.0175 times the default, 0.0234913 N m/rad; if it was meant in N m/deg:"
             " belt_stiffness='0.00041 N m/deg'",
         ),
     ],

@@ -6,8 +6,8 @@ A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work t
 from __future__ import annotations
 
 import argparse
-import ast
 import os
+import re
 import runpy
 import sys
 from collections.abc import Sequence
@@ -64,10 +64,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _complete(known: dict[str, Path]) -> None:
     """Answer the shell that completes a command line, if the extra is installed."""
     try:
-        from bristle_sim.cli.completion import complete, typed_words
+        from bristle_sim.cli.completion import complete
     except ImportError:
         return
-    scenario = next((load(known[word]) for word in typed_words()[1:2] if word in known), None)
+    typed = os.environ.get("COMP_LINE", "").split()
+    scenario = next((load(known[word]) for word in typed[1:2] if word in known), None)
     complete(scenario, [*known, *COMMANDS])
 
 
@@ -75,22 +76,26 @@ def _command(name: str, given: Sequence[str]) -> int:
     """Run a command that is no scenario of its own but serves the whole pass; return the exit status."""
     from bristle_sim.cli import compare, explore
 
+    run_command = {"compare": compare.main, "explore": explore.main}[name]
+    about, program = COMMANDS[name].partition(":")[0], f"{PROGRAM} {name}"
+    parser = argparse.ArgumentParser(prog=program, description=about, allow_abbrev=False, exit_on_error=False)
     try:
-        return {"compare": compare.main, "explore": explore.main}[name](whole_pass(), given)
-    except (ValueError, argparse.ArgumentError) as error:
-        tell(f"{PROGRAM} {name}: error: {error}")
+        return run_command(whole_pass(), parser, given)
+    except (ValueError, OSError, argparse.ArgumentError) as error:
+        tell(f"{program}: error: {error}")
         return BAD_INPUT
     except KeyboardInterrupt:
-        tell(f"{PROGRAM} {name}: ended")
+        tell(f"{program}: ended")
         return INTERRUPTED
 
 
 def scripts() -> dict[str, Path]:
     """Return the scenarios' scripts by name, from the installed package or from the work tree."""
     package = Path(bristle_sim.__file__).parent
-    folders = (package / "scenarios", package.parents[1] / "scenarios")
-    found = next((each for each in folders if each.is_dir()), folders[0])
-    return {path.stem: path for path in sorted(found.glob("*.py"))}
+    folder = package / "scenarios"
+    if not folder.is_dir():
+        folder = package.parents[1] / "scenarios"
+    return {path.stem: path for path in sorted(folder.glob("*.py"))}
 
 
 def load(path: Path) -> Scenario:
@@ -106,17 +111,15 @@ def whole_pass() -> Scenario:
 
 
 def overview() -> str:
-    """Return one line for each scenario, its name and its question, and how to run one."""
+    """Return one line for each scenario, its name and its question, and how to run one.
+
+    The question is read from the script's text, since importing every script would take seconds.
+    """
     known = scripts()
+    texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
+    questions = {name: found[1] for name, text in texts.items() if (found := re.search(r'question="(.*)",', text))}
     width = max(map(len, known), default=0)
-    lines = [f"  {name:{width}}  {_question(path)}" for name, path in known.items()]
+    lines = [f"  {name:{width}}  {words}" for name, words in questions.items()]
     lines += ["", *(f"  {name:{width}}  {words}" for name, words in COMMANDS.items())]
     usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]"
     return "\n".join([f"{usage}; {PROGRAM} --help says more", "", *lines])
-
-
-def _question(path: Path) -> str:
-    """The question in a script's text; importing every script would take seconds."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    keywords = (each for node in ast.walk(tree) if isinstance(node, ast.Call) for each in node.keywords)
-    return str(next(ast.literal_eval(each.value) for each in keywords if each.arg == "question"))

@@ -1,4 +1,4 @@
-"""``bristle-sim compare A.toml B.toml``: what differs in two tools, in the answer and in the numbers of their passes."""
+"""``bristle-sim compare A.toml B.toml``: the differences of two tools, of their answers and of the numbers of their passes."""
 
 from __future__ import annotations
 
@@ -8,21 +8,17 @@ from pathlib import Path
 
 from bristle_sim.cli.output import say, word
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.comparison import Quantity, readable_unit, side_by_side
+from bristle_sim.comparison import Quantity, aligned, readable_unit
 from bristle_sim.files import checked_target
 
-PROGRAM = "bristle-sim compare"
 
-
-def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
+def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
     """Print the comparison, write its page if one is requested, and return the exit status.
 
     Raises:
         ValueError: for bad input.
         OSError: naming the file, if the page cannot be written.
     """
-    about = "Compare the passes of two tools."
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=about, allow_abbrev=False, exit_on_error=False)
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
     parser.add_argument("--report", metavar="FILE.html", help="write a page with the numbers and the pictures")
@@ -33,13 +29,11 @@ def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
     reports = [pass_of.answer(one), pass_of.answer(two)]
     changed = [[key, word(one[key]), word(two[key])] for key in one if one[key] != two[key]]
     others = {each.name: each for each in reports[1].quantities}
-    pairs = [
-        (each, others[each.name]) for each in reports[0].quantities if each.tolerance is None and each.name in others
-    ]
-    rows = [_row(*pair) for pair in pairs]
+    shown = [each for each in reports[0].quantities if each.tolerance is None and each.name in others]
+    rows = [_row(each, others[each.name]) for each in shown]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
-    keys = _table([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)
-    quantities = _table([["quantity", "unit", *names, "difference"], *rows], 2)
+    keys = aligned([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)
+    quantities = aligned([["quantity", "unit", *names, "difference"], *rows], 2)
     say("\n".join([*answers, "", *keys, "", *quantities]))
     if target is not None:
         from bristle_sim.render.report import write_comparison
@@ -56,9 +50,3 @@ def _row(first: Quantity, second: Quantity) -> list[str]:
     shown = ["none" if each is None else f"{each / size:.6g}" for each in (a, b)]
     difference = "" if a is None or b is None or not a else f"{100.0 * (b - a) / abs(a):+.3g} %"
     return [first.label, "" if unit == "1" else unit, *shown, difference]
-
-
-def _table(rows: Sequence[Sequence[str]], words: int) -> list[str]:
-    """Return aligned lines, whose first columns are words and whose others stand at the right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [line for row in rows for line in side_by_side([[cell] for cell in row], widths, range(words, len(widths)))]

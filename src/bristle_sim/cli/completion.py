@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Iterable
 
@@ -25,11 +24,6 @@ def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
     if scenario is None:
         parser.add_argument("tools", nargs="*")  # files of a command
     argcomplete.autocomplete(parser, exit_method=sys.exit)
-
-
-def typed_words() -> list[str]:
-    """Return the words of the line that is completed."""
-    return os.environ.get("COMP_LINE", "").split()
 
 
 def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:

@@ -7,7 +7,8 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
@@ -15,9 +16,10 @@ from warnings import catch_warnings, simplefilter
 
 from bristle_sim.cli.ending import ending_in_order
 from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell, write_text
-from bristle_sim.cli.scenario import Scenario, Values, tool_of
+from bristle_sim.cli.scenario import Scenario, Values, built
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, is_special
+from bristle_sim.parameters import Tool
 from bristle_sim.tool_file import write_tool
 from bristle_sim.units import UnusualValueWarning
 
@@ -54,14 +56,13 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 options.set = [*from_file, *options.set]
             for key in () if options.sweep else {"workers", "store"} & scenario.keys().keys():
                 if (given := getattr(options, key)) is not None:
-                    options.set.append(f"{key}={given}")
+                    options.set = [*options.set, f"{key}={given}"]
                     setattr(options, key, None)
             values = scenario.values_of(options.set)
             remarks += scenario.warnings_of(options.set, values)
-            status = _swept(scenario, options) if options.sweep else _answer(scenario, options, values, command)
+            status = Work(scenario, options, values, _targets(scenario, options, values), command).run()
         except (ValueError, OSError) as error:
-            line = "; ".join([" ".join(str(error).split()), *remarks])
-            tell(f"{program}: error: {line}")
+            tell(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
         except KeyboardInterrupt:
             status = INTERRUPTED
@@ -72,67 +73,77 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
     return status
 
 
-def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
-    """Run the scenario, write the requested files, print the answer; return the exit status."""
-    targets, status = _targets(scenario, options, values), 0
-    try:
-        report = scenario.answer(values)
-    except Unfinished as interruption:
-        report, status = interruption.report, INTERRUPTED
-        targets = {"json": targets["json"]}
-    except ArithmeticError as error:
-        if not options.set:
-            raise
-        raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
-    # The time series comes first, since it may be refused.
-    texts = {"csv": "", "json": ""}
-    if options.json is not None:
-        texts["json"] = document(scenario.name, values, report, finished=not status)
-    if scenario.series is not None and options.csv is not None and not status:
-        texts["csv"] = csv_text(scenario.series(report)).removesuffix("\n")
-    for option in sorted(targets, key=texts.__contains__):
-        if (target := targets[option]) is not None:
+@dataclass
+class Work:
+    """A run of a scenario that is requested: key values, the files to write, and the command that makes it again."""
+
+    scenario: Scenario
+    options: argparse.Namespace
+    values: Values
+    targets: Mapping[str, Path]
+    command: str
+
+    def run(self) -> int:
+        """Run the scenario, write the requested files, print the answer; return the exit status."""
+        if self.options.sweep:
+            return self._sweep()
+        try:
+            report, status = self.scenario.answer(self.values), 0
+        except Unfinished as interruption:
+            report, status = interruption.report, INTERRUPTED
+            self.targets = {name: path for name, path in self.targets.items() if name == "json"}
+        except ArithmeticError as error:
+            if not self.options.set:
+                raise
+            raise ValueError(f"{', '.join(self.options.set)}: must be less extreme ({error})") from error
+        texts = self._texts(report, finished=not status)
+        for option in sorted(self.targets, key=texts.__contains__):
+            target = self.targets[option]
             try:
                 if option in texts:
                     write_text(target, texts[option])
                 else:
-                    _write(option, target, scenario, report, values, options, command, targets["video"])
+                    _write(self, option, target, report)
             except OSError as error:
                 raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
             if option != "json":
                 tell(f"{_flag(option)}: wrote {target}")
-    shown = next((option for option in texts if getattr(options, option) == "-"), None)
-    say(in_words(report) if shown is None else texts[shown])
-    return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
+        say(texts.get("-") or in_words(report))
+        if status == 0 and False in [row.ok for row in report.quantities]:
+            return MISSED
+        return status
+
+    def _texts(self, report: Report, *, finished: bool) -> dict[str, str]:
+        """Return the requested time series, which may be refused, and JSON; the one for standard output is "-"."""
+        texts = {}
+        if self.scenario.series is not None and self.options.csv is not None and finished:
+            texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
+        if self.options.json is not None:
+            texts["json"] = document(self.scenario.name, self.values, report, finished=finished)
+        for option in ON_STANDARD_OUTPUT:
+            if getattr(self.options, option) == "-":
+                texts["-"] = texts[option]
+        return texts
+
+    def _sweep(self) -> int:
+        """Run the scenario over one or two keys."""
+        try:
+            from bristle_sim.cli.sweep import run_sweep
+        except ImportError as error:
+            raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+        run_sweep(self.scenario, self.options, self.targets)
+        return 0
 
 
-def _swept(scenario: Scenario, options: argparse.Namespace) -> int:
-    """Run the scenario over one or two keys."""
-    try:
-        from bristle_sim.cli.sweep import run_sweep
-
-        return run_sweep(scenario, options)
-    except ImportError as error:
-        raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
-
-
-def _write(
-    option: str,
-    target: Path,
-    scenario: Scenario,
-    report: Report,
-    values: Values,
-    options: argparse.Namespace,
-    command: str,
-    video: Path | None,
-) -> None:
+def _write(work: Work, option: str, target: Path, report: Report) -> None:
     """Write the picture, film, tool or page that an option requests."""
+    scenario, options = work.scenario, work.options
     if option == "plot":
         _draw(scenario, report, target)
     elif option == "video" and scenario.film is not None:
         scenario.film(report, **(options.size or {})).write(target, **({"fps": options.fps} if options.fps else {}))
     elif option == "write_tool":
-        write_tool(tool_of(values) if scenario.tool is None else scenario.tool(report), target)
+        write_tool(built(Tool, work.values) if scenario.tool is None else scenario.tool(report), target)
     elif option == "report":
         from bristle_sim.render.report import write_report
 
@@ -141,11 +152,11 @@ def _write(
             report,
             name=scenario.name,
             question=scenario.question,
-            command=command,
-            parameters=[(declared, values[key], default) for key, (declared, default) in scenario.keys().items()],
+            command=work.command,
+            parameters=scenario.listed(work.values),
             plot=partial(_draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
-            video=video,
+            video=work.targets.get("video"),
         )
 
 
@@ -163,13 +174,13 @@ def _flag(option: str) -> str:
     return f"--{option.replace('_', '-')}"
 
 
-def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path | None]:
+def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
     """Return the files that the options name, once it is sure that each can be written and none is named twice.
 
     A device such as /dev/null may serve several options.
     """
-    found: dict[str, Path | None] = dict.fromkeys(KINDS)
-    if options.workers is not None or options.store is not None:
+    found, seen = dict[str, Path](), dict[str, str]()
+    if not options.sweep and (options.workers is not None or options.store is not None):
         raise ValueError("--workers, --store: must be given with --sweep")
     if options.json == options.csv == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
@@ -179,22 +190,24 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
         path = getattr(options, name)
         if path is None or (path == "-" and name in ON_STANDARD_OUTPUT):
             continue
+        if options.sweep and name in ("video", "report", "write_tool"):
+            raise ValueError(f"{_flag(name)}: must be left out with --sweep")
         suffix = Path(path).suffix.lower()
         folder = name == "plot" and scenario.plots is not None and suffix != ".pdf"
         if folder and suffix in suffixes:
             raise ValueError(f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf")
         any_kind = suffixes if name != "csv" or not is_special(Path(path)) else ()
         found[name] = checked_target(path, any_kind, option=_flag(name), folder=folder)
-    inputs = [(key, values[key]) for key, (declared, _) in scenario.keys().items() if declared.unit == "file"]
-    seen: dict[str, str] = {}
-    outputs = [(_flag(name), path) for name, path in found.items()]
-    for option, named in [("--parameters", options.parameters), *inputs, *outputs]:
-        if named is None or is_special(Path(named)):
-            continue
-        place = os.path.realpath(named)
-        if place in seen:
-            raise ValueError(f"{option} = {str(named)!r}: must be another file than that of {seen[place]}")
-        seen[place] = option
+    named = [("--parameters", options.parameters)]
+    for key, (declared, _) in scenario.keys().items():
+        if declared.unit == "file":
+            named.append((key, values[key]))
+    for option, path in [*named, *found.items()]:
+        if path is not None and not is_special(Path(path)):
+            place, shown = os.path.realpath(path), _flag(option) if option in KINDS else option
+            if place in seen:
+                raise ValueError(f"{shown} = {str(path)!r}: must be another file than that of {seen[place]}")
+            seen[place] = shown
     return found
 
 
@@ -209,53 +222,54 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(message)
 
 
-def parser_of(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Parser:
-    """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
-    parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
-    has_tool, pictures = "hub_speed" in scenario.keys(), scenario.plot or scenario.plots  # noqa: SIM118
-    where, rows = "FOLDER|FILE.pdf" if scenario.plots else "FILE", "write the time series, one row a sample"
-    options: tuple[tuple[str, Any, str, str, Any], ...] = (
-        (
-            "set",
-            True,
-            "KEY=VALUE",
-            "override a parameter, in SI units or with a unit (27mm); the last of a key counts",
-            [],
-        ),
-        ("parameters", has_tool, "FILE.toml", "read the tool from a file; --set overrides it", str),
-        ("json", True, "FILE", "write the results as JSON; - for standard output", str),
-        ("csv", scenario.series or sweeping, "FILE.csv", f"{rows}; - for standard output", str),
-        ("plot", pictures or sweeping, where, "draw a figure (png, svg, pdf)", str),
-        ("video", scenario.film, "FILE", "render a video (mp4, gif)", str),
-        ("size", scenario.film, "WIDTHxHEIGHT", "of the video, in px", _size),
-        ("fps", scenario.film, "NUMBER", "pictures a second of the video", float),
-        ("report", True, "FILE.html", "write a page with question, answer, figures and parameters", str),
-        ("write_tool", has_tool, "FILE.toml", "write the tool that was run, or found", str),
-        ("workers", True, "N", "processes of a sweep; -1: one a core", int),
-        ("store", True, "FOLDER", "keep finished points of a sweep, and go on from them", str),
-        ("sweep", True, "KEY=FROM:TO:N", SWEEP_HELP, []),
-    )
-    for name, offered, metavar, words, kind in options:
-        if offered:
-            how: dict[str, Any] = {"type": kind} if callable(kind) else {"action": "append", "default": kind}
-            parser.add_argument(_flag(name), metavar=metavar, help=words, **how)
-        else:
-            parser.set_defaults(**{name: None})
-    parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
-    for key in scenario.options:
-        setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}
-        parser.add_argument(f"--{key}", metavar="VALUE", help=f"--set {key}=VALUE", **setting)
-    return parser
-
-
-SWEEP_HELP = (
-    "the quantities over one key, or two by two options, in N steps; with --csv, --json and --plot of the table"
-)
-
-
 def _size(text: str) -> dict[str, int]:
     """Return width and height of a picture."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if found is None:
         raise argparse.ArgumentTypeError(f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)")
     return {"width": int(found[1]), "height": int(found[2])}
+
+
+APPENDED: dict[str, Any] = {"action": "append", "default": []}
+
+OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
+    "set": ("KEY=VALUE", "set a key, in SI units or with a unit (27mm); the last value of a key counts", APPENDED),
+    "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
+    "json": ("FILE", "write the results as JSON; - for standard output", {}),
+    "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
+    "plot": ("FILE", "draw a figure (png, svg, pdf)", {}),
+    "video": ("FILE", "render a video (mp4, gif)", {}),
+    "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
+    "fps": ("NUMBER", "pictures a second of the video", {"type": float}),
+    "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
+    "write_tool": ("FILE.toml", "write the tool that was run, or found", {}),
+    "workers": ("N", "processes of a sweep; -1: one a core", {"type": int}),
+    "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
+    "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key, or of two keys by two options; --csv, --json and"
+              " --plot are of all points", APPENDED),
+}  # fmt: skip
+"""Metavariable, help and further settings of each option."""
+
+
+def parser_of(scenario: Scenario, program: str, *, sweeping: bool = False) -> argparse.ArgumentParser:
+    """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
+    parser, left_out = _Parser(prog=program, description=scenario.question, allow_abbrev=False), set[str]()
+    if "hub_speed" not in scenario.keys():  # noqa: SIM118
+        left_out |= {"parameters", "write_tool"}
+    if scenario.film is None:
+        left_out |= {"video", "size", "fps"}
+    if scenario.series is None and not sweeping:
+        left_out.add("csv")
+    if not (scenario.plot or scenario.plots or sweeping):
+        left_out.add("plot")
+    for name, (metavar, words, how) in OPTIONS.items():
+        if name in left_out:
+            parser.set_defaults(**{name: None})
+        else:
+            place = "FOLDER|FILE.pdf" if name == "plot" and scenario.plots else metavar
+            parser.add_argument(_flag(name), metavar=place, help=words, **how)
+    parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
+    for key in scenario.options:
+        setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}
+        parser.add_argument(f"--{key}", metavar="VALUE", help=f"--set {key}=VALUE", **setting)
+    return parser

@@ -77,20 +77,20 @@ class _Progress(logging.Handler):
 def document(name: str, values: Mapping[str, Any], report: Report, *, finished: bool = True) -> str:
     """Return the results as JSON, in SI units at full precision; it says so if the work was interrupted."""
     found = {
-        "scenario": name,
-        "answer": report.answer,
-        "version": __version__,
-        **named_commit(),
-        "parameters": dict(values),
         "outcome": report.outcome,
         "quantities": [row.as_dict() for row in report.quantities],
         "phases": list(report.phases),
         "events": [{"name": event, "time": at} for event, at in report.events if math.isfinite(at)],
         "cost": {"wall_s": report.wall_s, "steps": report.steps},
         **report.extra,
-        **({} if finished else {"finished": False}),
     }
-    return json.dumps(plain(found), indent=1, allow_nan=False)
+    return json_of(name, report.answer, values, **found, **({} if finished else {"finished": False}))
+
+
+def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -> str:
+    """Return the JSON of a scenario's results: answer, version and key values first."""
+    head = {"scenario": name, "answer": answer, "version": __version__, **named_commit(), "parameters": dict(values)}
+    return json.dumps(plain(head | results), indent=1, allow_nan=False)
 
 
 def plain(value: Any) -> Any:

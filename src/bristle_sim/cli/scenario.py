@@ -7,22 +7,18 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
+from typing import Any, get_type_hints
 
 from bristle_sim.comparison import WIDTH, Report
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
-from bristle_sim.units import Choice, Range, declarations, likely_key, unusual_value
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+from bristle_sim.units import Choice, Range, declared_fields, likely_key, unusual_value
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Any]
 Picture = Any  # a figure of matplotlib
 Film = Any  # a film of bristle_sim.render
 Declaration = Range | Choice
-T = TypeVar("T", bound="DataclassInstance")
 
 TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
 """The classes whose declared fields are the keys of a tool."""
@@ -67,26 +63,33 @@ class Scenario:
     @property
     def arguments(self) -> dict[str, type]:
         """The classes of the run's arguments, by name."""
-        return {name: kind for name, kind in get_type_hints(self.run).items() if name != "return"}
+        found = get_type_hints(self.run)
+        del found["return"]
+        return found
 
     @property
     def parts(self) -> tuple[type, ...]:
         """The parameter classes whose declared fields are the keys."""
-        return tuple(part for kind in self.arguments.values() for part in (TOOL if kind is Tool else (kind,)))
+        found: list[type] = []
+        for kind in self.arguments.values():
+            found += TOOL if kind is Tool else [kind]
+        return tuple(found)
 
     def keys(self) -> dict[str, tuple[Declaration, Any]]:
         """Return every key with its declaration and default; the declaration's source is that of this default."""
-        found = _declared(self.parts)
+        found = {}
+        for part in self.parts:
+            for declared, default in declared_fields(part).values():
+                if declared.key not in self.without:
+                    found[declared.key] = (declared, default)
         for key, (default, source) in self.defaults.items():
             found[key] = (dataclasses.replace(found[key][0], source=source), default)
         for key, (limit, reason) in self.highest.items():
             declared, default = found[key]
             assert isinstance(declared, Range)
-            found[key] = (
-                dataclasses.replace(declared, highest=limit, meaning=f"{declared.meaning}; {reason}"),
-                default,
-            )
-        return {key: each for key, each in found.items() if key not in self.without}
+            meaning = f"{declared.meaning}; {reason}"
+            found[key] = (dataclasses.replace(declared, highest=limit, meaning=meaning), default)
+        return found
 
     def values_of(self, assignments: Sequence[str]) -> dict[str, Any]:
         """Return every key's value: its default, or the last that the ``KEY=VALUE`` assignments give it.
@@ -95,7 +98,7 @@ class Scenario:
             ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
                 without effect.
         """
-        keys, typed = self.keys(), dict[str, Any]()
+        keys, typed, values = self.keys(), dict[str, Any](), dict[str, Any]()
         for assignment in assignments:
             key, equals, text = assignment.partition("=")
             if not equals:
@@ -104,7 +107,8 @@ class Scenario:
                 advice = likely_key(key, keys, "--list-keys shows all keys")
                 raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
             typed[key] = keys[key][0].parse(text)
-        values = {key: default for key, (_, default) in keys.items()} | typed
+        for key, (_, default) in keys.items():
+            values[key] = typed.get(key, default)
         for key, (declared, default) in keys.items():
             other, relation, wanted = declared.needs.split() if declared.needs else ("", "", "")
             if other not in values or (values[other] == type(values[other])(wanted)) is (relation == "="):
@@ -117,8 +121,11 @@ class Scenario:
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
         """Return one line for each typed value that is unusual, with the unit that may have been meant."""
-        keys, typed = self.keys(), dict(each.split("=", 1) for each in assignments)
-        return [*filter(None, (unusual_value(*keys[key], values[key], text) for key, text in typed.items()))]
+        keys, found = self.keys(), {}
+        for assignment in assignments:
+            key, _, text = assignment.partition("=")
+            found[key] = unusual_value(*keys[key], values[key], text)
+        return [*filter(None, found.values())]
 
     def assignments_from(self, path: str) -> tuple[list[str], list[str]]:
         """Return the assignments that a tool's file makes, and a warning for each value that the scenario does not use.
@@ -127,7 +134,8 @@ class Scenario:
             ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
                 an absent part.
         """
-        keys, known, assignments, idle = self.keys(), _declared(TOOL), list[str](), list[str]()
+        keys, assignments, idle = self.keys(), list[str](), list[str]()
+        known = {each[0].key: each for part in TOOL for each in declared_fields(part).values()}
         try:
             typed = read_keys(path, keys)
         except OSError as error:
@@ -149,8 +157,14 @@ class Scenario:
 
     def answer(self, values: Values) -> Report:
         """Build the run's arguments from key values, and run."""
-        arguments = self.arguments.items()
-        return self.run(**{name: tool_of(values) if kind is Tool else _built(kind, values) for name, kind in arguments})
+        arguments = {}
+        for name, kind in self.arguments.items():
+            arguments[name] = built(kind, values)
+        return self.run(**arguments)
+
+    def listed(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
+        """Return declaration, value and default of every key, for a page."""
+        return [(declared, values[key], default) for key, (declared, default) in self.keys().items()]
 
     def key_list(self) -> str:
         """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
@@ -170,19 +184,12 @@ class Scenario:
         return "\n".join(lines)
 
 
-def tool_of(values: Values) -> Tool:
-    """Return the tool of key values; what has no key is as by default."""
-    gravity = {"gravity": values["gravity"]} if "gravity" in values else {}
-    parts: dict[str, Any] = {name: _built(kinds[0], values) for name, kinds in PARTS.items()}
-    return Tool(**parts, **gravity)
-
-
-def _declared(parts: Any) -> dict[str, tuple[Declaration, Any]]:
-    """Return the declarations and defaults of parameter classes by key."""
-    fields = [(declarations(part), each) for part in parts for each in dataclasses.fields(part)]
-    return {known[each.name].key: (known[each.name], each.default) for known, each in fields if each.name in known}
-
-
-def _built(part: type[T], values: Values) -> T:
-    """Return a parameter object of the given class with key values."""
-    return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
+def built(kind: Any, values: Values) -> Any:
+    """Return a parameter object of the given class, or a tool, with key values; what has no key is as by default."""
+    given = {}
+    for name, (declared, _) in declared_fields(kind).items():
+        if declared.key in values:
+            given[name] = values[declared.key]
+    for name, kinds in PARTS.items() if kind is Tool else ():
+        given[name] = built(kinds[0], values)
+    return kind(**given)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import argparse
 import functools
-import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bristle_sim import __version__
-from bristle_sim.cli.output import csv_text, plain, say, tell, write_text
+from bristle_sim.cli.output import csv_text, json_of, say, tell, write_text
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.commit import named_commit
 from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
-from bristle_sim.files import checked_target
 from bristle_sim.units import Range, likely_key
 
 if TYPE_CHECKING:
@@ -27,20 +24,14 @@ MOST_ROWS = 60
 """Points that a terminal shows; files have all."""
 
 
-def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
-    """Sweep, write the requested files, print the table; return the exit status.
+def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
+    """Sweep, write the requested files, and print the table.
 
     Raises:
         ValueError: for bad input, or if no point has a result.
     """
     from bristle_sim.studies.sweep_scenario import sweep_scenario
 
-    for name in ("video", "report", "write_tool"):
-        if getattr(options, name) is not None:
-            raise ValueError(f"--{name.replace('_', '-')}: must be left out with --sweep")
-    suffixes = {"csv": (".csv",), "json": (), "plot": (".png", ".svg", ".pdf")}
-    given = {name: path for name in suffixes if (path := getattr(options, name)) not in (None, "-")}
-    targets = {name: checked_target(path, suffixes[name], option=f"--{name}") for name, path in given.items()}
     keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):
@@ -49,15 +40,8 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
     units = {key: keys[key][0].unit for key in axes}
     found = sweep_scenario(point, axes, units=units, workers=options.workers, store=options.store)
     columns, answer = table_columns(found), _summary(found, axes)
-    contents = {
-        "scenario": scenario.name,
-        "answer": answer,
-        "version": __version__,
-        **named_commit(),
-        "parameters": {key: value for key, value in scenario.values_of(options.set).items() if key not in axes},
-        "columns": plain(columns),
-    }
-    json_text = json.dumps(contents, indent=1, allow_nan=False)
+    fixed = {key: value for key, value in scenario.values_of(options.set).items() if key not in axes}
+    json_text = json_of(scenario.name, answer, fixed, columns=columns)
     texts = {"csv": csv_text(columns).removesuffix("\n"), "json": json_text}
     for name, target in targets.items():
         if name == "plot":
@@ -70,7 +54,6 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
         tell(f"--{name}: wrote {target}")
     shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
     say(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
-    return 0
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:

@@ -11,6 +11,7 @@ Vector = tuple[float, float]
 
 PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
 USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
+USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad: the printed number, which is per degree, is less
 
 RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
@@ -45,10 +46,7 @@ class Belt(Declared):
         "0 <= belt_stiffness <= 1e9 N m/rad",
         "torsional stiffness of the belt at the bristle's root",
         "Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
-        mistaken=(
-            PRINTED_BELT_STIFFNESS,
-            "the number in print, which is per degree: belt_stiffness='0.00041 N m/deg'",
-        ),
+        usual=USUAL_BELT_STIFFNESSES,
     )
     damping_ratio: float = quantity(
         0.0,

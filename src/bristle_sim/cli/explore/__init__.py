@@ -40,15 +40,13 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     return Html(f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>')
 
 
-def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
+def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
     """Serve the bench until Ctrl-C, as ``bristle-sim explore``; return the exit status.
 
     Raises:
         ValueError: for bad input, or without the extra ``explore``.
         OSError: if the port is taken.
     """
-    program, about = "bristle-sim explore", "Turn the knobs of a tool in the browser, and see its pass."
-    parser = argparse.ArgumentParser(prog=program, description=about, allow_abbrev=False, exit_on_error=False)
     parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on; by default this machine alone")
     parser.add_argument("--port", type=_port, default=0, help="port to listen on; by default a free one")

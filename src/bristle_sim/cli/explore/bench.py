@@ -12,7 +12,7 @@ import numpy as np
 
 from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.output import csv_text, document, word
-from bristle_sim.cli.scenario import Scenario, tool_of
+from bristle_sim.cli.scenario import Scenario, built
 from bristle_sim.comparison import cells
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.render.motion_data import motion_data
@@ -117,7 +117,7 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
 
     try:
         values = pass_of.values_of(assignments)
-        tool = tool_of(values)
+        tool = built(Tool, values)
         found = placed(tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction).bar
     except (ValueError, ArithmeticError) as error:
         return {"error": " ".join(str(error).split())}
@@ -139,7 +139,7 @@ def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
-            write_tool(tool_of(values), path)
+            write_tool(built(Tool, values), path)
         else:
             write_report(
                 path,
@@ -147,7 +147,7 @@ def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[
                 name=pass_of.name,
                 question=pass_of.question,
                 command=command(assignments),
-                parameters=[(declared, values[key], default) for key, (declared, default) in pass_of.keys().items()],
+                parameters=pass_of.listed(values),
             )
         return path.read_text(encoding="utf-8"), "application/toml" if kind == "toml" else "text/html"
 
