@@ -27,8 +27,7 @@ import pytest
 
 from bristle_sim.contact_space.contact_pair import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
-from bristle_sim.contact_space.jacobian import joined
-from bristle_sim.contact_space.projection import close_joints
+from bristle_sim.contact_space.joints import close_joints, joined
 
 IMPACTS = int(os.environ.get("BRISTLE_IMPACTS", "200"))
 

@@ -2,12 +2,10 @@
 
 This package needs NumPy, pymunk and the impact law alone, nothing of the tool. In reading order:
 
-- ``jacobian``: velocity constraints J V = b of pymunk's joints and of a contact.
-- ``projection``: the nearest velocities that keep the joints closed.
+- ``joints``: velocity constraints J V = b of pymunk's joints, and the nearest velocities that obey them.
 - ``impulse``: the contact's inverse mass K, and the change of all velocities by an impulse.
 - ``contact_pair``: two collision types, their coefficients and law; the record of an impact.
-- ``step_motion``: how bodies moved in the last step, and their state at any instant of it.
-- ``touching``: the points where shapes touch, followed back to the instant of touch.
+- ``touching``: how bodies moved in the last step, and the points where shapes touch, followed back to the instant of touch.
 - ``rest_filter``: contacts at rest, which the engine keeps, distinguished from impacts.
 - ``sequence``: impacts one after the other; ``simultaneous``: all of a group at once, where there are too many.
 - ``energetic_contact``: :class:`EnergeticContact`, the law in a user's own space.

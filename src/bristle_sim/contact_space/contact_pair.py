@@ -13,7 +13,7 @@ import pymunk
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import ContactSpace
-from bristle_sim.contact_space.jacobian import Vector
+from bristle_sim.contact_space.joints import Vector
 from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
 

@@ -28,17 +28,19 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import (
+from bristle_sim.contact_space.joints import (
+    DEPENDENT,
     Connected,
     Entry,
     JointRow,
     Vector,
     joined,
     joint_rows,
+    of_length_one,
     point_entry,
     scaled_columns,
+    span,
 )
-from bristle_sim.contact_space.projection import DEPENDENT, of_length_one, span
 
 CANCELS = 100.0  # parts of the tangential velocity over their sum from which that is applied: two digits are kept
 
@@ -171,9 +173,10 @@ def _relative_motion(
 def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
     """Return the part of the last two columns, (t, n), that is orthogonal to the joints', as basis times triangle."""
     basis, triangle = np.linalg.qr(columns)
-    pivots = np.abs(triangle.diagonal())
-    lengths = np.sqrt((columns[:, : joints + 1] ** 2).sum(axis=0))
-    if len(pivots) >= joints and (pivots[:joints] > DEPENDENT * lengths[:joints]).all():
+    pivots: list[float] = np.abs(triangle.diagonal()).tolist()
+    lengths: list[float] = np.sqrt((columns[:, : joints + 1] ** 2).sum(axis=0)).tolist()
+    apart = [pivot > DEPENDENT * length for pivot, length in zip(pivots, lengths[:joints], strict=False)]
+    if len(pivots) >= joints and all(apart):
         moves = len(pivots) == joints + 2 and pivots[-2] > SINGULAR * lengths[-1]
         if moves and pivots[-1] < WEAK * max(abs(triangle[-2, -1]), pivots[-1]):
             _refine(basis, triangle, columns)

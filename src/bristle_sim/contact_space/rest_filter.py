@@ -11,9 +11,8 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.contact_space.contact_pair import ContactPair
-from bristle_sim.contact_space.jacobian import joined
-from bristle_sim.contact_space.step_motion import StepMotion
-from bristle_sim.contact_space.touching import APPROACH_ROUNDING, BODIES, Met, Shapes, overlaps, shapes_of
+from bristle_sim.contact_space.joints import joined
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, BODIES, Met, Shapes, StepMotion, overlaps, shapes_of
 
 STEPS_OF_GRAVITY = 2.0
 """An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import pymunk
 
-from bristle_sim.contact_space.jacobian import Connected
+from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, Held, Obstacle
 from bristle_sim.scene.contact.shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps

@@ -1,4 +1,4 @@
-"""Velocity constraints of pymunk's joints: the Jacobian J and the rates b in J V = b, or J V >= b at a joint's limit.
+"""Velocity constraints of pymunk's joints, J V = b, or J V >= b at a joint's limit, and the nearest velocities that obey them.
 
 V holds (v_x, v_y, angular velocity) of each body's mass centre. A joint transmits an impulse only if its force has no bound: in
 an instantaneous impact springs and joints with a finite ``max_force`` transmit none, nor does a joint outside a space. Limits
@@ -12,6 +12,10 @@ an instantaneous impact springs and joints with a finite ``max_force`` transmit 
     motor             w_b - w_a = -rate
 
 The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
+
+After an engine's solver, joints open at some rate: its tolerance, and velocity that it adds to correct their positions. With
+A = M^-1/2 J^T the smallest change of M^1/2 V that closes the joints is dU = -A (A^T A)^+ (J V - b). With b = 0 (no motors) the
+energy falls by |dU|^2/2: it is a plastic impact of the joints. Limits take part only if they would be passed, and only push.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
+from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
@@ -38,6 +43,10 @@ _SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
 REACHED = 1e-9
 """A limit counts as reached within this distance (relative to the joint's length, or in rad): positions are rounded."""
+
+CLOSED = 1e-14  # a rate below this fraction of the terms that it is the sum of is rounding
+
+DEPENDENT = 1e-12  # singular values below this fraction of the largest belong to joints that repeat what others say
 
 
 class JointRow(NamedTuple):
@@ -77,13 +86,6 @@ def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float
     return body, sign * x, sign * y, sign * lever
 
 
-def passes_impulse(joint: pymunk.Constraint) -> bool:
-    """Whether a joint can transmit an impulse: it is in a space, is not a spring, and its force has no bound."""
-    if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
-        return False
-    return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
-
-
 def joined(ends: Sequence[pymunk.Body]) -> Connected:
     """Return the dynamic bodies connected by joints that transmit impulses, the lightest first, and those joints."""
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
@@ -91,15 +93,20 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
     joints: list[pymunk.Constraint] = []
     while waiting:
         body = waiting.pop()
-        if body in bodies:
-            continue
-        bodies[body] = None
-        if body._constraints:
-            for joint in body.constraints:
-                if joint not in joints and passes_impulse(joint):
+        if body not in bodies:
+            bodies[body] = None
+            # The wrapper's copy of the set takes longer than a look whether there are any.
+            for joint in body.constraints if body._constraints else ():
+                if joint not in joints and _transmits_impulse(joint):
                     joints.append(joint)
                     waiting += [each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC]
     return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
+
+
+def _transmits_impulse(joint: pymunk.Constraint) -> bool:
+    if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
+        return False
+    return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
 
 
 def scaled_columns(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
@@ -107,22 +114,16 @@ def scaled_columns(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
     """
-    places, scale = {}, []
-    for at, each in enumerate(bodies):
-        linear, angular = 1.0 / math.sqrt(each.mass), 1.0 / math.sqrt(each.moment)
-        places[each] = 3 * at, linear, angular
-        scale += [linear, linear, angular]
-    columns = []
-    for entries in rows:
-        column = [0.0] * len(scale)
+    places = {each: 3 * at for at, each in enumerate(bodies)}
+    scale = np.array([number for each in bodies for number in (each.mass, each.mass, each.moment)]) ** -0.5
+    columns = [[0.0] * len(scale) for _ in rows]
+    for column, entries in zip(columns, rows, strict=True):
         for body, x, y, turn in entries:
-            if body in places:
-                first, linear, angular = places[body]
-                column[first] += linear * x
-                column[first + 1] += linear * y
-                column[first + 2] += angular * turn
-        columns.append(column)
-    return np.array(columns).T, np.array(scale)
+            if (first := places.get(body)) is not None:
+                column[first] += x
+                column[first + 1] += y
+                column[first + 2] += turn
+    return (np.array(columns).reshape(-1, len(scale)) * scale).T, scale
 
 
 def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
@@ -202,3 +203,75 @@ def _turning(joint: Any) -> list[JointRow]:
     elif not isinstance(joint, pymunk.RotaryLimitJoint):
         raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
     return [JointRow(joint, ((a, 0.0, 0.0, on_a), (b, 0.0, 0.0, on_b)), rate, limit)]
+
+
+def of_length_one(columns: Array) -> Array:
+    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    return np.asarray(columns / np.where(lengths > 0.0, lengths, 1.0))
+
+
+def span(columns: Array) -> Array:
+    """Return an orthonormal basis of the columns' span, shape (rows, rank); columns may be dependent."""
+    directions, sizes, _ = np.linalg.svd(of_length_one(columns), full_matrices=False)
+    return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
+
+
+def joint_basis(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> tuple[Array, Array]:
+    """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of M^-1/2; limits are rigid."""
+    rows = [row.entries for joint in joints for row in joint_rows(joint)]
+    columns, scale = scaled_columns(rows, bodies)
+    return span(columns) if rows else columns, scale
+
+
+def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array) -> Array:
+    """Return the part of velocity changes, shape (3 bodies), that the joints permit: the orthogonal projection onto it."""
+    rigid, scale = joint_basis(bodies, joints)
+    scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
+    return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
+
+
+def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
+    """Apply the least change of velocity, in the norm of the kinetic energy, at which no joint opens.
+
+    Limits are ignored unless ``with_limits``.
+
+    Raises:
+        RuntimeError: if limits take turns at pushing without end.
+    """
+    rows = [row for joint in joints for row in joint_rows(joint) if with_limits or not row.limit]
+    if not rows:
+        return
+    rates, sizes = np.array([row.excess() for row in rows]).T
+    limits: NDArray[np.bool_] = np.array([row.limit for row in rows])
+    if not (np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes).any():
+        return
+    columns, scale = scaled_columns([row.entries for row in rows], bodies)
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    lengths[lengths == 0.0] = 1.0
+    change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
+    for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
+        body.velocity += (x, y)
+        body.angular_velocity += turn
+
+
+def _least_change(columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]) -> Array:
+    """Return the dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
+    active = ~limits | (rates < -rounding)
+    for _ in range(2 * len(rates) + 8):
+        rigid = columns[:, active]
+        change = np.asarray(np.linalg.lstsq(rigid.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
+        impulses = np.zeros(len(rates))
+        impulses[active] = np.linalg.lstsq(rigid, change, rcond=DEPENDENT)[0]
+        after = rates + columns.T @ change
+        pulls = limits & active & (impulses < -DEPENDENT * np.abs(impulses).max(initial=0.0))
+        passed = limits & ~active & (after < -rounding - DEPENDENT * np.abs(rates).max())
+        if pulls.any():
+            active[np.argmin(np.where(pulls, impulses, np.inf))] = False
+        elif passed.any():
+            active[np.argmin(np.where(passed, after, np.inf))] = True
+        else:
+            return change
+    raise RuntimeError(
+        "limits of joints: no set of them pushes and keeps the others; remove joints that contradict each other"
+    )
