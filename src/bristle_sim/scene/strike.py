@@ -14,8 +14,8 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw, contact_law
-from bristle_sim.scene.contact.laws import ENERGETIC
+from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
+from bristle_sim.scene.contact.laws import ENERGETIC, contact_law
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
 from bristle_sim.scene.integrate.time_scales import damped_interval

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.compliant import contact_law
+from bristle_sim.scene.contact.laws import contact_law
 from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.settings import Settings

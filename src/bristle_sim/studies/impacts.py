@@ -194,7 +194,7 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
     """Simulate the strike by the requested law, and by the others where they have a result."""
     strikes, refusals = dict[str, ChainStrike](), dict[str, str]()
-    for law in LAWS:
+    for law in dict.fromkeys((*LAWS, contact.law)):
         try:
             other = Contact(law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0)
             strikes[law] = strike(chain, surface, contact if law == contact.law else other, settings)

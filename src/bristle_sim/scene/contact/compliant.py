@@ -9,8 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from bristle_sim.parameters import Contact
-from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
+from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, contact_at, energetic_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
@@ -183,12 +182,3 @@ def rigid_stiffness(
     joint, root = poses[link].joint, poses[link % len(poses) // mechanism.wire_links * mechanism.wire_links].joint
     lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
     return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 * inertia / lever**2
-
-
-def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
-    squared = contact.tangential_compliance
-    if contact.law == "compliant":
-        duration = None if contact.duration is None else contact.duration / time_unit
-        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
-    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

@@ -2,7 +2,7 @@
 
 An impact at an instant is resolved at once: scene, state, obstacle in; state after, contact record out. A law that resolves
 the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.contact.compliant`).
-To add a law, write a subclass of :class:`ContactLaw` and name it in :func:`contact_law` there.
+To add a law, write a subclass of :class:`ContactLaw`, name it in :func:`contact_law` and among the words of ``Contact.law``.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
+from bristle_sim.parameters import Contact
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
@@ -170,3 +171,14 @@ class EngineLaw(ContactLaw):
         velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
         return self._record(obstacle, state, after.rates, outcome, (impulse[0], impulse[1]), (touch.velocity, velocity))
+
+
+def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
+    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
+    from bristle_sim.scene.contact.compliant import CompliantLaw
+
+    squared = contact.tangential_compliance
+    if contact.law == "compliant":
+        duration = None if contact.duration is None else contact.duration / time_unit
+        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)
