@@ -23,7 +23,7 @@ def run(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
 
 def plot(report: Report) -> Picture:
     """Draw the map with the measured values as lines, and the nearest pass as a camera would have seen it."""
-    from bristle_sim.render.film_map_figure import film_map_figure
+    from bristle_sim.render.measurement_figures import film_map_figure
 
     return film_map_figure(report.subject)
 

@@ -32,7 +32,7 @@ def run(
 
 def plot(report: Report) -> Picture:
     """Draw the force over time, and what contact stiffness and number of links change."""
-    from bristle_sim.render.wire_figure import wire_figure
+    from bristle_sim.render.wire_pictures import wire_figure
     from bristle_sim.studies.flexible_wire import wire_study
 
     return wire_figure(report.subject, wire_study(report.subject.strike))
@@ -40,7 +40,7 @@ def plot(report: Report) -> Picture:
 
 def film(report: Report, **size: int) -> Film:
     """Film the wave that bends the wire."""
-    from bristle_sim.render.wire_film import WireFilm
+    from bristle_sim.render.wire_pictures import WireFilm
 
     return WireFilm(report.subject, **size)
 

@@ -25,7 +25,7 @@ def run(
 
 def plot(report: Report) -> Picture:
     """Draw the forces over time."""
-    from bristle_sim.render.force_figure import force_figure
+    from bristle_sim.render.force_figures import force_figure
 
     return force_figure(report.subject)
 

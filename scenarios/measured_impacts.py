@@ -21,7 +21,7 @@ def run(measured: Measured) -> Report:
 
 def plot(report: Report) -> Picture:
     """Draw the measured points with the curves of the rigid and of the elastic contact."""
-    from bristle_sim.render.measured_figure import measured_figure
+    from bristle_sim.render.measurement_figures import measured_figure
 
     return measured_figure(report.subject)
 

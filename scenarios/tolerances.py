@@ -22,7 +22,7 @@ def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) ->
 
 def plot(report: Report) -> Picture:
     """Draw the spread of each output and its causes."""
-    from bristle_sim.render.tolerance_figure import tolerance_figure
+    from bristle_sim.render.sweep_figures import tolerance_figure
 
     return tolerance_figure(report.subject)
 

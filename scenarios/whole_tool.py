@@ -22,7 +22,7 @@ def run(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
 
 def plot(report: Report) -> Picture:
     """Draw the force of one bristle, and of all behind the load cell."""
-    from bristle_sim.render.whole_tool_figure import whole_tool_figure
+    from bristle_sim.render.force_figures import whole_tool_figure
 
     return whole_tool_figure(report.subject)
 

@@ -124,7 +124,7 @@ PROMISES = {
         " reference",
         quick="wire_links=2",
         integrates=True,
-        film="bristle_sim.render.wire_film.WireFilm",
+        film="bristle_sim.render.wire_pictures.WireFilm",
     ),
     "crater_depth": Promise(
         "merchant_crater_depth merchant_crater_depth_limit energy_crater_depth",

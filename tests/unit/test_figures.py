@@ -19,7 +19,7 @@ from bristle_sim.render.cost_figure import LEAST, cost_figure
 from bristle_sim.render.crater_figure import MEASURED, MICRO
 from bristle_sim.render.dissertation_figures import contact_sheet, draw
 from bristle_sim.render.style import add_panel, blank_figure
-from bristle_sim.render.wire_figure import wire_figure
+from bristle_sim.render.wire_pictures import wire_figure
 from figure_faults import faults
 
 PASSES = (
@@ -109,7 +109,7 @@ def test_titles_of_the_wire_state_what_their_data_give(friction: str, monkeypatc
     """At a friction of 0.6 the wire pushes longer and harder than the rigid bristle in a soft contact: 2.1 times."""
     seen: list[Any] = []
     monkeypatch.setattr(
-        "bristle_sim.render.wire_figure.wire_figure", lambda *args: seen.append(args) or wire_figure(*args)
+        "bristle_sim.render.wire_pictures.wire_figure", lambda *args: seen.append(args) or wire_figure(*args)
     )
     figure = drawn("flexible_wire", f"wire_links=2 friction={friction}")
     assert faults(figure) == []

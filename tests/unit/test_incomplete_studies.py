@@ -27,9 +27,9 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.render.force_figures import whole_tool_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
-from bristle_sim.render.whole_tool_figure import whole_tool_figure
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import radial_place, simulation

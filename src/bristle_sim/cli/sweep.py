@@ -46,7 +46,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     for name, target in targets.items():
         if name == "plot":
             from bristle_sim.render.style import save_figure
-            from bristle_sim.render.sweep_figure import sweep_figure
+            from bristle_sim.render.sweep_figures import sweep_figure
 
             save_figure(sweep_figure(found, list(axes)), target)
         else:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -54,28 +55,14 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     return figure
 
 
-def best_methods(points: Sequence[Point]) -> dict[str, str]:
-    """Return by package its cheapest method at an error of 1e-6, or at the next power of ten that it reaches."""
-    best = {}
-    for package in dict.fromkeys(package_of(point.method) for point in points):
-        own = [point for point in points if package_of(point.method) == package]
-        found = next((point for target in TARGETS if (point := cheapest(own, target)) is not None), None)
-        if found is not None:
-            best[package] = found.method
-    return best
+def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
+    """Return the first error of TARGETS that a method reaches, and the cheapest method there; None where none does."""
+    found = ((target, cheapest(points, target)) for target in TARGETS)
+    return next((each for each in found if each[1] is not None), (1.0, None))
 
 
-def compared(points: Sequence[Point]) -> tuple[float, Point | None, Point | None]:
-    """Return the error that is compared, the cheapest of our points there and the cheapest of all peers."""
-    for target in TARGETS:
-        if own := cheapest([point for point in points if package_of(point.method) == OURS], target):
-            return target, own, cheapest([point for point in points if package_of(point.method) != OURS], target)
-    return 1.0, None, None
-
-
-def verdict(points: Sequence[Point]) -> str:
+def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     """Return the cheapest of ours and the cheapest of all peers at one error, in words."""
-    target, own, peer = compared(points)
     if own is None:
         return "none of our methods is within 1"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
@@ -89,22 +76,24 @@ def _shown(point: Point) -> str:
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     """Draw a case; named in colour are all of our methods and the best of each peer, below them the others and the notes."""
-    drawn = [point for point in points if math.isfinite(point.error)]
-    best, grey, markers = best_methods(points).values(), dict[str, list[str]](), dict[str, Iterator[str]]()
-    used: list[str] = []
-    for method in dict.fromkeys(point.method for point in drawn):
-        times = [point.cpu_s * MILLISECONDS for point in drawn if point.method == method]
-        errors = [max(point.error, LEAST) for point in drawn if point.method == method]
-        package, look = package_of(method), PALE
-        if package == OURS or method in best:
-            look = HEAVY if package == OURS else LIGHT
-            marker = next(markers.setdefault(package, itertools.cycle("osD^vPX*")))
-            own = OWN[len(used) % len(OWN)] if package == OURS else PEERS.get(package, GREY)
-            used += [method] * (package == OURS)
-            look = {**look, "color": own, "marker": marker, "label": method}
-        else:
-            grey.setdefault(package, []).append(method.partition(" ")[2])
-        axes.loglog(times, errors, gid=method, **look)
+    by_package: dict[str, list[Point]] = {}
+    for point in (each for each in points if math.isfinite(each.error)):
+        by_package.setdefault(package_of(point.method), []).append(point)
+    grey, colours = list[str](), itertools.cycle(OWN)
+    for package, own in by_package.items():
+        _, best = reached(own)
+        markers, others = itertools.cycle("osD^vPX*"), []
+        for method in dict.fromkeys(point.method for point in own):
+            look = PALE
+            if package == OURS or (best is not None and method == best.method):
+                named = HEAVY if package == OURS else LIGHT
+                color = next(colours) if package == OURS else PEERS.get(package, GREY)
+                look = {**named, "color": color, "marker": next(markers), "label": method}
+            else:
+                others.append(method.partition(" ")[2])
+            curve = [(point.cpu_s * MILLISECONDS, max(point.error, LEAST)) for point in own if point.method == method]
+            axes.loglog(*zip(*curve, strict=True), gid=method, **look)
+        grey += [f"{package} {', '.join(others)}"] * bool(others)
     if grey:
         axes.plot([], [], **{**PALE, "linewidth": 1.6}, label="others, named below")
     for axis in (axes.xaxis, axes.yaxis):
@@ -113,21 +102,17 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
     axes.axhline(TARGETS[0], color=GREY, linewidth=0.7, dashes=(4, 2), zorder=0)
     in_time = [each for each in points if each.method not in NOT_IN_TIME]
-    note(axes, verdict(in_time), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", color=BLACK, fontsize=6.5)
-    for each in compared(in_time)[1:]:
-        if each is not None:
-            ring: dict[str, Any] = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
-            axes.plot([each.cpu_s * MILLISECONDS], [max(each.error, LEAST)], "o", label="compared above", **ring)
+    target, ours = reached([each for each in in_time if package_of(each.method) == OURS])
+    peer = cheapest([each for each in in_time if package_of(each.method) != OURS], target)
+    note(axes, verdict(target, ours, peer), (0, 1), (0, 5), xycoords="axes fraction", color=BLACK, fontsize=6.5)
+    rings = [(each.cpu_s * MILLISECONDS, max(each.error, LEAST)) for each in (ours, peer) if each is not None]
+    look = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
+    axes.plot(*np.reshape(rings, (-1, 2)).T, "o", label="compared above", **look)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    look = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
-    handles, names = axes.get_legend_handles_labels()
-    unique = dict(zip(names, handles, strict=True))
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (-0.2, -1.05 / PANEL[1]), "borderaxespad": 0.0}
-    axes.legend(unique.values(), unique.keys(), ncols=2, **place, **look)
-    words = "grey: " + "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
-    packages = {package_of(point.method) for point in drawn}
-    notes = [each for each in case.notes if each.partition(":")[0] in packages]
-    lines = [*(textwrap.wrap(words, 62) if grey else []), *notes]
+    axes.legend(ncols=2, columnspacing=0.8, labelspacing=0.25, handlelength=2.0, fontsize=6.5, **place)
+    notes = [each for each in case.notes if each.partition(":")[0] in by_package]
+    lines = [*(textwrap.wrap(f"grey: {'; '.join(grey)}", 62) if grey else []), *notes]
     look = {"transform": axes.transAxes, "fontsize": 6.5, "va": "top", "linespacing": 1.35, "color": GREY}
     axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), **look)

@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
-from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled
+from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled, write_key
 
 SHEET_DOTS_PER_INCH = 100.0  # a sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in
 CELL, PAGE_CELL = (8.25, 5.9), (15.0, 8.2)
@@ -42,6 +42,7 @@ OPERATING_POINT: dict[str, Any] = {
 _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
 """Offset of a mark's label in points, and its alignment."""
 
+POINT = {"markeredgewidth": 0.9, "linestyle": "none"}
 _CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
 _LOOKS: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
@@ -97,23 +98,24 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 
 def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float) -> Figure:
     """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
-    rows = -(-len(cells) // columns)
-    width, height = size[0], size[1] + titles
+    rows, (width, height) = -(-len(cells) // columns), (size[0], size[1] + titles)
     page = blank_figure(columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch)
-    key: dict[Any, Line2D] = {}
+    key: dict[str, dict[str, Any]] = {}
     for number, (figure, panel) in enumerate(cells):
-        row, column = divmod(number, columns)
-        left, bottom = column * width, FOOT + (rows - 1 - row) * height
+        left, bottom = number % columns * width, FOOT + (rows - 1 - number // columns) * height
         wider = TABLE_MARGIN if panel is None else 0.0
         space = (size[0] - PANEL[2] + wider, size[1] - PANEL[3])
         axes = axes_at(page, left + PANEL[0] - wider, bottom + PANEL[1], *space)
         if panel is None:
             _draw_table(axes, figure.table)
-        else:
-            _draw_panel(axes, panel)
-            key |= {line.get_label(): line for line in _point_entries(panel)}
+            continue
+        _draw_panel(axes, panel)
+        sources = dict.fromkeys(source for curve in panel.curves for source in curve.points)
+        key |= {SOURCES[each].words: {"color": BLACK, **POINT, **_LOOKS[each]} for each in sources}
+        if not all(mark.label for mark in panel.marks):
+            key["operating point"] = OPERATING_POINT
     if key:
-        page.legend(handles=[*key.values()], loc="lower center", ncols=min(len(key), 4), columnspacing=1.4)
+        write_key(page, key, ncols=min(len(key), 4))
     return page
 
 
@@ -146,32 +148,27 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         (line,) = axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name)
         names.append(line)
         for source, (at, values) in curve.points.items():
-            look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[source]}
-            axes.plot(x * at, y * values, **look, zorder=3)
+            axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
     levels, dashes = {}, iter([(4.0, 2.0), (1.0, 1.5)])
     for level in panel.levels:
-        look = {"color": GREY, "linewidth": 0.9, "dashes": (3.0, 2.0) if level.upright else next(dashes), "zorder": 1}
+        dashed: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "zorder": 1}
+        dashed["dashes"] = (3.0, 2.0) if level.upright else next(dashes)
         draw_level, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
-        levels[level.label] = draw_level(factor * level.value, label=level.label, **look)
+        levels[level.label] = draw_level(factor * level.value, label=level.label, **dashed)
     for mark in panel.marks:
-        place = (x * mark.x, y * mark.y)
-        if mark.label:
-            axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
-            offset, side = _SIDES[mark.side]
-            note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
-        else:
-            axes.plot(*place, zorder=5, **OPERATING_POINT)
+        place, (offset, side) = (x * mark.x, y * mark.y), _SIDES[mark.side]
+        dot: dict[str, Any] = {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
+        axes.plot(*place, zorder=5, **dot)
+        note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     _limit(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
     lines = [line for line in (*names, *levels.values()) if str(line.get_label()).strip()]
-    look = {"fontsize": 6.5, "handlelength": 0.9, "handletextpad": 0.3, "labelspacing": 0.25}
+    look: dict[str, Any] = {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
     if panel.family:
-        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.55}
-    else:
-        look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
-    axes.legend(handles=lines, **look)
+        look = {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.55}
+    axes.legend(handles=lines, fontsize=6.5, handlelength=0.9, handletextpad=0.3, labelspacing=0.25, **look)
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
@@ -185,14 +182,3 @@ def _limit(axes: Axes, panel: Panel) -> None:
         axes.set_ylim(0.0, panel.y.factor * panel.top or 1.0)
     if any(mark.side == "above" for mark in panel.marks):
         axes.set_ylim(top=high + 0.1 * (high - low))
-
-
-def _point_entries(panel: Panel) -> list[Line2D]:
-    """Return entries of a legend for the points of each source and for the mark without a label."""
-    entries = []
-    for source in dict.fromkeys(source for curve in panel.curves for source in curve.points):
-        look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[source]}
-        entries.append(Line2D([], [], label=SOURCES[source].words, **look))
-    if any(not mark.label for mark in panel.marks):
-        entries.append(Line2D([], [], label="operating point", **OPERATING_POINT))
-    return entries

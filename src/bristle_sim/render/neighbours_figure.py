@@ -70,12 +70,13 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     """Return two instants to draw, each with words: the first touch, and the last one before the last bristle's strike."""
-    strike = row.bristles[-1].event_time("strike")
-    until = float(row.bristles[-1].time[-1]) if strike is None else strike
+    front, strike = row.bristles[0].event_time("strike"), row.bristles[-1].event_time("strike")
+    until, name = float(row.bristles[-1].time[-1]) if strike is None else strike, f"bristle {len(row.bristles)}"
     touches = [each for each in row.touches if each <= until]
-    name = f"bristle {len(row.bristles)}"
-    own = (f"{name} strikes" if strike is not None else "end of the pass", until)
-    front = row.bristles[0].event_time("strike")
-    first = ("bristle 1 strikes" if front is not None else "start", front or 0.0)
-    last = f"last touch before {name} strikes" if strike else "last touch"
-    return [("first touch", touches[0]) if touches else first, (last, touches[-1]) if len(touches) > 1 else own]
+    first = ("start", 0.0) if front is None else ("bristle 1 strikes", front)
+    last = ("end of the pass" if strike is None else f"{name} strikes", until)
+    if touches:
+        first = ("first touch", touches[0])
+    if len(touches) > 1:
+        last = (f"last touch before {name} strikes" if strike else "last touch", touches[-1])
+    return [first, last]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,12 +21,13 @@ _CAPTIONS = {
     "workpart release": "off the workpart",
     "jam": "jammed",
     "retraction limit": "retraction limit",
+    "largest retraction": "thrown forward again",
+    "highest relative speed": "past its highest speed",
 }
 _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpart"}
 
 
-@dataclass(frozen=True, slots=True)
-class Phase:
+class Phase(NamedTuple):
     """An interval of the run and its caption; it lasts to the next phase's start, s."""
 
     start: float
@@ -62,23 +63,34 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
-    thrown = abs(trajectory.relative_angle[0]) > CARRIED
+    thrown, events = abs(trajectory.relative_angle[0]) > CARRIED, _notable(trajectory)
     found = [Phase(float(trajectory.time[0]), THROWN if thrown else "turns with the hub")]
-    events, contact = _notable(trajectory), trajectory.first_contact("workpart")
-    outcome = "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
+    contact, strike = trajectory.first_contact("workpart"), trajectory.event_time("strike")
     for number, event in enumerate(events):
+        obstacle, later = event.name.removesuffix(" touch"), events[number + 1 :]
         if event.name == "strike":
-            later = (each.time for each in events[number + 1 :] if each.time > event.time)
-            shown_until = min(event.time + strike_shown, next(later, math.inf))
-            found.append(Phase(event.time, "strike"))
-            if contact is not None and contact.history is not None:
+            ends = [event.time + strike_shown, *(each.time for each in later if each.time > event.time)]
+            outcome = "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
+            if contact is None or contact.history is None:
+                found += [Phase(event.time, "strike"), Phase(min(ends), outcome)]
+            else:
                 deepest = float(contact.history.time[np.argmax(contact.history.penetration)])
-                shown_until = contact.time + contact.duration
-                found[-1:] = [Phase(event.time, "strike: compression"), Phase(deepest, "strike: restitution")]
-            found.append(Phase(shown_until, outcome))
-        elif (caption := _caption(trajectory, events, number)) is not None:
-            found.append(Phase(event.time, caption))
+                found += [Phase(event.time, "strike: compression"), Phase(deepest, "strike: restitution")]
+                found.append(Phase(contact.time + contact.duration, outcome))
+        elif obstacle in _SUSTAINED:  # a touch is sustained if a release follows, else a bounce
+            following = next((each.name for each in later if each.name.startswith(f"{obstacle} ")), "")
+            bounce = following != f"{obstacle} release"
+            found.append(Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle]))
+        elif event.name in _CAPTIONS and _begins_a_phase(event, strike):
+            found.append(Phase(event.time, _CAPTIONS[event.name]))
     return tuple(sorted(found, key=lambda phase: phase.start))
+
+
+def _begins_a_phase(event: Event, strike: float | None) -> bool:
+    """Return whether an extreme is after the strike where it is one of retraction, or without any where it is one of speed."""
+    if event.name == "largest retraction":
+        return strike is not None and event.time > strike
+    return event.name != "highest relative speed" or strike is None
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
@@ -88,25 +100,11 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
     """Return the notable events but for releases in the instant of a touch, which belong to a bounce."""
-    touches, found = {"bar": -math.inf, "workpart": -math.inf}, []
+    touches, found = dict[str, float](), []
     for event in trajectory.notable_events:
-        obstacle = "workpart" if event.name == "strike" else event.name.split()[0]
-        if event.name in ("strike", f"{obstacle} touch"):
+        obstacle, _, kind = ("workpart touch" if event.name == "strike" else event.name).partition(" ")
+        if kind == "touch":
             touches[obstacle] = event.time
-        if not event.name.endswith(" release") or event.time - touches.get(obstacle, -math.inf) > SAME_INSTANT:
+        if kind != "release" or event.time - touches.get(obstacle, -math.inf) > SAME_INSTANT:
             found.append(event)
     return tuple(found)
-
-
-def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> str | None:
-    """Return the name of the phase that begins with an event; a touch is sustained if a release follows, else a bounce."""
-    event, strike = events[number], trajectory.event_time("strike")
-    obstacle = event.name.removesuffix(" touch")
-    if obstacle in _SUSTAINED:
-        following = (each.name for each in events[number + 1 :] if each.name.startswith(f"{obstacle} "))
-        return _SUSTAINED[obstacle] if next(following, "") == f"{obstacle} release" else f"bounces off the {obstacle}"
-    if event.name == "largest retraction" and strike is not None and event.time > strike:
-        return "thrown forward again"
-    if event.name == "highest relative speed" and strike is None:
-        return "past its highest speed"
-    return _CAPTIONS.get(event.name)

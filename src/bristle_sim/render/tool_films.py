@@ -5,8 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,8 +28,7 @@ ROW_SLOWER, ROW_AFTER = 10.0, 0.15
 bristle's strike, as a fraction of the time before."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stage:
+class Stage(NamedTuple):
     """A tool with its wires, in a drawing of its own.
 
     Attributes:
@@ -69,21 +67,18 @@ class ToolFilm(Film):
         super().__init__(warp, *pixels, colours)
         self.stages, self.story, self._readings = stages, tuple(story), readings
         self.wires: list[list[WireDrawing]] = []
-        aspect = pixels[0] / len(stages) / (pixels[1] * (1.0 - HEADER))
-        view = close_up(
-            np.concatenate([np.reshape(each.shown, (-1, 2)) for each in stages]), stages[0].tool, aspect, margin
-        )
+        width, height = 1.0 / len(stages), 1.0 - HEADER
+        lines = np.concatenate([np.reshape(each.shown, (-1, 2)) for each in stages])
+        view = close_up(lines, stages[0].tool, width * pixels[0] / (height * pixels[1]), margin)
         for number, stage in enumerate(stages):
-            axes = self.figure.add_axes((number / len(stages), 0.0, 1.0 / len(stages), 1.0 - HEADER))
+            axes = self.figure.add_axes((number * width, 0.0, width, height))
             draw_film_tool(axes, stage.tool, view, 0.75 * self.letters)
             (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-            self.wires.append(
-                [WireDrawing(axes, stage.tool, color=each, details=stage.details) for _, each in stage.wires]
-            )
+            wires = [WireDrawing(axes, stage.tool, color=each, details=stage.details) for _, each in stage.wires]
             (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
             (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-            wires = [artist for wire in self.wires[-1] for artist in wire.artists]
-            self.moving += [self.trail, *wires, self.star, self.rings]
+            self.wires.append(wires)
+            self.moving += [self.trail, *(each for wire in wires for each in wire.artists), self.star, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires, trails, stars and rings to an instant of the film's clock, s."""
@@ -98,9 +93,8 @@ class ToolFilm(Film):
             if stage.strike is not None:
                 self.star.set_data(*(MILLIMETRES * stage.strike[:, np.newaxis]))
                 self.star.set_visible(caption == "strike")
-            if len(now) > 1:
-                lines = [each.centre_line for each in now]
-                self.rings.set_data(*touch_places(lines, stage.tool.bristle.wire_diameter).T)
+            lines = [each.centre_line for each in now]
+            self.rings.set_data(*touch_places(lines, stage.tool.bristle.wire_diameter).T)
             every += now
         return caption, *self._readings(every)
 
@@ -141,14 +135,13 @@ def _retraction(motion: Motion, whose: str = "") -> str:
 
 def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0) -> ToolFilm:
     """Return a film of a row of bristles, from the first touch of the bar until after the last strike."""
-    last = row.bristles[-1]
-    strike, end = last.event_time("strike"), float(last.time[-1])
-    begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
-    until = end if strike is None else min(end, strike + ROW_AFTER * (strike - begin))
-    touches = [each for each in row.touches if begin <= each <= until]
-    strikes = [each for run in row.bristles if (each := run.event_time("strike")) is not None and each <= until]
     motions, colors = [Interpolation(run) for run in row.bristles], (SERIES * 2)[: len(row.bristles)]
-    warp = slow_motion(begin, until, duration, (*touches, *strikes), slower=ROW_SLOWER, width=0.012)
+    last, strikes = row.bristles[-1], [run.event_time("strike") for run in row.bristles]
+    end = float(last.time[-1])
+    begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
+    until = end if strikes[-1] is None else min(end, strikes[-1] + ROW_AFTER * (strikes[-1] - begin))
+    focus = [each for each in (*row.touches, *strikes) if each is not None and begin <= each <= until]
+    warp = slow_motion(begin, until, duration, focus, slower=ROW_SLOWER, width=0.012)
     shown = np.concatenate([motion(np.linspace(begin, until, 200)).centre_line for motion in motions])
 
     def readings(now: Sequence[Motion]) -> tuple[str]:
@@ -163,14 +156,15 @@ def _story(row: NeighbourRow) -> tuple[Phase, ...]:
     for number, run in enumerate(row.bristles, 1):
         name, contact = f"bristle {number}", run.first_contact("workpart")
         strike = math.inf if contact is None else contact.time
-        if (met := run.event_time("bar touch", before=strike)) is not None:
-            found.append(Phase(met, f"{name} meets the bar"))
-        if (thrown := run.event_time("bar release", last=True, before=strike)) is not None:
-            found.append(Phase(thrown, f"the belt throws {name}"))
+        captions = {
+            f"{name} meets the bar": run.event_time("bar touch", before=strike),
+            f"the belt throws {name}": run.event_time("bar release", last=True, before=strike),
+        }
         if contact is not None:
-            rate = contact.rates_before[0] - run.hub_speed
-            found.append(Phase(strike, f"{name} strikes at {signed(rate, 0)} rad/s relative to the hub"))
-    return tuple(sorted(found, key=lambda phase: (phase.start, phase.caption)))
+            rate = signed(contact.rates_before[0] - run.hub_speed, 0)
+            captions[f"{name} strikes at {rate} rad/s relative to the hub"] = strike
+        found += [Phase(time, caption) for caption, time in captions.items() if time is not None]
+    return tuple(sorted(found))
 
 
 def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, duration: float = 8.0) -> ToolFilm:

@@ -1,4 +1,4 @@
-"""Draw the strike over contact stiffness and wire damping with the measured values as lines, and the pass as a camera sees it."""
+"""Draw simulations beside measurements: spheres over the angle of incidence, and the strike against film and crater."""
 
 from __future__ import annotations
 
@@ -12,17 +12,38 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, draw_colours, styled, write_key
 from bristle_sim.studies.film import FOLLOWED, MEASURED, FilmMap
+from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, Spheres, sphere_rebound
 
-PANELS = {
+SPHERES = {
+    "restitution": ("tangential velocity", "after over before"),
+    "spin": ("spin (rad/s)", "after"),
+    "rebound_angle": ("rebound angle (°)", "after"),
+}
+
+
+@styled()
+def measured_figure(subject: tuple[Spheres, Spheres, Any]) -> Figure:
+    """Draw velocity ratio, spin and rebound angle: points as measured, curves by the law with and without compliance."""
+    compliant, rigid, _ = subject
+    figure, angle, lines = blank_figure(16.0, 7.6), np.linspace(0.5, 62.0, 400), []
+    for place, (name, (title, words)) in enumerate(SPHERES.items()):
+        axes = add_panel(figure, (1.3 + 5.1 * place, 1.9, 3.9, 4.4), title, words, xlabel="angle of incidence (°)")
+        by_compliance = [sphere_rebound(angle, each.compliance)[name] for each in (rigid, compliant)]
+        lines = axes.plot(angle, by_compliance[0], "--", color=VERMILION, label="rigid along the surface")
+        lines += axes.plot(angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliant.compliance:g}")
+        lines += axes.plot(*MEASURED_SPHERES[name].T, "o", color=BLACK, markersize=3.5, label="measured")
+    figure.legend(handles=lines, loc="lower center", ncols=3)
+    return figure
+
+
+MAPS = {
     "touches": ("touches", "within 0.5 ms", 1.0),
     "compression_time": ("compression (µs)", "of the first touch", MICROSECONDS),
     "crater_depth": ("crater (µm)", "the deepest", 1e6),
 }
 """Title, note and factor of each map."""
 
-MOST_ABOVE = (
-    3.0  # values above this multiple of the measured one take no part in its line, which would else follow a jump
-)
+MOST_ABOVE = 3.0  # values above this multiple of the measured one take no part in its line: it would follow a jump
 SMEAR = 9  # places of the wire in an exposure
 LOOKS: dict[str, dict[str, Any]] = {
     "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
@@ -37,7 +58,7 @@ MEASURED_LINE, NEAREST, MOTION, EXPOSED = LOOKS.values()
 def film_map_figure(film: FilmMap) -> Figure:
     """Draw touches, compression time and crater depth over both unknowns; below, frames of the nearest pass and its motion."""
     figure = blank_figure(16.0, 14.0)
-    for number, (name, (title, words, _)) in enumerate(PANELS.items()):
+    for number, (name, (title, words, _)) in enumerate(MAPS.items()):
         axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words, xlabel="contact duration (µs)")
         _draw_map(axes, film, name, first=number == 0)
     rate, exposure = f"{film.grid.frame_rate:g} frames a second", f"{MICROSECONDS * film.grid.exposure:g} µs"
@@ -50,7 +71,7 @@ def film_map_figure(film: FilmMap) -> Figure:
 
 
 def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
-    values, measured = PANELS[name][2] * film.results[name], PANELS[name][2] * MEASURED[name]
+    values, measured = MAPS[name][2] * film.results[name], MAPS[name][2] * MEASURED[name]
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
     draw_colours(axes, x, y, values)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
