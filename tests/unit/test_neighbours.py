@@ -129,7 +129,7 @@ def test_distances_of_bent_lines_against_points_on_them():
         for line in lines
     ]  # fmt: skip
     expected = np.linalg.norm(dense[0][:, :, np.newaxis] - dense[1][:, np.newaxis], axis=-1).min(axis=(1, 2))
-    found = polyline_distance(*lines)
+    found = polyline_distance(*(lines @ np.array([1.0, 1j])))
     # Points are at most half of 1/199 of a piece, some 5 long, away from the nearest ones.
     assert found == pytest.approx(expected, abs=0.03)
     assert (found <= expected + 1e-12).all()

@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.pass_invariants import complex_points
+from bristle_sim.studies.pass_invariants import Points, complex_points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
@@ -42,30 +42,26 @@ NEXT_SEARCH = 1e-6
 """How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance."""
 
 
-class LonePass:
-    """A bristle that touches no other one, at any instant of its pass; before its start it turns with the hub.
+@dataclass(frozen=True, slots=True)
+class LeastPitch:
+    """A pitch above which two wires do not touch up to an instant of a pass; ``by_theory`` by a lone bristle's motion, deg.
 
-    Between samples h rad of its motion apart the cubics of its line have an error of h^4/384, 1e-8 at 150 samples a period.
+    The instant ``until``, s, is one of the pass of the bristle in front, or of the follower's own pass, a pitch later. It is
+    None without a strike.
     """
 
-    def __init__(self, trajectory: Trajectory) -> None:
-        self.trajectory = trajectory
-        self._lines = cubics(trajectory.time, trajectory.centre_line, trajectory.centre_line_velocity)
-
-    def centre_line(self, time: Array) -> Array:
-        """Root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        within = np.maximum(time, self.trajectory.time[0])
-        turned = np.exp(1j * self.trajectory.hub_speed * (time - within))
-        line = complex_points(self._lines(within)) * turned[:, np.newaxis]
-        return np.stack([line.real, line.imag], axis=-1)
+    name: str
+    until: float | None
+    of_follower: bool
+    by_theory: float | None
 
 
-def polyline_distance(first: Array, second: Array) -> Array:
-    """Return the least distance of two polylines, 0 where they cross; shapes (n, corners, 2) to (n,)."""
-    one, two, found = complex_points(first), complex_points(second), np.full(len(first), np.inf)
-    for i in range(one.shape[1] - 1):
-        for j in range(two.shape[1] - 1):
-            pair, crossing = (one[:, i : i + 2], two[:, j : j + 2]), np.full(len(first), True)
+def polyline_distance(first: Points, second: Points) -> Array:
+    """Return the least distance of two polylines of complex points, 0 where they cross; shapes (n, corners) to (n,)."""
+    found = np.full(len(first), np.inf)
+    for i in range(first.shape[1] - 1):
+        for j in range(second.shape[1] - 1):
+            pair, crossing = (first[:, i : i + 2], second[:, j : j + 2]), np.full(len(first), True)
             for points, segment in (pair, pair[::-1]):
                 along = (segment[:, 1] - segment[:, 0])[:, np.newaxis]
                 seen = np.conj(along) * (points - segment[:, :1]) / abs(along) ** 2  # from the segment, over its length
@@ -76,24 +72,29 @@ def polyline_distance(first: Array, second: Array) -> Array:
     return found
 
 
-def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:
-    """Return the least distance of the centre lines of a bristle and its follower up to an instant, and when; m and s."""
-    run, delay = lone.trajectory, pitch / lone.trajectory.hub_speed
+def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
+    """Return the least distance of the centre lines of a bristle and its follower up to an instant, m.
+
+    Between samples h rad of its motion apart the cubics of a line have an error of h^4/384, 1e-8 at 150 samples a period.
+    """
+    delay, begin = pitch / lone.hub_speed, float(lone.time[0])
+    lines = cubics(lone.time, lone.centre_line, lone.centre_line_velocity)
 
     def distance(time: Array) -> Array:
-        return polyline_distance(lone.centre_line(time), lone.centre_line(time - delay))
+        within = np.maximum(time - delay, begin)  # before its start a bristle turns with the hub
+        turned = np.exp(1j * lone.hub_speed * (time - delay - within))
+        return polyline_distance(complex_points(lines(time)), complex_points(lines(within)) * turned[:, np.newaxis])
 
-    begin, samples = float(run.time[0]), np.concatenate([run.time, run.time + delay])
-    even = np.linspace(begin, until, INSTANTS)
-    instants = np.unique(np.concatenate([even, samples[(samples > begin) & (samples < until)]]))
+    samples = np.concatenate([lone.time, lone.time + delay])
+    inside = samples[(samples > begin) & (samples < until)]
+    instants = np.unique(np.concatenate([np.linspace(begin, until, INSTANTS), inside]))
     values = distance(instants)
-    best = int(values.argmin())
-    least, when = float(values[best]), float(instants[best])
+    least = float(values.min())
     inner = np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])) + 1
     for at in inner[np.argsort(values[inner])][:MINIMA_REFINED]:
-        found = _minimum(lambda time: float(distance(np.array([time]))[0]), instants[at - 1], instants[at + 1])
-        least, when = min((least, when), found, key=lambda pair: pair[0])
-    return least, when
+        sides = instants[at - 1], instants[at + 1]
+        least = min(least, _minimum(lambda time: float(distance(np.array([time]))[0]), *sides)[0])
+    return least
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
@@ -103,7 +104,7 @@ def _minimum(function: Callable[[float], float], low: float, high: float) -> tup
 
 
 def least_pitch(
-    trajectory: Trajectory,
+    lone: Trajectory,
     wire_diameter: float,
     *,
     until: float | None = None,
@@ -118,22 +119,22 @@ def least_pitch(
 
     Raises ValueError if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
     """
-    if not trajectory.hub_speed:
+    if not lone.hub_speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
     if not wire_diameter > 0.0:
         raise ValueError(
             f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
         )
-    lone, last = LonePass(trajectory), float(trajectory.time[-1])
+    last = float(lone.time[-1])
     end = last if until is None else until
 
     def gap(pitch: float) -> float:
-        delay = pitch / trajectory.hub_speed if of_follower else 0.0
-        return nearest_approach(lone, pitch, min(end + delay, last))[0] - wire_diameter
+        delay = pitch / lone.hub_speed if of_follower else 0.0
+        return nearest_approach(lone, pitch, min(end + delay, last)) - wire_diameter
 
     pitch, open_gap, wider, before = largest, gap(largest), math.inf, largest
     # m/rad: the follower lags by pitch/omega, and no point of it moves faster.
-    steepest = float(np.linalg.norm(trajectory.centre_line_velocity, axis=-1).max()) / trajectory.hub_speed
+    steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
     if open_gap <= 0.0:
         raise ValueError(
             f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
@@ -148,20 +149,6 @@ def least_pitch(
             if depth <= 0.0:
                 return float(brentq(gap, deepest, before, xtol=PITCH_TOLERANCE))
         pitch, before, wider, open_gap = narrower, pitch, open_gap, closed
-
-
-@dataclass(frozen=True, slots=True)
-class LeastPitch:
-    """A pitch, deg, above which by a lone bristle's motion two wires do not touch up to an instant of its pass, s.
-
-    There is no instant where the pass has no strike; it may be one of the follower's pass, a pitch later than of the one in
-    front.
-    """
-
-    name: str
-    until: float | None
-    of_follower: bool
-    by_theory: float | None
 
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
@@ -187,6 +174,6 @@ def unsearched(tool: Tool, lone: Trajectory) -> str:
     """Return the reason why no least pitch is searched; empty if it is."""
     if lone.time.size > MOST_SAMPLES:
         return "the pass has too many oscillations of the bristle on its belt"
-    if nearest_approach(LonePass(lone), LARGEST_PITCH, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
+    if nearest_approach(lone, LARGEST_PITCH, float(lone.time[-1])) <= tool.bristle.wire_diameter:
         return f"wires touch each other even {math.degrees(LARGEST_PITCH):g} deg apart"
     return ""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,8 +42,8 @@ FIRST_WIDTH = 0.1
 RESOLUTION = 0.005
 """Width to which that interval is bisected, deg."""
 
-WIDENINGS = 5
-"""Times that the interval is doubled until its ends differ, after which the search has failed."""
+WIDEST = 1.6
+"""Width to which that interval is doubled until wires touch at one end alone; beyond it the search has failed, deg."""
 
 AGREEMENT = 0.05
 """Largest difference of simulated and theoretical least pitches that agrees, deg."""
@@ -102,8 +102,15 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
         least = {each.name: each.by_theory for each in least_pitches_of(tool, simulate_reference(tool, **options))}
-    last, strikes = bristles[-1], [_strike_of(tool, number, run) for number, run in enumerate(bristles, 1)]
-    contact, reason = last.first_contact("workpart"), unsearched(tool, lone)
+    strikes = list[dict[str, float | None]]()
+    for number, run in enumerate(bristles, 1):
+        time = run.event_time("strike")
+        before = sum(time is None or each < time for each in _touches(run))
+        strikes.append(
+            {"bristle": number, "touches_before_strike": before, "contact_time": time} | strike_values(tool, run)
+        )
+    last, reason = bristles[-1], unsearched(tool, lone)
+    contact = last.first_contact("workpart")
     least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
     stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
     counted = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
@@ -113,7 +120,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         phases=() if contact is None else contact.phases,
         **ran(last),
         remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone; {stops}", f"least pitches: {counted}"),
-        tables=(_bristles_table(strikes),),
+        tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},
         subject=found,
         answer=_answer(found, least_pitches, strikes[-1]),
@@ -123,9 +130,9 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
     whole, own = known["least_pitch_whole_pass_deg"], known["least_pitch_to_own_strike_deg"]
-    found = [] if whole is None else [f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"]
-    found += [] if own is None else [f"a touch spoils the next strike below {own:.2f}°"]
-    apart = " and ".join(found) + ". " if found else ""
+    apart = "" if whole is None else f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
+    apart += "" if own is None else f" and a touch spoils the next strike below {own:.2f}°"
+    apart += ". " if apart else ""
     number, pitch, struck = row.neighbours.bristles, f"{row.neighbours.pitch_deg:g}°", last["normal_final_impulse"]
     if struck is None:
         return f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
@@ -135,20 +142,13 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     return f"{apart}At {pitch} bristle {number} strikes with {amount(struck, 'N s')}, {touched};{compared}."
 
 
-def _strike_of(tool: Tool, number: int, run: Trajectory) -> dict[str, float | None]:
-    time = run.event_time("strike")
-    before = sum(time is None or each < time for each in _touches(run))
-    return {"bristle": number, "touches_before_strike": before, "contact_time": time} | strike_values(tool, run)
-
-
-def _bristles_table(bristles: Sequence[Values]) -> Table:
+def _strikes_table(strikes: Sequence[Values]) -> Table:
     head = ("bristle", "touches before", "strike, ms", "lag, deg", "relative speed, rad/s", "impulse p_fy, mN s")
-    names = ("contact_time", "lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
-    cells = []
-    for each in bristles:
-        values = zip(names, (1e3, 1.0, 1.0, 1e3), strict=True)
-        shown = ("-" if (value := each[name]) is None else f"{factor * value:.5g}" for name, factor in values)
-        cells.append((str(each["bristle"]), str(each["touches_before_strike"]), *shown))
+    factors = dict.fromkeys(strikes[0], 1.0) | {"contact_time": 1e3, "normal_final_impulse": 1e3}
+    cells = [
+        tuple("-" if value is None else f"{factors[name] * value:.5g}" for name, value in each.items())
+        for each in strikes
+    ]
     return Table("the strike of each bristle", head, tuple(cells))
 
 
@@ -204,22 +204,15 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
         return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
-    found, within = _edge(touch, least.by_theory), AGREEMENT / least.by_theory
-    return dataclasses.replace(compared, simulated=found, tolerance=within)
-
-
-def _edge(touch: Callable[[float], bool], near: float) -> float | None:
-    """Bisect between a pitch at which wires touch and a larger one at which they do not, deg."""
-    for width in FIRST_WIDTH * 2.0 ** np.arange(WIDENINGS):
-        low, high = near - 0.5 * float(width), near + 0.5 * float(width)
-        if touch(low) and not touch(high):
-            break
-    else:
-        return None
-    while high - low > RESOLUTION:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if touch(middle) else (low, middle)
-    return 0.5 * (low + high)
+    width, middle = FIRST_WIDTH, least.by_theory
+    while not (touch(middle - 0.5 * width) and not touch(middle + 0.5 * width)):
+        width *= 2.0
+        if width > WIDEST:
+            return dataclasses.replace(compared, tolerance=AGREEMENT / least.by_theory)
+    while width > RESOLUTION:
+        width *= 0.5
+        middle += 0.5 * width if touch(middle) else -0.5 * width
+    return dataclasses.replace(compared, simulated=middle, tolerance=AGREEMENT / least.by_theory)
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
@@ -236,25 +229,27 @@ def _touches(run: Trajectory) -> list[float]:
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
-    last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
-    judged, ended = reference is not None or not touches, last.stop_reason is StopReason.END
-    simulated = {"wire_contacts": float(touches), **strike_values(row.tool, last)}
-    theory = {"wire_contacts": None if touches else 0.0, **strike_values(row.tool, row.lone)}
-    referred: dict[str, float | None] = {}
+    tool, last = row.tool, row.bristles[-1]
+    touched, ended = bool(_touches(last)), last.stop_reason is StopReason.END
+    simulated = {"wire_contacts": float(len(_touches(last))), **strike_values(tool, last)}
+    theory = {"wire_contacts": None if touched else 0.0, **strike_values(tool, row.lone)}
+    referred: Values = {}
     if reference is not None:
-        referred = {"wire_contacts": float(len(_touches(reference))), **strike_values(row.tool, reference)}
+        referred = {"wire_contacts": float(len(_touches(reference))), **strike_values(tool, reference)}
     # Errors are relative to angles of a radian, the hub's rate, and the strike of a bristle alone.
-    scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": row.tool.hub.speed}
+    scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
-        if name == "wire_contacts":  # a row ends for all when one bristle jams
-            return 0.0 if judged and (reference is not None or ended) else None
         value = (referred or theory)[name]
-        # Another bristle of the row, or this one, may end the run before this one could strike.
-        if not judged or not value or (simulated[name] is None and not ended):
+        # A touch may change all that follows, and another bristle of the row, or this one, may end the run for all.
+        if touched and reference is None:
+            return None
+        if name == "wire_contacts":
+            return 0.0 if reference is not None or ended else None
+        if not value or (simulated[name] is None and not ended):
             return None
         size = max(scales.get(name, 0.0), abs(theory[name] or value))
         return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
 
-    units: Mapping[str, tuple[str, str]] = {"wire_contacts": ("touches of its wire", "1"), **STRIKE}
+    units = {"wire_contacts": ("touches of its wire", "1"), **STRIKE}
     return rows(units, simulated, theory, referred, tolerance=tolerance)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import sys
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from importlib import metadata
@@ -20,7 +20,6 @@ import joblib
 import numpy as np
 import xarray as xr
 import zarr
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
@@ -102,24 +101,16 @@ def sweep(
             _write(results, evaluated(function, _points(grid, missing), workers), missing.size, progress)
     except KeyboardInterrupt:
         kept = "" if store is None else f"the points that are finished are kept in {store}; the same call goes on"
-        raise SweepInterrupted(kept, results) from None
+        raise SweepInterrupted(kept, results.dataset().load()) from None
     raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
 
 
 class SweepInterrupted(KeyboardInterrupt):
-    """The user interrupted the sweep; carries the results of the points finished by then."""
+    """The user interrupted the sweep; ``results`` are those of the points finished by then, NaN at the others."""
 
-    def __init__(self, kept: str, results: SweepStore) -> None:
+    def __init__(self, kept: str, results: xr.Dataset) -> None:
         super().__init__(kept)
-        self._results = results
-
-    def finished(self, names: Sequence[str]) -> NDArray[np.float64]:
-        """Return the results by these names, shape (names, finished points); empty if one of the names has no results."""
-        done, found = ~self._results.missing(), self._results.dataset()
-        if not all(name in found for name in names):
-            return np.empty((len(names), 0))
-        values = np.array([found[name].values.ravel()[done] for name in names])
-        return values[:, np.isfinite(values).all(axis=0)]
+        self.results = results
 
 
 def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:

@@ -20,7 +20,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import sobol_indices, uniform
+from numpy.typing import NDArray
+from scipy.stats import sobol_indices
+from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Unfinished, amount
@@ -38,14 +40,6 @@ ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
 
 RESAMPLES = 200
 """Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""
-
-
-class FinishedPoints(KeyboardInterrupt):
-    """The user's interruption of a study, with the outputs of the points that were finished, shape (outputs, points)."""
-
-    def __init__(self, values: Array) -> None:
-        super().__init__("interrupted")
-        self.values = values
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,11 +79,11 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     started = clock.perf_counter()
     intervals = _intervals(tool, spreads)
     point = functools.partial(strike_of_keys, settings, tool)
-    workers = None if sampling.workers == 1 else sampling.workers
+    options: dict[str, Any] = {"seed": sampling.seed, "workers": None if sampling.workers == 1 else sampling.workers}
     try:
-        study = sobol_study(point, intervals, OUTPUTS, sampling.samples, seed=sampling.seed, workers=workers)
-    except FinishedPoints as ended:
-        raise Unfinished(_unfinished(ended.values, (len(intervals) + 2) * sampling.samples)) from None
+        study = sobol_study(point, intervals, OUTPUTS, sampling.samples, **options)
+    except KeyboardInterrupt as ended:
+        raise Unfinished(_unfinished(getattr(ended, "results", {}), (len(intervals) + 2) * sampling.samples)) from None
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
     changes = propagated(point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
@@ -97,10 +91,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     quantities = []
     for row in rows:
         name, unit = row["output"], STRIKE_UNITS[row["output"]]
-        quantities += [
-            Quantity(f"{name}_mean", unit, row["mean"]),
-            Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]),
-        ]
+        quantities.append(Quantity(f"{name}_mean", unit, row["mean"]))
+        quantities.append(Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]))
     return Report(
         outcome=None,
         quantities=tuple(quantities),
@@ -112,26 +104,25 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     )
 
 
-def _unfinished(values: Array, total: int) -> Report:
+def _unfinished(results: Mapping[str, Any], total: int) -> Report:
     """Return mean and standard deviation of the outputs at the points that are finished, each drawn as all of them are."""
-    number, found = values.shape[1], list[Quantity]()
-    for name, each in zip(OUTPUTS, values, strict=True):
-        if number > 1:
-            found.append(Quantity(f"{name}_mean", STRIKE_UNITS[name], float(each.mean())))
-            found.append(Quantity(f"{name}_std", STRIKE_UNITS[name], float(each.std(ddof=1))))
+    known = {name: results[name].values for name in OUTPUTS if name in results}
+    finished = np.isfinite(list(known.values())).all(axis=0)
+    number, found = int(finished.sum()) if known else 0, list[Quantity]()
+    for name, each in known.items() if number > 1 else ():
+        found.append(Quantity(f"{name}_mean", STRIKE_UNITS[name], float(each[finished].mean())))
+        found.append(Quantity(f"{name}_std", STRIKE_UNITS[name], float(each[finished].std(ddof=1))))
     return Report(None, tuple(found), remarks=(f"{number} of {total} passes are finished; indices need all of them",))
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the input that ranks first for most outputs, and by how much speed and impulse of the strike spread."""
-    first = {row["output"]: max(row["indices"], key=lambda key: row["indices"][key]["total"]) for row in rows}
-    ranked, spreads = list(first.values()), []
+    ranked, spreads = [_ranked(row)[0] for row in rows], []
     most = max(ranked, key=ranked.count)
-    for row in rows:
-        name, unit = row["output"], STRIKE_UNITS[row["output"]]
-        if name in STATE | IMPACT:
-            mean, std = amount(row["mean"], unit), amount(row["std"], unit, 2)
-            spreads.append(f"{(STATE | IMPACT)[name][0]} {mean} by {std} (mostly {first[name]})")
+    for row, first in zip(rows, ranked, strict=True):
+        if row["output"] in STATE | IMPACT:
+            label, unit = (STATE | IMPACT)[row["output"]]
+            spreads.append(f"{label} {amount(row['mean'], unit)} by {amount(row['std'], unit, 2)} (mostly {first})")
     ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
     return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}."
 
@@ -155,25 +146,29 @@ def propagated(
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     """Return the ends of every input's interval, cut off at the bounds of its range."""
     found = dict[str, tuple[float, float]]()
-    for part, keys in tool_keys().items():
-        for key, (name, declared) in keys.items():
-            half_width = getattr(spreads, key, 0.0)
-            if half_width:
-                assert isinstance(declared, Range)
-                middle = float(getattr(getattr(tool, part) if part else tool, name))
-                found[key] = (max(declared.lowest, middle - half_width), min(declared.highest, middle + half_width))
+    places = {key: (part, *place) for part, keys in tool_keys().items() for key, place in keys.items()}
+    for key, half_width in dataclasses.asdict(spreads).items():
+        part, name, declared = places[key]
+        if half_width:
+            assert isinstance(declared, Range)
+            middle = float(getattr(getattr(tool, part) if part else tool, name))
+            found[key] = (max(declared.lowest, middle - half_width), min(declared.highest, middle + half_width))
     if not found:
         raise ValueError("spread_...: at least one must be more than 0, or nothing is spread")
-    return {each.name: found[each.name] for each in dataclasses.fields(spreads) if each.name in found}
+    return found
 
 
 def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     lines = ["theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"]
     for row in rows:
-        ranked = sorted(row["indices"].items(), key=lambda item: -item[1]["total"])[:3]
-        told = ", ".join(f"{key} {each['total']:.2f}" for key, each in ranked)
-        lines.append(f"{row['output']:<26} {told}")
+        first = ", ".join(f"{key} {row['indices'][key]['total']:.2f}" for key in _ranked(row)[:3])
+        lines.append(f"{row['output']:<26} {first}")
     return tuple(lines)
+
+
+def _ranked(row: Mapping[str, Any]) -> list[str]:
+    """Return the inputs, that of the largest total index first."""
+    return sorted(row["indices"], key=lambda key: -float(row["indices"][key]["total"]))
 
 
 def sobol_study(
@@ -193,30 +188,28 @@ def sobol_study(
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
+        SweepInterrupted: if the user interrupts, with the points that are finished.
     """
-    evaluated: list[Array] = []
+    inputs, random = len(intervals), np.random.default_rng(seed)
+    low, high = np.array(list(intervals.values())).T[:, :, np.newaxis]
+    fractions = Sobol(2 * inputs, seed=random, bits=64).random(samples).T.reshape(2, inputs, samples)
+    first, second = low + (high - low) * fractions
+    mixed = np.tile(first, (inputs, 1, 1))
+    mixed[np.arange(inputs), np.arange(inputs)] = second
+    points = dict(zip(intervals, np.concatenate([first, second, *mixed], axis=1), strict=True))
+    values = _swept(function, points, outputs, workers).reshape(len(outputs), inputs + 2, samples)
 
-    def evaluate(inputs: Array) -> Array:
-        try:
-            evaluated.append(_swept(function, dict(zip(intervals, inputs, strict=True)), outputs, workers))
-        except FinishedPoints as ended:
-            raise FinishedPoints(np.concatenate([*evaluated, ended.values], axis=1)) from None
-        return evaluated[-1].copy()  # scipy subtracts the mean in place
+    def indices(chosen: NDArray[np.intp]) -> list[Array]:
+        """Return first-order and total indices by some points of each sample, shape (outputs, inputs)."""
+        of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
+        func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
+        found = sobol_indices(func=func, n=samples)
+        return [np.reshape(each, (len(outputs), inputs)) for each in (found.first_order, found.total_order)]
 
-    dists = [uniform(loc=low, scale=high - low) for low, high in intervals.values()]
-    random, shape = np.random.default_rng(seed), (len(outputs), len(intervals))
-    # The keyword rng has this name since scipy 1.15.
-    found = sobol_indices(func=evaluate, n=samples, dists=dists, random_state=random)
-    first, second, mixed = evaluated
-    mixed = np.moveaxis(mixed.reshape(len(outputs), samples, -1), -1, 0)
-    resampled = []
-    for chosen in random.integers(0, samples, (RESAMPLES, samples)):
-        func = {"f_A": first[:, chosen], "f_B": second[:, chosen], "f_AB": mixed[..., chosen]}
-        again = sobol_indices(func=func, n=samples)
-        resampled.append([np.reshape(each, shape) for each in (again.first_order, again.total_order)])
-    both = (np.reshape(each, shape) for each in (found.first_order, found.total_order))
+    resampled = [indices(chosen) for chosen in random.integers(0, samples, (RESAMPLES, samples))]
     ends: Array = np.moveaxis(np.percentile(resampled, ENDS, axis=0), 0, -1)
-    return Study(tuple(intervals), tuple(outputs), np.concatenate([first, second], axis=1), *both, *ends)
+    both = values[:, :2].reshape(len(outputs), -1)
+    return Study(tuple(intervals), tuple(outputs), both, *indices(np.arange(samples)), *ends)
 
 
 def _swept(
@@ -224,19 +217,16 @@ def _swept(
 ) -> Array:
     """Outputs of shape (outputs, points) for inputs of shape (points)."""
     try:
-        from bristle_sim.studies.sweep import SweepInterrupted, sweep
+        from bristle_sim.studies.sweep import sweep
     except ImportError as error:
         raise ValueError(f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
-    try:
-        found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
-    except SweepInterrupted as ended:
-        raise FinishedPoints(ended.finished(outputs)) from None
-    missing = [name for name in outputs if name not in found]
-    values = np.array([found[name].values for name in outputs if name in found])
-    lost = np.ones(found.sizes["sample"], bool) if missing else ~np.isfinite(values).all(axis=0)
+    found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
+    unknown = np.full(found.sizes["sample"], math.nan)
+    values = np.array([found[name].values if name in found else unknown for name in outputs])
+    lost = ~np.isfinite(values).all(axis=0)
     if lost.any():
         where = int(np.argmax(lost))
-        reason = str(found["failure"].values[where]) or f"no {', '.join(missing) or 'number'}"
+        reason = str(found["failure"].values[where]) or f"no {', '.join(set(outputs) - {*found}) or 'number'}"
         point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
         raise ValueError(
             f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
