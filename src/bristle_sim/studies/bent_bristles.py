@@ -27,11 +27,8 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
-RETRACTS = 0.05
-"""Fraction of the largest forward slide below which a tip counts as one that retracts at once."""
-
-REST = 1e-4
-"""Fraction of the fastest slip below which the tip is at rest."""
+RETRACTS = 0.05  # Fraction of the largest forward slide below which a tip counts as one that retracts at once
+REST = 1e-4  # Fraction of the fastest slip below which the tip is at rest
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,8 +39,7 @@ from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
 from bristle_sim.theory.monofilament import tip_speed
 
-MEASURED = 1.3e-4
-"""Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)."""
+MEASURED = 1.3e-4  # Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)
 
 FORMULA_DEPTHS = {
     "merchant_crater_depth": ("depth by Merchant's plies", "m"),

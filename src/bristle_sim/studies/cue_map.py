@@ -49,8 +49,7 @@ QUANTITIES = {
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
-USUAL_PASSES = 12
-"""Passes that a search usually takes."""
+USUAL_PASSES = 12  # Passes that a search usually takes
 
 
 @dataclass(frozen=True, slots=True)

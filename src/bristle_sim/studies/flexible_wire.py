@@ -11,6 +11,7 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,14 +43,9 @@ NO_REFERENCE = (
     " takes it too many steps"
 )
 
-LONGEST_CONTACT = 10.0
-"""Longest duration of a contact, in durations of the rigid bristle's contact."""
-
-FLIGHT = 1.0
-"""Free motion shown after the contact, in durations of the rigid bristle's contact."""
-
-STUDY_ACCURACY = 1e-4
-"""Accuracy of the strikes of the study, which are drawn: far below a line's width."""
+LONGEST_CONTACT = 10.0  # Longest duration of a contact, in durations of the rigid bristle's contact
+FLIGHT = 1.0  # Free motion shown after the contact, in durations of the rigid bristle's contact
+STUDY_ACCURACY = 1e-4  # Accuracy of the strikes of the study, which are drawn: far below a line's width
 
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 """Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one."""
@@ -77,27 +73,24 @@ class FlexibleStrike:
         inverse_mass = (bristle.length * math.sin(self.impact_angle)) ** 2 / bristle.inertia_about_root
         return self.contact.stiffness(inverse_mass, part.restitution)
 
-    def of(self, links: int, duration: float | None = None, accuracy: float | None = None) -> FlexibleStrike:
-        """Return the strike of a wire with another number of links, stiffness (given as a duration, s) and accuracy."""
-        settings = self.settings if accuracy is None else dataclasses.replace(self.settings, accuracy=accuracy)
-        contact = self.contact if duration is None else ContactStiffness(duration)
-        tool = self.tool.replace(wire_links=links)
-        return dataclasses.replace(self, tool=tool, contact=contact, settings=settings)
+    def of(self, links: int, **changes: Any) -> FlexibleStrike:
+        """Return the strike of a wire with another number of links, and perhaps other contact and settings."""
+        return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> WireStrike:
         """Simulate the strike in the scene, followed by free motion of the given duration, s."""
-        return strike_wire(*self._start(), self.stiffness, self.settings, duration=self.contact.duration, flight=flight)
+        return strike_wire(*self._start(), self.settings, duration=self.contact.duration, flight=flight)
 
     def reference(self) -> ContactRecord:
         """Strike in the independent solution."""
         from bristle_sim.reference import strike_reference
 
         longest = LONGEST_CONTACT * self.contact.duration
-        return strike_reference(*self._start(), self.stiffness, longest=longest, accuracy=REFERENCE_ACCURACY)
+        return strike_reference(*self._start(), longest=longest, accuracy=REFERENCE_ACCURACY)
 
-    def _start(self) -> tuple[Tool, float, list[float], list[float]]:
+    def _start(self) -> tuple[Tool, float, list[float], list[float], float]:
         links = self.tool.bristle.links
-        return self.tool, -self.impact_angle, [-self.impact_angle] * links, [self.rate] * links
+        return self.tool, -self.impact_angle, [-self.impact_angle] * links, [self.rate] * links, self.stiffness
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +144,15 @@ def flexible_wire(
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
     units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
-    words = f"the rigid bristle's outcome: {outcome}; its values are those up to the end of compression"
+    remarks = [
+        "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
+        f" {struck.stiffness:.4g} N/m",
+        f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
+    ]
+    if outcome != "rebound":
+        remarks.append(f"the rigid bristle's outcome: {outcome}; its values are those up to the end of compression")
+    if with_reference and not reference:
+        remarks.append(NO_REFERENCE)
     return Report(
         outcome=outcome_of(wire.contact),
         quantities=(*_frequencies(tool, with_reference), *rows(units, simulated, stiff, reference, tolerance=allowed)),
@@ -159,13 +160,7 @@ def flexible_wire(
         events=(("strike", 0.0), ("release", wire.contact.duration)),
         wall_s=wire.wall_s,
         steps=wire.steps,
-        remarks=(
-            "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
-            f" {struck.stiffness:.4g} N/m",
-            f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
-            *([words] if outcome != "rebound" else []),
-            *([NO_REFERENCE] if with_reference and not reference else []),
-        ),
+        remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),
         answer=_answer(bristle.links, own, stiff, again(wire)),
     )
@@ -220,24 +215,25 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     """Strike at several contact stiffnesses, and with several numbers of links up to the wire's own or 8 at the requested one."""
     most, durations = strike.tool.bristle.links, strike.contact.duration * np.array(stiffnesses)
 
+    numbers, coarse = np.arange(1, max(2, most) + 1), dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
+
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
         """Return the measures of strikes over those of the rigid bristle; NaN where the contact comes to no end."""
         found = []
         for each in strikes:
             try:
-                pair = [measures(one, one.run().contact) for one in (each, each.of(1))]
-                found.append(_ratios(*pair))
+                found.append(_ratios(*(measures(one, one.run().contact) for one in (each, each.of(1)))))
             except ValueError:
                 found.append(dict.fromkeys(MEASURES, math.nan))
         return {name: np.array([each[name] for each in found]) for name in MEASURES}
 
+    contacts = [ContactStiffness(duration) for duration in durations.tolist()]
     by_duration = {
-        links: compared(strike.of(links, duration, STUDY_ACCURACY) for duration in durations.tolist())
+        links: compared(strike.of(links, contact=each, settings=coarse) for each in contacts)
         for links in [links for links in (2, 4, 8) if links <= most] or [most]
     }
-    numbers = np.arange(1.0, max(2, most) + 1.0)
-    by_links = compared(strike.of(int(links), accuracy=STUDY_ACCURACY) for links in numbers)
-    return WireStudy(durations, by_duration, numbers, by_links)
+    by_links = compared(strike.of(links, settings=coarse) for links in numbers.tolist())
+    return WireStudy(durations, by_duration, numbers.astype(float), by_links)
 
 
 def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
@@ -253,23 +249,20 @@ def tool_at_surface(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, im
             f"impact_angle_deg = {math.degrees(impact_angle):g}: must be less than {limit:.6g}, or the hub's rim would touch"
             " the workpart (in deg)"
         )
-    coefficients = {field.name: getattr(surface, field.name) for field in dataclasses.fields(Surface)}
-    part = Workpart(**coefficients, penetration=reach * (1.0 - math.cos(impact_angle)))
+    part = Workpart(**dataclasses.asdict(surface), penetration=reach * (1.0 - math.cos(impact_angle)))
     return Tool(hub=hub, belt=belt, bristle=bristle, bar=None, workpart=part)
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     """Compare the frequencies of bending in the scene with the beam's and the chain's, which are found apart from the scene."""
-    bristle, found_rows = tool.bristle, list[Quantity]()
+    bristle, rows = tool.bristle, []
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
     found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
-    for mode, name in enumerate(("first", "second"), 1):
+    for mode, name in enumerate(("first_bending_frequency", "second_bending_frequency"), 1):
         simulated = reference = within = None
         if mode < bristle.links:
             simulated, reference = float(found[mode]), float(chain[mode]) if with_reference else None
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
             within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
-        label, theory = f"{name} bending frequency", float(beam[mode])
-        key = label.replace(" ", "_")
-        found_rows.append(Quantity(key, "Hz", simulated, theory, reference, tolerance=within, label=label))
-    return found_rows
+        rows.append(Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within))
+    return rows

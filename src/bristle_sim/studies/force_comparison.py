@@ -47,11 +47,8 @@ FORM = 0.05
 """Chosen: part of the peak force by which a contact's form may differ from (3.3), root mean square. A half sine differs by
 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22."""
 
-FORM_IMPULSE = 0.02
-"""Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same."""
-
-CERTAIN = 5.0
-"""Standard deviations of noise that a difference may have."""
+FORM_IMPULSE = 0.02  # Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same
+CERTAIN = 5.0  # Standard deviations of noise that a difference may have
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,15 +44,13 @@ class Impacts:
     elastic: bool = False
 
 
-AT_REST = 1e-13
-"""A rate after an impact counts as zero below this fraction of the fastest one before it."""
+AT_REST = 1e-13  # A rate after an impact counts as zero below this fraction of the fastest one before it
 
 HEIGHT_ROUNDING = 1e-15
 """Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
 two such positions."""
 
-MOST_WIDENED = 1e-3
-"""Largest allowance for magnified rounding, relative."""
+MOST_WIDENED = 1e-3  # Largest allowance for magnified rounding, relative
 
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")

@@ -23,20 +23,17 @@ from bristle_sim.trajectory import Trajectory
 PITCH_STEP = math.radians(0.25)
 """Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
 
-PITCH_TOLERANCE = 1e-9
-"""Tolerance of the least pitch, rad: 6e-8 deg."""
+PITCH_TOLERANCE = 1e-9  # Tolerance of the least pitch, rad: 6e-8 deg
 
 INSTANTS = 1500
 """Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's turn."""
 
-MINIMA_REFINED = 2
-"""Local minima of the distance over time that are refined, beginning with the least."""
+MINIMA_REFINED = 2  # Local minima of the distance over time that are refined, beginning with the least
 
 MOST_SAMPLES = 5000
 """Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
 
-LARGEST_PITCH = math.pi / 2.0
-"""Pitch at which the downward search starts, rad."""
+LARGEST_PITCH = math.pi / 2.0  # Pitch at which the downward search starts, rad
 
 NEXT_SEARCH = 1e-6
 """How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance."""

@@ -49,8 +49,7 @@ MASS, HALF_AXES, GYRATION = 0.0364, (0.035, 0.025), 0.0192  # kg, m, m: the data
 RESAMPLES = 200
 """Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width."""
 
-GRID = 31
-"""Values of mu and of e* at which resampled halves are fitted, about the fit."""
+GRID = 31  # Values of mu and of e* at which resampled halves are fitted, about the fit
 
 Law = Callable[..., Impact]
 

@@ -21,8 +21,7 @@ from bristle_sim.trajectory import Trajectory
 MOST_TURNS = 24
 """Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
 
-REPEATED = 1e-9
-"""Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
+REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn
 
 MAGNIFIED = 100.0
 """Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten times the

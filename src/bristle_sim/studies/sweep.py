@@ -29,8 +29,7 @@ from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
-WRITTEN_EVERY = 1.0
-"""Interval between writes of finished points, s: a killed program loses at most this much work."""
+WRITTEN_EVERY = 1.0  # Interval between writes of finished points, s: a killed program loses at most this much work
 
 PATIENCE = 5.0
 """Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s."""
@@ -38,8 +37,7 @@ PATIENCE = 5.0
 ROUNDS = 5
 """Number of checks after which a store that still lacks points is given up: another program may be writing to it."""
 
-MOST_WORKERS = 1024
-"""Upper bound of ``workers``: more processes than one program can serve or a computer has cores."""
+MOST_WORKERS = 1024  # Upper bound of ``workers``: more processes than one program can serve or a computer has cores
 
 
 def sweep(

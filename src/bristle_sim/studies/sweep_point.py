@@ -31,16 +31,14 @@ Point = tuple[int, dict[str, Any]]
 Outcome = tuple[dict[str, Array], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""
 
-FAILURE = "failure"
-"""Variable that says why a point has no results, or lacks some."""
+FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
 
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
 
 TURN = 0.3
 """Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with it."""
 
-LARGEST_BATCH = 4096
-"""Most points that are sent to a worker at once."""
+LARGEST_BATCH = 4096  # Most points that are sent to a worker at once
 
 ATTEMPTS = 3
 """Successive losses of a worker without a result between them, after which the point is taken for the cause."""

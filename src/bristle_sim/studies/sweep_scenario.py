@@ -15,8 +15,7 @@ from bristle_sim.comparison import Report
 from bristle_sim.studies.sweep import sweep
 from bristle_sim.studies.sweep_point import FAILURE
 
-FORMULA = " by formula"
-"""Suffix of the name of a quantity's value by formula, within a sweep."""
+FORMULA = " by formula"  # Suffix of the name of a quantity's value by formula, within a sweep
 
 
 def sweep_scenario(

@@ -22,14 +22,9 @@ from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_respons
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
 
-SAMPLES_PER_PERIOD = 400
-"""Samples in a period of the bristle on its belt, for the splines."""
-
-INSTANTS = 2000
-"""Instants in the period of the summed force from which the band's percentiles are taken."""
-
-BAND = (5.0, 95.0)
-"""Percentiles of the force behind the load cell, per cent of the time."""
+SAMPLES_PER_PERIOD = 400  # Samples in a period of the bristle on its belt, for the splines
+INSTANTS = 2000  # Instants in the period of the summed force from which the band's percentiles are taken
+BAND = (5.0, 95.0)  # Percentiles of the force behind the load cell, per cent of the time
 
 UNITS = {
     "impact_rate": ("strikes of all bristles", "1/s"),
