@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +18,7 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     agrees_with_reference,
     spends_budget,
 )
-from bristle_sim.parameters import Bar, Belt, Hub, Tool, tool_keys
+from bristle_sim.parameters import Bar, Belt, Tool, tool_keys
 from bristle_sim.scene.contact.obstacles import LEAST_REACH
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import START
@@ -27,6 +26,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 
 TOOL, FREE = Tool(), Tool(bar=None, workpart=None)
+STIFFNESS = Belt().stiffness
 
 FINE = 1e-9
 """Accuracy of runs that are requested a thousand times more accurate."""
@@ -34,39 +34,45 @@ FINE = 1e-9
 BUDGET = 20_000
 """Engine steps of a run that is to spend them."""
 
-CLOSED_FORM = "highest speed and its time as by the energy integral to {:g}, the requested accuracy"
+
+def released(theme: str, name: str, accuracy: float, **changes: float) -> HardCase:
+    """Return the release of a changed tool, compared with the energy integral."""
+    promise = f"highest speed and its time as by the energy integral to {accuracy:g}, the requested accuracy"
+    given = (FREE.replace(**changes), accuracy)
+    return row(theme, f"{name}: released, accuracy {accuracy:g}", promise, agrees_with_energy_integral, *given)
+
+
+def whole(theme: str, name: str, **changes: float) -> HardCase:
+    """Return the pass of a changed tool, compared with the reference."""
+    tool, promise = TOOL.replace(**changes), AS_REFERENCE.format(ACCURACY)
+    return row(theme, f"{name}: whole pass", promise, agrees_with_reference, tool)
 
 
 def belt_stiffness() -> Iterator[HardCase]:
     """Yield the release and the whole pass, over nine decades of stiffness."""
-    case, stiffness = partial(row, "belt_stiffness"), Belt().stiffness
     for factor, accuracy in ((1e-3, ACCURACY), (1.0, ACCURACY), (1e6, FINE)):
-        name, free = f"belt x {factor:g}: released, accuracy {accuracy:g}", replace(FREE, belt=Belt(factor * stiffness))
-        yield case(name, CLOSED_FORM.format(accuracy), agrees_with_energy_integral, free, accuracy)
+        yield released("belt_stiffness", f"belt x {factor:g}", accuracy, belt_stiffness=factor * STIFFNESS)
     for factor in (1e-3, 10.0):
-        whole = Tool(belt=Belt(factor * stiffness))
-        yield case(f"belt x {factor:g}: whole pass", AS_REFERENCE.format(ACCURACY), agrees_with_reference, whole)
-    yield case("belt x 1e+06: whole pass", SPENT, spends_budget, Tool(belt=Belt(1e6 * stiffness)), BUDGET)
+        yield whole("belt_stiffness", f"belt x {factor:g}", belt_stiffness=factor * STIFFNESS)
+    stiff = TOOL.replace(belt_stiffness=1e6 * STIFFNESS)
+    yield row("belt_stiffness", "belt x 1e+06: whole pass", SPENT, spends_budget, stiff, BUDGET)
 
 
 def damping() -> Iterator[HardCase]:
-    """Yield decays and a whole pass, for ratios up to 100."""
-    case, promise = partial(row, "damping"), AS_REFERENCE.format(ACCURACY)
-    # The runs end while the bristle still moves.
+    """Yield decays, which end while the bristle still moves, and a whole pass, for ratios up to 100."""
+    promise = AS_REFERENCE.format(ACCURACY)
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
-        free, name = replace(FREE, belt=Belt(damping_ratio=ratio)), f"ratio {ratio:g}: decay"
-        yield case(name, promise, agrees_with_reference, free, start=RELEASED, hub_turn=turn)
-    yield case("ratio 0.5: whole pass", promise, agrees_with_reference, Tool(belt=Belt(damping_ratio=0.5)))
+        free, name = FREE.replace(belt_damping_ratio=ratio), f"ratio {ratio:g}: decay"
+        yield row("damping", name, promise, agrees_with_reference, free, start=RELEASED, hub_turn=turn)
+    yield whole("damping", "ratio 0.5", belt_damping_ratio=0.5)
 
 
 def hub_speed() -> Iterator[HardCase]:
     """Yield the release on a hub at rest, and the whole pass up to 1e5 rad/s, with a belt and without."""
-    case, free = partial(row, "hub_speed"), replace(FREE, hub=Hub(speed=0.0))
-    name = f"0 rad/s: released, accuracy {FINE:g}"
-    yield case(name, CLOSED_FORM.format(FINE), agrees_with_energy_integral, free, FINE)
-    for speed, belt in ((0.0, Belt()), (1e3, Belt()), (1e5, Belt()), (1e-3, Belt(stiffness=0.0))):
-        name, tool = f"{speed:g} rad/s: whole pass{'' if belt.stiffness else ', no belt'}", Tool(Hub(speed=speed), belt)
-        yield case(name, AS_REFERENCE.format(ACCURACY), agrees_with_reference, tool)
+    yield released("hub_speed", "0 rad/s", FINE, hub_speed=0.0)
+    for speed in (0.0, 1e3, 1e5):
+        yield whole("hub_speed", f"{speed:g} rad/s", hub_speed=speed)
+    yield whole("hub_speed", "0.001 rad/s, no belt", hub_speed=1e-3, belt_stiffness=0.0)
 
 
 def size() -> Iterator[HardCase]:
@@ -83,13 +89,8 @@ def size() -> Iterator[HardCase]:
 
 def _scales(law: str, length: float, mass: float, time: float) -> Finding:
     """Compare passes of two similar tools."""
-    factors = {
-        "m": length,
-        "kg": mass,
-        "rad/s": 1.0 / time,
-        "N m/rad": mass * (length / time) ** 2,
-        "m/s^2": length / time**2,
-    }
+    factors = {"m": length, "kg": mass, "rad/s": 1.0 / time, "m/s^2": length / time**2}
+    factors["N m/rad"] = mass * (length / time) ** 2
     one, changes = TOOL.replace(gravity=3e3, contact=law), dict[str, float]()
     for part, keys in tool_keys().items():
         owner = getattr(one, part) if part else one
