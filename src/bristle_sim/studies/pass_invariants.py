@@ -110,7 +110,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     found, uncertain = [0.0], [0.0]
     for flight in _flights(run):
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + lost(flight)))
-        uncertain.append(abs(lost(flight) - lost(np.unique([*flight[::2], flight[-1]]))))
+        uncertain.append(abs(lost(flight) - lost(np.append(flight[:-1:2], flight[-1]))))
     for each in run.contacts:
         if _is_rigid(tool, each):
             before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
