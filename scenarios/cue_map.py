@@ -9,7 +9,7 @@ import sys
 
 from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import SHAPE_KEYS, Comparison, MapGrid, Tool
+from bristle_sim.parameters import CONTACT_KEYS, SHAPE_KEYS, Comparison, MapGrid, Tool
 from bristle_sim.settings import Settings
 
 
@@ -42,7 +42,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     tool=tool,
-    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance"),
+    without=(*SHAPE_KEYS, *CONTACT_KEYS),
     defaults={
         "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),

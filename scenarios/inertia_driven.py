@@ -8,7 +8,7 @@ import sys
 
 from bristle_sim.cli import Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import SHAPE_KEYS, Comparison, Tool
+from bristle_sim.parameters import CONTACT_KEYS, SHAPE_KEYS, SURFACE_KEYS, Comparison, Tool
 from bristle_sim.settings import Settings
 
 
@@ -39,19 +39,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     film=film,
-    without=(
-        *SHAPE_KEYS,
-        *(
-            "friction",
-            "restitution_friction",
-            "restitution",
-            "contact",
-            "contact_duration",
-            "tangential_compliance",
-            "gravity",
-            "hub_turn",
-        ),
-    ),
+    without=(*SHAPE_KEYS, *SURFACE_KEYS, *CONTACT_KEYS, "gravity", "hub_turn"),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),
         "accuracy": (1e-9, "chosen: the flight agrees with the reference to 1e-8"),

@@ -8,7 +8,7 @@ import sys
 
 from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import SHAPE_KEYS, Comparison, Neighbours, Tool
+from bristle_sim.parameters import CONTACT_KEYS, SHAPE_KEYS, Comparison, Neighbours, Tool
 from bristle_sim.settings import Settings
 
 
@@ -49,7 +49,7 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
-    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance", "gravity"),
+    without=(*SHAPE_KEYS, *CONTACT_KEYS, "gravity"),
 )
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import sys
 
 from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import SHAPE_KEYS, Sampling, Spreads, Tool
+from bristle_sim.parameters import CONTACT_KEYS, SHAPE_KEYS, Sampling, Spreads, Tool
 from bristle_sim.settings import Settings
 
 
@@ -32,7 +32,7 @@ SCENARIO = Scenario(
     question="Which tolerance matters, and how far does the strike spread?",
     run=run,
     plot=plot,
-    without=(*SHAPE_KEYS, "contact", "contact_duration", "tangential_compliance"),
+    without=(*SHAPE_KEYS, *CONTACT_KEYS),
 )
 
 if __name__ == "__main__":

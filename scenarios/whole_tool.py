@@ -9,7 +9,7 @@ import sys
 
 from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Assembly, Tool
+from bristle_sim.parameters import CONTACT_KEYS, WIRE_KEYS, Assembly, Tool
 from bristle_sim.settings import Settings
 
 
@@ -40,7 +40,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
-    without=(*WIRE_KEYS, "contact", "contact_duration", "tangential_compliance", "gravity", "hub_turn"),
+    without=(*WIRE_KEYS, *CONTACT_KEYS, "gravity", "hub_turn"),
     defaults={"accuracy": (1e-8, "chosen: forces and power are compared to 1e-6")},
 )
 

@@ -23,9 +23,11 @@ from bristle_sim.parameters.experiments import (
 )
 from bristle_sim.parameters.force import Crater, FilmGrid, ForceHistory, Measured, Measurement
 from bristle_sim.parameters.parts import (
+    CONTACT_KEYS,
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
     SHAPE_KEYS,
+    SURFACE_KEYS,
     WIRE_KEYS,
     Bar,
     Belt,
@@ -38,7 +40,7 @@ from bristle_sim.parameters.parts import (
 from bristle_sim.parameters.tool import PARTS, Tool, operating_point, tool_keys
 
 __all__ = [
-    "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
+    "CONTACT_KEYS", "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "SURFACE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
     "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "FilmGrid", "ForceHistory", "Hub", "MapGrid",
     "Measured", "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
     "operating_point", "tool_keys",

@@ -15,6 +15,8 @@ USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad: the printed number, which is pe
 
 RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
+CONTACT_KEYS = ("contact", "contact_duration", "tangential_compliance")  # keys of the law of impact
+SURFACE_KEYS = ("friction", "restitution_friction", "restitution")  # keys of the tip on the workpart
 SHAPE_KEYS = ("knee_position", "knee_angle_deg", *WIRE_KEYS)  # keys of a wire that is not one straight rod
 
 
