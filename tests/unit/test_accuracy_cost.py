@@ -10,15 +10,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks import machine
-from bristle_sim.benchmarks.accuracy_cost import (
-    Effort,
-    cases,
-    measure,
-    own_methods,
-    peers,
-    scipy_methods,
-    study,
-)
+from bristle_sim.benchmarks.accuracy_cost import Effort, cases, measure, own_methods, peers, scipy_methods, study
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Point
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 

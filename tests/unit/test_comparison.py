@@ -1,4 +1,4 @@
-"""Rows of a comparison: who judges, what agrees, and how it is shown."""
+"""Rows of a comparison: the side that judges, agreement, the table, and the words of an answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, Report, rows, table
+from bristle_sim.comparison import Quantity, Report, agreement, amount, differences, rows, table
+from bristle_sim.studies.strike_point import beside_radial
 
 INFINITE, NAN = math.inf, math.nan
 
@@ -128,3 +129,37 @@ def test_a_row_is_shown_by_its_label_and_kept_by_its_key():
     (labelled, plain) = rows(labels, {"lag_deg": 1.0})
     assert [labelled.as_dict()[key] for key in ("name", "label")] == ["normal_final_impulse", "normal impulse p_f"]
     assert plain.label == "lag"
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "words"),
+    [(2.751e-3, "N s", "2.75 mN s"), (2.7431, "deg", "2.74°"), (-0.43652, "1", "-0.437"), (1.3e-4, "m", "130 um")],
+)
+def test_amounts_are_in_a_person_s_units(value: float, unit: str, words: str) -> None:
+    assert amount(value, unit) == words
+
+
+def test_a_lag_is_short_of_radial_or_beyond_it() -> None:
+    words = ["2.74° short of radial", "2° beyond radial", "radial"]
+    assert [beside_radial(each) for each in (2.743, -2.0, 1e-4)] == words
+
+
+def test_the_largest_relative_difference_of_each_side_is_named() -> None:
+    """10 % of the impulse's formula, 26 % of the printed tip speed; a theory of 0 has no relative difference."""
+    compared = [
+        Quantity("a", "N s", 2.75e-3, 3.06e-3, label="impulse"),
+        Quantity("b", "m/s", 37.9, 36.8, printed=30.0, label="tip speed"),
+        Quantity("c", "deg", 2.74, 0.0, label="lag"),
+    ]
+    assert differences(compared) == (
+        " What differs most: impulse 2.75 mN s, by formula 3.06 mN s; tip speed 37.9 m/s, printed 30 m/s."
+    )
+    assert differences([Quantity("d", "1", 1.0)]) == ""
+
+
+def test_agreement_follows_from_the_rows() -> None:
+    near, far = Quantity("a", "N", 1.0 + 1e-12, 1.0, tolerance=1e-9), Quantity("b", "N", 2.0, 1.0, tolerance=0.1)
+    assert agreement([near]) == "Yes, to 1e-12"
+    assert agreement([near, far]) == "No (b 2 N, by formula 1 N)"
+    assert agreement([Quantity("c", "N", 1.5, 1.0)]) == "Not exactly (c 1.5 N, by formula 1 N)"
+    assert agreement([Quantity("c", "N", 1.5)]) == "There is no closed form"

@@ -1,4 +1,4 @@
-"""Long work that is interrupted keeps its finished part."""
+"""Long work that is interrupted keeps its finished part; hard cases that break their promise are named."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import pytest
 
 from bristle_sim.benchmarks.accuracy_cost import Effort, study
 from bristle_sim.benchmarks.hard_cases import report
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Unfinished
 from bristle_sim.dissertation import figures
 
@@ -27,3 +28,12 @@ def test_an_interruption_keeps_what_is_finished(module, step, run, kept, monkeyp
     with pytest.raises(Unfinished) as ended:
         run()
     assert kept is None or ended.value.report.extra[kept] == []
+
+
+def test_hard_cases_that_break_their_promise_are_named() -> None:
+    case = HardCase("chatter", "a ball", "rests", lambda: Finding("rests", True))
+    assert report.answer([(case, Finding("rests", True))]) == "Yes: all 1 hard cases keep their promise."
+    broken = report.answer([(case, Finding("rests", True)), (case, Finding("sinks", False))])
+    failing = HardCase("chatter", "a ball", "rests", lambda: Finding(str(1 / 0), True))
+    assert failing.run() == Finding("ZeroDivisionError: division by zero", False)
+    assert broken == "No: 1 of 2 hard cases break their promise: chatter: a ball (sinks)."

@@ -6,16 +6,7 @@ import math
 
 import pytest
 
-from bristle_sim.settings import MAXIMUM_STEPS, Settings
-
-
-def test_defaults():
-    settings = Settings()
-    assert settings.accuracy == 1e-6
-    assert settings.hub_turn == 1.5 * math.pi
-    assert settings.maximum_steps == MAXIMUM_STEPS
-    assert settings.samples_per_period is None
-    assert settings.samples == 24
+from bristle_sim.settings import Settings
 
 
 @pytest.mark.parametrize(("accuracy", "samples"), [(0.1, 8), (1e-3, 8), (1e-4, 15), (1e-6, 24), (1e-11, 24)])

@@ -12,7 +12,7 @@ from bristle_sim.comparison import Unfinished
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import strike_of_keys
-from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, propagated, sobol_study, tolerances
+from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, answer, propagated, sobol_study, tolerances
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
 
@@ -105,3 +105,20 @@ def test_an_interrupted_study_keeps_the_passes_that_are_finished(monkeypatch: py
     assert found[f"{OUTPUTS[0]}_mean"] == np.mean(passes)
     assert found[f"{OUTPUTS[0]}_std"] == pytest.approx(np.std(passes, ddof=1), rel=1e-15)
     assert ended.value.report.remarks == ("15 of 120 passes are finished; indices need all of them",)
+
+
+def test_the_tolerance_that_matters_most_ranks_first_for_most_outputs() -> None:
+    speed, friction = ({"total": 0.9}, {"total": 0.1})
+    rows = [
+        {"output": "tip_speed_at_contact", "mean": 37.9, "std": 0.6, "indices": {"speed": speed, "friction": friction}},
+        {
+            "output": "normal_final_impulse",
+            "mean": 2.75e-3,
+            "std": 3e-4,
+            "indices": {"speed": friction, "friction": speed},
+        },
+        {"output": "lag_deg_at_contact", "mean": 2.7, "std": 1.5, "indices": {"speed": speed, "friction": friction}},
+    ]
+    found = answer(rows)
+    assert found.startswith("Speed matters most: it ranks first for 2 of 3 measures of the strike.")
+    assert "normal impulse p_fy 2.75 mN s by 0.3 mN s (mostly friction)" in found
