@@ -111,10 +111,11 @@ class TestEdges:
         """Case 2 (2.59): p_fy = p_cy (1 + e* sqrt(s_1/s_2)), phi'_f = -(r_h/L) w - e* (v_C/L) sqrt(s_2/s_1), by hand."""
         gamma, mu, e = 0.6, 0.3, 0.5
         first, second = math.sin(gamma) + mu * math.cos(gamma), math.sin(gamma) - mu * math.cos(gamma)
-        impulse = mono.normal_final_impulse(3.0, 2.0, gamma, mu, e)
-        assert impulse == pytest.approx(2.0 / first * (1.0 + e * math.sqrt(first / second)), rel=1e-14)
-        rate = mono.final_rate(2.0, 0.5, 0.25, 4.0, gamma, mu, e)
-        assert rate == pytest.approx(-2.0 - e * 4.0 * math.sqrt(second / first), rel=1e-14)
+        result = mono.monofilament_impact(3.0, 0.5, 0.25, 4.0, 0.5, gamma, mu, e)  # v_C = (R L + r_h) w = 2
+        assert result.normal_final_impulse == pytest.approx(
+            2.0 / first * (1.0 + e * math.sqrt(first / second)), rel=1e-14
+        )
+        assert result.final_bristle_rate == pytest.approx(-2.0 - e * 4.0 * math.sqrt(second / first), rel=1e-14)
 
     def test_a_tip_at_rest_does_not_touch(self) -> None:
         """R = -r_h/L: v_C = (R L + r_h) w = 0, which is no approach."""

@@ -12,16 +12,16 @@ The work-energy estimate adds up, ply by ply, the kinetic energy given up over t
 the sum is 9.65 mm at 300 plies and grows with n; read as a ratio of two sums, as (4.66) is set in print, it tends to zero; and
 over the printed path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (of which 3.0 mJ, the term in
 e^(-lambda t), are work of the root's bearing): force and motion belong to two different events.
+
+Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, and t_c in s.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Number
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
@@ -35,7 +35,7 @@ from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 
 CUTTING_FRICTION = 0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
 PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
-ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
+DEPTH_ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression; 20 nodes would reach rounding."""
@@ -52,10 +52,8 @@ def merchant_crater_depth(
 ) -> Number:
     """Return the crater depth as a sum over n plies of equal time (4.50) with the printed R(t) and b(t), m.
 
-    mu while cutting, gamma in rad, tau_s in Pa, n whole numbers, t_c in s. The angles of the cut are exact ones for mu and
-    gamma by default, PRINTED_ANGLES for the rounded ones of (4.52).
-
-    Raises ShearAngleError where mu < tan(gamma), by default angles.
+    The angles of the cut are exact ones for mu and gamma by default, PRINTED_ANGLES for the rounded ones of (4.52). Raises
+    ShearAngleError where mu < tan(gamma), by default angles.
     """
     counts = np.asarray(plies)
     sums = np.reshape([_ply_sum(int(n), compression_time) for n in counts.flat], counts.shape)
@@ -70,11 +68,8 @@ def merchant_crater_depth_limit(
     angles: CuttingAngles | None = None,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the limit of merchant_crater_depth for infinitely many plies, m; arguments as there.
-
-    t = t_c u^2 turns the integrand R'(t)/b(t), which is like 1/sqrt(t), into a smooth one.
-    """
-    u = 0.5 * (NODES + 1.0)
+    """Return the limit of merchant_crater_depth for infinitely many plies, m; arguments as there."""
+    u = 0.5 * (NODES + 1.0)  # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand
     time = compression_time * u**2
     growth = float(np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / PRINTED_WIDTH(time)))
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
@@ -90,15 +85,14 @@ def friction_for_crater_depth(
 ) -> Number:
     """Return the friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): (4.50) solved for mu.
 
-    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2.
-
-    Raises ValueError for a depth that no mu >= tan(gamma) gives.
+    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2. Raises
+    ValueError for a depth that no mu >= tan(gamma) gives.
     """
     gamma = np.asarray(impact_angle)
     scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = 1.0 - 2.0 * np.asarray(depth) / scale
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
-    given = (sine <= np.cos(2.0 * gamma) + ROUNDING) & (sine > -np.sin(gamma))
+    given = (sine <= np.cos(2.0 * gamma) + DEPTH_ROUNDING) & (sine > -np.sin(gamma))
     require("depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)")
     # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
     return np.tan(2.0 * np.arcsin(np.sqrt(depth / scale)) - gamma)
@@ -116,15 +110,14 @@ def constant_for_crater_depth(
     """Return the constant C of (4.45), rad, that makes the crater ``depth`` deep, m: (4.50) solved for C.
 
     With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by sin(eta) cos(eta + x) =
-    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The scale crater is that of
-    least work, C = pi/2. The shear plane comes out of the surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma.
-
-    Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
+    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The shear plane comes out of the
+    surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma. Raises ValueError for a depth that no C within
+    0 < C <= pi/2 gives.
     """
     gamma = np.asarray(impact_angle)
     scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
-    given = (sine > 0.0) & (sine <= 1.0 + ROUNDING)
+    given = (sine > 0.0) & (sine <= 1.0 + DEPTH_ROUNDING)
     require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the scale being that of pi/2 (in m)")
     return np.arcsin(np.minimum(sine, 1.0))
 
@@ -159,14 +152,13 @@ def energy_crater_depth_ratio(
     return np.cos(impact_angle) * np.sum(lost) / np.sum(resisted)
 
 
+def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
+    """Return the energy given up in each ply, J, and the force at its end, N."""
+    time = np.linspace(0.0, compression_time, int(plies) + 1)
+    return -np.diff(kinetic_energy(time)), np.asarray(BRISTLE(time[1:]))
+
+
 def work_along_path() -> float:
     """Return the integral of R v_C over the compression, J: an upper bound of the force's work along the printed motion."""
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
-    power = BRISTLE(time) * PRINTED_KINEMATICS.tip_velocity(time)
-    return float(0.5 * COMPRESSION_TIME * np.sum(WEIGHTS * power))
-
-
-def _energy_plies(plies: int, compression_time: float) -> tuple[Any, Any]:
-    """Return the energy given up in each ply, J, and the force at its end, N."""
-    time = np.linspace(0.0, compression_time, int(plies) + 1)
-    return -np.diff(kinetic_energy(time)), BRISTLE(time[1:])
+    return float(0.5 * COMPRESSION_TIME * np.sum(WEIGHTS * BRISTLE(time) * PRINTED_KINEMATICS.tip_velocity(time)))

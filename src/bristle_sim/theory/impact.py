@@ -82,8 +82,7 @@ def energetic_impact(
             stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works too large for a float.
     """
     given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
-    rigid = _resolve(_energetic_end, *given)
-    return rigid if _is_zero(tangential_compliance) else _with_compliance(rigid, tangential_compliance, given)
+    return _resolve(_energetic_end, given, tangential_compliance)
 
 
 def poisson_impact(
@@ -102,7 +101,9 @@ def poisson_impact(
     compliance must be 0.
     """
     _require_rigid(tangential_compliance)
-    return _resolve(_poisson_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(
+        _poisson_end, (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+    )
 
 
 def newton_impact(
@@ -121,7 +122,9 @@ def newton_impact(
     tangential compliance must be 0.
     """
     _require_rigid(tangential_compliance)
-    return _resolve(_newton_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(
+        _newton_end, (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+    )
 
 
 LAWS: dict[str, Callable[..., Impact]] = {
@@ -158,64 +161,47 @@ def _require_rigid(compliance: ArrayLike) -> None:
         raise ValueError(f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)")
 
 
-def _with_compliance(rigid: Impact, compliance: ArrayLike, given: tuple[Any, ...]) -> Impact:
-    """Return the impacts, those of a tangential compliance resolved by it."""
-    squared = numbers("tangential_compliance", compliance, "must be real numbers")
-    within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
-    require("tangential_compliance", squared, within, f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)")
+def _resolve(end: End, given: tuple[Any, ...], compliance: ArrayLike = 0.0) -> Impact:
+    """Check and unpack the arguments, then resolve the rigid impacts and those with a tangential compliance."""
     matrix, velocity, friction, restitution, later, stick = given
     coefficients = (friction, restitution, friction if later is None else later, *(() if stick is None else (stick,)))
-    values, _ = _unpack(matrix, velocity, *coefficients)
-    shape = np.broadcast_shapes(np.shape(values[0]), squared.shape)
-    whole = [np.broadcast_to(each, shape) for each in (*values, squared)]
-    chosen = (whole[-1] >= LEAST_COMPLIANCE) & (whole[3] < 0.0) & (whole[0] > 0.0)
-    found = rigid
-    if chosen.any():
-        from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
-
-        found = compliant_impact([each[chosen] for each in whole[:-1]], whole[-1][chosen])
-    merged = {}
-    for each in fields(Impact):
-        tail = (4,) if each.name.startswith("phase") else ()
-        entry = np.array(np.broadcast_to(getattr(rigid, each.name), shape + tail))
-        if found is not rigid:
-            entry[chosen] = getattr(found, each.name)
-        merged[each.name] = entry if entry.ndim else entry.item()
-    return Impact(**merged)
-
-
-def _resolve(
-    end: End,
-    inverse_mass: ArrayLike,
-    velocity: ArrayLike,
-    friction: ArrayLike,
-    restitution: ArrayLike,
-    restitution_friction: ArrayLike | None,
-    stick_compliance: ArrayLike | None = None,
-) -> Impact:
-    """Check and unpack the arguments, then walk the four phases; long arrays in blocks that fit the cache."""
-    if restitution_friction is None:
-        restitution_friction = friction
-    coefficients: tuple[ArrayLike, ...] = (friction, restitution, restitution_friction)
-    coefficients += () if stick_compliance is None else (stick_compliance,)
-    values, shape = _single(inverse_mass, velocity, coefficients) or _unpack(inverse_mass, velocity, *coefficients)
-    if shape is None:
+    rigid = _is_zero(compliance)
+    single = _single(matrix, velocity, coefficients) if rigid else None
+    values, shape = single or _unpack(matrix, velocity, *coefficients)
+    if rigid and shape is None:
         impact = walk(end, *values)
         _check_result(impact, values)
         return impact
-    size = values[0].size
-    flat = [np.ravel(value) for value in values]
+    squared = numbers("tangential_compliance", compliance, "must be real numbers")
+    within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
+    require("tangential_compliance", squared, within, f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)")
+    shape = np.broadcast_shapes(shape or (), squared.shape)
+    values = [np.broadcast_to(value, shape).ravel() for value in values]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        blocks = [walk(end, *(each[i : i + BLOCK] for each in flat)) for i in range(0, max(size, 1), BLOCK)]
-    joined = {}
-    for each in fields(Impact):
-        parts = [getattr(block, each.name) for block in blocks]
-        whole = parts[0] if len(parts) == 1 else np.concatenate(parts)
-        joined[each.name] = whole.reshape(shape + whole.shape[1:])
-    impact = Impact(**joined)
-    with np.errstate(over="ignore", invalid="ignore"):
+        impact = _row(end, values, None if rigid else np.broadcast_to(squared, shape).ravel())
         _check_result(impact, values)
-    return impact
+    shaped = [getattr(impact, each.name) for each in fields(Impact)]
+    shaped = [each.reshape(shape + each.shape[1:]) for each in shaped]
+    return Impact(*(each if each.ndim else each.item() for each in shaped))
+
+
+def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
+    """Resolve a row of impacts: those with a tangential compliance together, the rigid ones in blocks that fit the cache."""
+    parts, order = [], None
+    if squared is not None:
+        elastic = (squared >= LEAST_COMPLIANCE) & (values[3] < 0.0) & (values[0] > 0.0)
+        if elastic.any():
+            from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
+
+            if elastic.all():
+                return compliant_impact(values, squared)
+            parts.append(compliant_impact([each[elastic] for each in values], squared[elastic]))
+            order = np.argsort(np.argsort(~elastic, kind="stable"))
+            values = [each[~elastic] for each in values]
+    parts += [walk(end, *(each[i : i + BLOCK] for each in values)) for i in range(0, max(values[0].size, 1), BLOCK)]
+    columns = ([getattr(part, each.name) for part in parts] for each in fields(Impact))
+    joined = (column[0] if len(parts) == 1 else np.concatenate(column) for column in columns)
+    return Impact(*(each if order is None else each[order] for each in joined))
 
 
 def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]) -> tuple[list[Number], None] | None:

@@ -24,52 +24,43 @@ from __future__ import annotations
 import numpy as np
 
 from bristle_sim.arrays import Number
+from bristle_sim.theory.impact_events import APART, BACKWARD, FORWARD, LINE, NEVER, NOISE, NONE, SETTLED, STOP
 from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE, inverse_mass_of, quotient
 from bristle_sim.theory.impact_result import JAM, NO_REBOUND, REBOUND, STICTION, Impact
-from bristle_sim.theory.impact_stick import (
-    APART,
-    BACKWARD,
-    FORWARD,
-    LINE,
-    NEVER,
-    NOISE,
-    NONE,
-    SETTLED,
-    STOP,
-    Bodies,
-    Motion,
-    stick,
-)
+from bristle_sim.theory.impact_stick import Contact, stick
 
 LEAST_RESTITUTION = 1e-8  # below it the work that is returned is less than the rounding of the work that was taken
 
 WIDEST_CONE = 1e12  # more friction acts as this: the cone is a half-plane but for parts in 1e12
 
-BLOCK = 1 << 15  # contacts that fit the cache
+LOCAL, BLOCK = 1 << 15, 1 << 13  # contacts that fit the outer cache, and the inner one
 
-ROUNDS = 6
-"""Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks."""
+ROUNDS = 3
+"""Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks, and by longer steps."""
 
 SETTLING = 120
 """Phases of stick in a row after which each further one begins without the fast oscillation that is left: it counts as lost.
 One contact in a thousand of random K has more: those of modes whose rates differ a thousandfold, which bounce from line to line."""
 
-CHATTER = 500
-"""Times that a point is pressed on again before its slip loses a half at rest. With mu_2 > mu_1 slip can press the point on as soon as
-it begins to part, a million times in one of some thousand impacts: each time changes the slip by less than a part in this many."""
+CHATTER, FURTHER = 500, 20
+"""Times that a point is pressed on again before its slip loses a half at rest, and before it loses a further half. With mu_2 > mu_1
+slip can press the point on as soon as it begins to part, a million times in one of some thousand impacts: each time changes the slip
+by less than a part in this many."""
 
 LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
 
+MOTION = Contact._fields.index("normal")  # the first row of a contact that changes
 
-def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Number, tuple[Number, ...]]:
-    """Advance by a phase of slip; return motion, event, and impulses and works along the normal and the surface."""
-    loading, mu, kappa = motion.loading > 0.0, motion.friction, motion.steep * motion.steep
-    gain, gain_along, foot, foot_gain = _foot(bodies, motion, motion.slip)
+
+def _slip(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
+    """Advance by a phase of slip; return contact, event, and impulses and works along the normal and the surface."""
+    loading, mu, kappa = contact.loading > 0.0, contact.friction, contact.steep * contact.steep
+    gain, gain_along, foot, foot_gain = _foot(contact, contact.slip)
     stop = np.where((mu > 0.0) & (foot_gain < 0.0), np.maximum(foot, 0.0) / -foot_gain, INFINITE)
-    speed, push = motion.normal, motion.push
+    speed, push = contact.normal, contact.push
 
     # Unloading: N = 0, or N as large as it was, by the quadratic N^2(p) in the forms that do not cancel.
-    left, stored = (motion.peak - push) * (motion.peak + push) / kappa, push * push / kappa
+    left, stored = (contact.peak - push) * (contact.peak + push) / kappa, push * push / kappa
     inside, beyond = speed * speed - gain * left, speed * speed + gain * stored
     root = np.sqrt(np.maximum(inside, 0.0))
     again = np.where(speed < 0.0, left / (root - speed), (speed + root) / -gain)
@@ -83,146 +74,148 @@ def _slip(bodies: Bodies, motion: Motion) -> tuple[Motion, Number, tuple[Number,
     event = np.where(impulse == apart, APART, np.where(impulse == line, LINE, STOP))
     event = np.where(impulse == INFINITE, NEVER, event)
     impulse = np.where(impulse == INFINITE, 0.0, impulse)
-    normal, tangential = speed + gain * impulse, motion.tangential + gain_along * impulse
+    normal, tangential = speed + gain * impulse, contact.tangential + gain_along * impulse
     normal = np.where(loading & (event == LINE), 0.0, normal)
     square = push * push - kappa * impulse * (speed + normal)
     push = np.where(event == APART, 0.0, np.sqrt(np.maximum(square, 0.0)))
-    ratio = -mu * motion.slip
-    works = 0.5 * impulse * (speed + normal), 0.5 * ratio * impulse * (motion.tangential + tangential)
-    after = motion._replace(normal=normal, tangential=tangential, push=push, rub=ratio * push)
+    ratio = -mu * contact.slip
+    works = 0.5 * impulse * (speed + normal), 0.5 * ratio * impulse * (contact.tangential + tangential)
+    after = contact._replace(normal=normal, tangential=tangential, push=push, rub=ratio * push)
     return after, event, (impulse, ratio * impulse, *works)
 
 
-def _foot(bodies: Bodies, motion: Motion, slip: Number) -> tuple[Number, Number, Number, Number]:
+def _foot(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
     """Return the gains of v_n and v_t per impulse in slip, the foot's velocity in its sense, and that one's gain.
 
     The latter two over 1 + mu eta^2 kappa, so that no friction makes them overflow.
     """
-    along = bodies.coupling - motion.friction * slip * bodies.tangential
-    gain = bodies.stick + bodies.tie * along
-    growth = motion.friction * (bodies.eta * motion.steep) ** 2
+    along = contact.k_nt - contact.friction * slip * contact.k_tt
+    gain = contact.stick + contact.tie * along
+    growth = contact.friction * (contact.eta * contact.steep) ** 2
     weight = 1.0 / (1.0 + growth)
-    foot = weight * (slip * motion.tangential + growth * motion.normal)
+    foot = weight * (slip * contact.tangential + growth * contact.normal)
     return gain, along, foot, weight * (slip * along + growth * gain)
 
 
-def _begun(bodies: Bodies, motion: Motion) -> Number:
+def _begun(contact: Contact) -> Number:
     """Return the sense in which the foot slips at an edge of the cone that the force would leave, else 0; without friction it always slips."""
-    smooth = motion.friction == 0.0
-    free = np.where(motion.tangential == 0.0, np.where(bodies.coupling < 0.0, -1.0, 1.0), np.sign(motion.tangential))
-    side = np.where(smooth | (motion.rub == 0.0), free, -np.sign(motion.rub))
-    _, _, foot, gain = _foot(bodies, motion, side)
-    growth = motion.friction * (bodies.eta * motion.steep) ** 2
-    still = abs(foot) <= NOISE * (abs(motion.tangential) + growth * abs(motion.normal)) / (1.0 + growth)
-    leaves = (~still & (foot > 0.0)) | (still & (gain > 0.0))
-    slips = (abs(motion.rub) >= motion.friction * motion.push * (1.0 - NOISE)) & leaves
+    smooth = contact.friction == 0.0
+    free = np.where(contact.tangential == 0.0, np.where(contact.k_nt < 0.0, -1.0, 1.0), np.sign(contact.tangential))
+    side = np.where(smooth | (contact.rub == 0.0), free, -np.sign(contact.rub))
+    _, _, foot, gain = _foot(contact, side)
+    growth = contact.friction * (contact.eta * contact.steep) ** 2
+    still = abs(foot) <= NOISE * (abs(contact.tangential) + growth * abs(contact.normal)) / (1.0 + growth)
+    leaves = np.where(still, gain > 0.0, foot > 0.0)
+    slips = (abs(contact.rub) >= contact.friction * contact.push * (1.0 - NOISE)) & leaves
     return np.where(smooth | slips, side, 0.0)
 
 
-def _turned(bodies: Bodies, motion: Motion, event: Number) -> Motion:
-    """Return the motion after an event, on the line and with the slip that follow it."""
-    line, loading = event == LINE, motion.loading > 0.0
+def _turned(contact: Contact, event: Number) -> Contact:
+    """Return the contact after an event, on the line and with the slip that follow it."""
+    line, loading = event == LINE, contact.loading > 0.0
     deepest, again = line & loading, line & ~loading
-    push = np.where(loading, motion.push, np.where(again, motion.peak, np.minimum(motion.push, motion.peak)))
-    mu = np.where(deepest, bodies.restitution_friction, np.where(again, bodies.friction, motion.friction))
+    push = np.where(loading, contact.push, np.where(again, contact.peak, np.minimum(contact.push, contact.peak)))
+    mu = np.where(deepest, contact.mu_2, np.where(again, contact.mu_1, contact.friction))
     limit, slides = mu * push, (event == FORWARD) | (event == BACKWARD)
     side = np.where(event == FORWARD, 1.0, -1.0)
-    motion = motion._replace(
-        normal=np.where(deepest, 0.0, motion.normal),
+    contact = contact._replace(
+        normal=np.where(deepest, 0.0, contact.normal),
         push=push,
-        rub=np.where(slides, -side * limit, np.maximum(np.minimum(motion.rub, limit), -limit)),
-        peak=np.where(deepest, push, motion.peak),
-        loading=np.where(line, 1.0 - motion.loading, motion.loading),
-        steep=np.where(deepest, 1.0 / bodies.restitution, np.where(again, 1.0, motion.steep)),
+        rub=np.where(slides, -side * limit, np.maximum(np.minimum(contact.rub, limit), -limit)),
+        peak=np.where(deepest, push, contact.peak),
+        loading=np.where(line, 1.0 - contact.loading, contact.loading),
+        steep=np.where(deepest, 1.0 / contact.restitution, np.where(again, 1.0, contact.steep)),
         friction=mu,
     )
-    return motion._replace(slip=np.where(slides, side, np.where(event == STOP, 0.0, _begun(bodies, motion))))
+    return contact._replace(slip=np.where(slides, side, np.where(event == STOP, 0.0, _begun(contact))))
 
 
 class _Contacts:
-    """The contacts of an array, each as far as it has gone.
+    """The contacts of an array, in columns of ``rows``, each as far as it has gone.
 
     ``totals`` are impulses and works by the four rows of ``impact_result.PHASES``, ``slips`` the slip in them. The second row of
     compression, and of restitution, collects all that follows its first stick or slip. A point that is pressed on beyond
     its deepest point was in compression until then.
     """
 
-    def __init__(self, bodies: Bodies, motion: Motion) -> None:
-        self.bodies, self.motion, self.initial = np.array(bodies), np.array(motion), motion.slip
-        size = motion.slip.size
-        self.totals, self.slips, self.row = np.zeros((4, 4, size)), np.zeros((4, size)), np.zeros(size, dtype=int)
+    def __init__(self, contact: Contact) -> None:
+        self.rows, self.initial = np.array(contact), contact.slip
+        size = contact.slip.size
+        self.totals, self.slips, self.row = np.zeros((4, 4 * size)), np.zeros((size, 4)), np.zeros(size, dtype=int)
         self.phases, self.settled = np.zeros(size, dtype=int), np.zeros(size, dtype=bool)
         self.slip_stop, self.outcome = np.full(size, INFINITE), np.zeros(size, dtype=int)
         self.again = np.zeros(size, dtype=int)
 
+    @property
+    def by_row(self) -> Number:
+        """The totals by quantity, contact and row."""
+        return self.totals.reshape(4, -1, 4)
+
     def advance(self, active: Number, patient: bool) -> Number:
         """Take a phase of the active contacts; return those that go on."""
-        slips = self.motion[-1, active] != 0.0
-        going = []
-        for at, slides in ((active[slips], True), (active[~slips], False)):
-            if not at.size:
-                continue
-            bodies, before = Bodies(*np.take(self.bodies, at, axis=1)), Motion(*np.take(self.motion, at, axis=1))
-            if slides:
-                after, event, done = _slip(bodies, before)
-            else:
-                settles = (self.phases[at] >= SETTLING) & ~self.settled[at]
-                after, event, done = stick(bodies, before, settles, patient)
-            over = self.note(at, bodies, before, after, event, done)
-            self.motion[:4, at] = after[:4]
-            turns = np.flatnonzero((event != NONE) & ~over)
-            if turns.size < at.size:
-                bodies, after = Bodies(*(each[turns] for each in bodies)), Motion(*(each[turns] for each in after))
-            self.turn(at[turns], before.slip[turns], _turned(bodies, after, event[turns]), event[turns])
-            going.append(at[~over])
+        slips = self.rows[-1, active] != 0.0
+        going = [active[:0]]
+        for every, slides in ((active[slips], True), (active[~slips], False)):
+            for at in np.split(every, range(BLOCK, every.size, BLOCK)):
+                before = Contact(*self.rows.take(at, axis=1))
+                if slides:
+                    after, event, done = _slip(before)
+                else:
+                    settles = (self.phases[at] >= SETTLING) & ~self.settled[at]
+                    after, event, done = stick(before, settles, patient)
+                over = self.note(at, before, after, event, done)
+                turned = _turned(after, event)
+                if (event == NONE).any():
+                    turned = Contact(*(np.where(event == NONE, *pair) for pair in zip(after, turned, strict=True)))
+                self.turn(at, before, turned, event, over)
+                going.append(at[~over])
         return np.concatenate(going)
 
-    def note(
-        self, at: Number, bodies: Bodies, before: Motion, after: Motion, event: Number, done: tuple[Number, ...]
-    ) -> Number:
-        """Add a step of the contacts ``at`` an index; return which of them it ends."""
+    def note(self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]) -> Number:
+        """Add a phase, or a part of one, of the contacts ``at`` an index; return which of them it ends."""
         row, loading = self.row[at], before.loading > 0.0
+        place = 4 * at + row
         for total, part in zip(self.totals, done, strict=True):
-            total.ravel()[row * total.shape[1] + at] += part
-        self.slips[row, at] = np.where(done[0] > 0.0, before.slip, self.slips[row, at])
-        counts = (before.slip == 0.0) | (bodies.restitution < LEAST_EXACT)
+            total[place] += part
+        self.slips[at, row] = np.where(done[0] > 0.0, before.slip, self.slips[at, row])
+        counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
         parts, never = event == APART, event == NEVER
-        over = parts | never | ((event == LINE) & loading & (bodies.restitution == 0.0))
         parted = np.where(parts & (after.normal > 0.0), REBOUND, NO_REBOUND)
-        pressed = loading | (after.normal < -KNIFE_EDGE * bodies.approach)
+        pressed = loading | (after.normal < -KNIFE_EDGE * before.approach)
         self.outcome[at] = np.where(never, np.where(pressed, JAM, STICTION), parted)
-        return over
+        return parts | never | ((event == LINE) & loading & (before.restitution == 0.0))
 
-    def turn(self, at: Number, slip: Number, after: Motion, event: Number) -> None:
-        """Go on from a slip, or stick, to the phase after an event, and to its row."""
-        self.motion[:, at] = after
+    def turn(self, at: Number, before: Contact, after: Contact, event: Number, over: Number) -> None:
+        """Go on to the phase after an event, and to its row."""
+        for row, value in zip(self.rows[MOTION:], after[MOTION:], strict=True):
+            row[at] = value
         line = event == LINE
-        again = line & (after.loading > 0.0)
+        again = line & (before.loading == 0.0)
         chosen = at[again]
         if chosen.size:
-            self.totals[:, 1, chosen] += self.totals[:, 2:, chosen].sum(axis=1)
-            self.totals[:, 2:, chosen], self.slips[2:, chosen] = 0.0, 0.0
+            rows = self.by_row
+            rows[:, chosen, 1] += rows[:, chosen, 2:].sum(axis=-1)
+            rows[:, chosen, 2:], self.slips[chosen, 2:] = 0.0, 0.0
             self.again[chosen] += 1
             self.rest(chosen[self.again[chosen] >= CHATTER])
-        turned = after.slip != slip
+        turned = (after.slip != before.slip) & ~over
         row = self.row[at]
         self.row[at] = np.where(again, 1, np.where(line, 2, np.where(turned, row | 1, row)))
         stops = at[turned & (self.initial[at] != 0.0) & (self.slip_stop[at] == INFINITE)]
-        self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
+        self.slip_stop[stops] = self.by_row[0, stops].sum(axis=-1)
 
     def rest(self, at: Number) -> None:
         """Halve the slip under the mean friction of points that chatter, which keeps v_n as it is."""
-        bodies, speed = Bodies(*self.bodies[:, at]), self.motion[1, at]
-        ratio, impulse = (
-            -bodies.normal / bodies.coupling,
-            0.5 * speed * bodies.coupling / (bodies.stick * bodies.tangential),
-        )
+        contact = Contact(*self.rows.take(at, axis=1))
+        speed, ratio = contact.tangential, -contact.k_nn / contact.k_nt
+        impulse = 0.5 * speed * contact.k_nt / (contact.stick * contact.k_tt)
         impulse = np.where(np.isfinite(impulse), np.maximum(impulse, 0.0), 0.0)
-        self.totals[:, 1, at] += (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
-        self.motion[1, at] = np.where(impulse > 0.0, 0.5 * speed, speed)
-        self.again[at] = 0
+        done = (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
+        self.by_row[:, at, 1] += done
+        self.rows[MOTION + 1, at] = np.where(impulse > 0.0, 0.5 * speed, speed)
+        self.again[at] -= FURTHER
 
 
 def compliant_impact(values: list[Number], squared: Number) -> Impact:
@@ -242,32 +235,42 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
     none = np.zeros_like(normal)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         inverse_mass = inverse_mass_of(k_nn, k_nt, k_tt, given[0] / mass if given else None)
-        stuck, tie = inverse_mass.stick, -inverse_mass.stick_ratio
-        bodies = Bodies(k_nn, k_nt, k_tt, stuck, tie, mu_1, mu_2, e, np.sqrt(squared), -normal)
-        motion = Motion(normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none)
-        contacts = _Contacts(bodies, motion._replace(slip=_begun(bodies, motion)))
-        rest = []
-        for begin in range(0, none.size, BLOCK):
-            active = np.arange(begin, min(begin + BLOCK, none.size))
+        bodies = (
+            k_nn,
+            k_nt,
+            k_tt,
+            inverse_mass.stick,
+            -inverse_mass.stick_ratio,
+            mu_1,
+            mu_2,
+            e,
+            np.sqrt(squared),
+            -normal,
+        )
+        contact = Contact(*bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none)
+        contacts = _Contacts(contact._replace(slip=_begun(contact)))
+        rest = [np.arange(0)]
+        for begin in range(0, none.size, LOCAL):
+            active = np.arange(begin, min(begin + LOCAL, none.size))
             for _ in range(ROUNDS):
-                active = contacts.advance(active, patient=False) if active.size else active
+                active = contacts.advance(active, patient=False)
             rest.append(active)
         active = np.concatenate(rest)
         while active.size:
             active = contacts.advance(active, patient=True)
-    momentum, energy = speed / mass, speed * speed / mass
-    impulses, along = ((each * momentum).T for each in contacts.totals[:2])
-    normal_works, tangential_works = ((each * energy).T for each in contacts.totals[2:])
+    momentum, energy = (speed / mass)[:, np.newaxis], (speed * speed / mass)[:, np.newaxis]
+    impulses, along = contacts.by_row[:2] * momentum
+    normal_works, tangential_works = contacts.by_row[2:] * energy
     return Impact(
         impulse_normal=impulses.sum(axis=-1),
         impulse_tangential=along.sum(axis=-1),
-        velocity_normal=contacts.motion[0] * speed,
-        velocity_tangential=contacts.motion[1] * speed,
+        velocity_normal=contacts.rows[MOTION] * speed,
+        velocity_tangential=contacts.rows[MOTION + 1] * speed,
         compressive_impulse_normal=impulses[:, :2].sum(axis=-1),
         compressive_impulse_tangential=along[:, :2].sum(axis=-1),
-        slip_stop_impulse=np.where(contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum),
+        slip_stop_impulse=np.where(contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum[:, 0]),
         phase_impulse=impulses,
-        phase_slip=contacts.slips.T,
+        phase_slip=contacts.slips,
         phase_work_normal=normal_works,
         phase_work_tangential=tangential_works,
         outcome=contacts.outcome,

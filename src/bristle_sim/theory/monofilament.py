@@ -13,10 +13,8 @@ compression and -L s_2 dp_y in restitution, with
 
 All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C.
 
-Arguments broadcast; the functions return floats for floats. Angles are in rad with 1e-150 <= gamma <= pi/2, friction mu_1 and
-restitution_friction mu_2 are >= 0 and equal by default (case 2, eq. 2.59), restitution is the energetic coefficient e*
-(2.47) in [0, 1]. Impulses and works are those of the workpart on the bristle; rates are positive in the hub's sense of
-rotation. Every function raises ValueError for an argument outside its range, and none returns NaN.
+Arguments broadcast; the functions return floats for floats. Impulses and works are those of the workpart on the bristle; rates
+are positive in the hub's sense of rotation.
 """
 
 from __future__ import annotations
@@ -79,23 +77,35 @@ def monofilament_impact(
 ) -> MonofilamentImpact:
     """Resolve one strike; kg, m, rad/s, rad.
 
-    Beside p_cy: W_y(p_cy) = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1 p_cy (2.56) and W_x(p_cx) = v_C cos gamma p_cx/2
-    (2.58). The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
+    Beside p_cy: W_y(p_cy) = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1 p_cy (2.56), W_x(p_cx) = v_C cos gamma p_cx/2 (2.58),
+
+        p_fy = p_cy (1 + e* sqrt(s_1/s_2)),    phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1)       (2.48, 2.65)
+
+    The first grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
+    e* = 0. The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
+
+    Raises ValueError unless 1e-150 <= gamma. The friction mu_2 is mu_1 by default (case 2, eq. 2.59); e* is the energetic
+    coefficient (2.47) in [0, 1].
     """
+    least = f"must be at least {LEAST_ANGLE:g}, as impulses grow as its inverse (in rad)"
+    require("impact_angle", impact_angle, np.greater_equal(impact_angle, LEAST_ANGLE), least)
     later = friction if restitution_friction is None else restitution_friction
-    speed, hub = tip_speed(length, hub_radius, hub_speed, speed_ratio), (length, hub_radius, hub_speed)
+    sine, cosine = np.sin(impact_angle), np.cos(impact_angle)
+    leaves = np.less(later, stiction_friction(impact_angle))
+    s_1, s_2 = sine + friction * cosine, np.where(leaves, np.maximum(sine - later * cosine, 0.0), 0.0)[()]
+    speed = tip_speed(length, hub_radius, hub_speed, speed_ratio)
     pressed = normal_compressive_impulse(mass, speed, impact_angle, friction)
     rubbed = 0.0 - np.multiply(friction, pressed)
-    leaves = np.less(later, stiction_friction(impact_angle))
+    factor = np.where(speed > 0.0, -restitution * np.sqrt(s_2 / s_1), 1.0)
     ending = np.where(np.greater(restitution, 0.0), np.where(leaves, REBOUND, STICTION), NO_REBOUND)
     return MonofilamentImpact(
         normal_compressive_impulse=pressed,
-        normal_final_impulse=normal_final_impulse(mass, speed, impact_angle, friction, restitution, later),
+        normal_final_impulse=pressed * (1.0 + restitution * np.sqrt(s_1 / np.where(s_2 > 0.0, s_2, np.inf))),
         tangential_compressive_impulse=rubbed,
-        normal_compressive_work=-0.5 * np.multiply(speed, np.sin(impact_angle)) * pressed,
-        tangential_compressive_work=0.5 * np.multiply(speed, np.cos(impact_angle)) * rubbed,
+        normal_compressive_work=-0.5 * np.multiply(speed, sine) * pressed,
+        tangential_compressive_work=0.5 * np.multiply(speed, cosine) * rubbed,
         initial_bristle_rate=np.multiply(speed_ratio, hub_speed),
-        final_bristle_rate=final_rate(speed, *hub, impact_angle, friction, restitution, later),
+        final_bristle_rate=-(hub_radius / length) * hub_speed + factor * speed / length,
         outcome=np.where(speed > 0.0, ending, NO_CONTACT)[()],
     )
 
@@ -107,59 +117,10 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
 def stiction_friction(impact_angle: Number) -> Number:
     """Return the least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
-    # The tangent of the float next to pi/2 is 1.6e16: more than any friction allowed.
+    # The tangent of the float next to pi/2 is 1.6e16, which exceeds every friction.
     return np.tan(impact_angle)
 
 
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
-    return mass * np.maximum(tip_speed, 0.0) / (3.0 * _levers(impact_angle, friction)[0])
-
-
-def normal_final_impulse(
-    mass: Number,
-    tip_speed: Number,
-    impact_angle: Number,
-    friction: Number,
-    restitution: Number,
-    restitution_friction: Number | None = None,
-) -> Number:
-    """Return p_fy = (m v_C/3) (s_2 + e* sqrt(s_1 s_2))/(s_1 s_2) = p_cy (1 + e* sqrt(s_1/s_2)), N s (2.48, 2.64).
-
-    It grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
-    e* = 0.
-    """
-    s_1, s_2 = _levers(impact_angle, friction, restitution_friction)
-    root = np.sqrt(s_1 / np.where(s_2 > 0.0, s_2, np.inf))
-    return normal_compressive_impulse(mass, tip_speed, impact_angle, friction) * (1.0 + restitution * root)
-
-
-def final_rate(
-    tip_speed: Number,
-    length: Number,
-    hub_radius: Number,
-    hub_speed: Number,
-    impact_angle: Number,
-    friction: Number,
-    restitution: Number,
-    restitution_friction: Number | None = None,
-) -> Number:
-    """Return phi'_f = -(r_h/L) omega (2.36) - e* (v_C/L) sqrt(s_2/s_1), rad/s: (2.43) at the p_fy of (2.48), as in (2.65).
-
-    With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
-    """
-    s_1, s_2 = _levers(impact_angle, friction, restitution_friction)
-    factor = np.where(tip_speed > 0.0, -restitution * np.sqrt(s_2 / s_1), 1.0)
-    return -(hub_radius / length) * hub_speed + factor * tip_speed / length
-
-
-def _levers(
-    impact_angle: Number, friction: Number, restitution_friction: Number | None = None
-) -> tuple[Number, Number]:
-    """Return s_1, by which impulses divide, and s_2, which is zero from the stiction friction on."""
-    least = f"must be at least {LEAST_ANGLE:g}, as impulses grow as its inverse (in rad)"
-    require("impact_angle", impact_angle, np.greater_equal(impact_angle, LEAST_ANGLE), least)
-    later = friction if restitution_friction is None else restitution_friction
-    sine, cosine = np.sin(impact_angle), np.cos(impact_angle)
-    s_2 = np.where(later < stiction_friction(impact_angle), np.maximum(sine - later * cosine, 0.0), 0.0)
-    return sine + friction * cosine, s_2[()]
+    return mass * np.maximum(tip_speed, 0.0) / (3.0 * (np.sin(impact_angle) + friction * np.cos(impact_angle)))
