@@ -10,6 +10,7 @@ import pytest
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.contact.compliant import CompliantLaw
 from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw
+from bristle_sim.scene.contact.obstacles import BarObstacle
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
@@ -105,6 +106,13 @@ class TestCompliantContact:
 
 
 class TestCompliantRefusals:
+    def test_a_bar_takes_no_spring(self) -> None:
+        """Its contact may slide along the link, where a spring acts on a corner."""
+        scene, state, *_ = build_strike(PAIR, ROUGH)
+        bar = BarObstacle((0.0, -3.0), 0.1, 0.01, 0.0, 0.5)
+        with pytest.raises(ValueError, match=r"^law of the bar = compliant: must be resolved at an instant"):
+            CompliantLaw(1e-3, 1e-6).spring(scene, state, bar)
+
     @pytest.mark.parametrize(
         ("call", "said"),
         [

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, contact_at, energetic_at
+from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
@@ -49,9 +50,10 @@ class CompliantLaw(ContactLaw):
     Args:
         duration: duration of the first contact in engine units, for a contact rigid along the surface; for a wire that bends,
             for a rigid wire without friction. With None every contact is short enough for the rigid-body limit to ``accuracy``.
-        accuracy: requested relative accuracy. plain_steps: number of plain engine steps in a contact, or None to extrapolate to
-        the accuracy. stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise
-        is only expected.
+        accuracy: requested relative accuracy.
+        plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
+        stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only
+            expected.
         tangential_compliance: eta^2.
     """
 
@@ -67,44 +69,42 @@ class CompliantLaw(ContactLaw):
         """Return the spring of a new contact; None if the touch is too slow to be resolved.
 
         Raises:
-            ValueError: if the contact cannot be resolved in double precision.
+            ValueError: if the contact cannot be resolved in double precision, or slides along a link.
         """
+        if not isinstance(obstacle, WorkpartObstacle):
+            raise ValueError(
+                f"law of the {obstacle.name} = compliant: must be resolved at an instant, as the contact may slide along a link"
+            )
         restitution = obstacle.restitution
         self._check(scene, restitution)
         touch, space = contact_at(scene, state, obstacle)
         rigid = energetic_at(obstacle, space)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
-        elastic = self.tangential_compliance >= LEAST_COMPLIANCE  # a stiffer one is rigid, as in the impact law
+        # A stiffer one is rigid, as in the impact law.
+        compliance = self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         # A tangential spring multiplies rounding of places by its stiffness.
-        rounding = max(1.0, 1.0 / self.tangential_compliance) if elastic else 1.0
+        rounding = max(1.0, 1.0 / compliance) if compliance else 1.0
         duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            wire = scene.mechanism, state, touch, obstacle.link, duration, restitution
-            self.stiffness = rigid_stiffness(*wire)
+            self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle, duration)
         # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
-        time = 0.0 if self.stiffness else time_at_unit_stiffness(rigid, space.velocity[0], restitution)
-        stiffness = self.stiffness or (time / duration) ** 2
+        stiffness = self.stiffness or (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
         self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
         (normal, _), (_, tangential) = space.inverse_mass.tolist()
-        if elastic and tangential:
-            rigid = energetic_at(obstacle, space, self.tangential_compliance)
-            rate = math.sqrt(stiffness / self.tangential_compliance * tangential)
+        if compliance and tangential:
+            rigid = energetic_at(obstacle, space, compliance)
+            rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        compliance = self.tangential_compliance if elastic else 0.0
         expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper, compliance)
         return Spring(stiffness, obstacle, expected, touch.gap, space.inverse_mass)
-
-    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
-        """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
-        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""
@@ -117,6 +117,10 @@ class CompliantLaw(ContactLaw):
             return PlainSteps(duration / self.plain_steps)
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest)
+
+    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
+        """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
+        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle)
 
     def _check(self, scene: Scene, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:
@@ -165,20 +169,19 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
 
 
 def rigid_stiffness(
-    mechanism: Mechanism, state: State, touch: ClosestApproach, link: int, duration: float, restitution: float
+    mechanism: Mechanism, state: State, touch: ClosestApproach, obstacle: Obstacle, duration: float
 ) -> float:
     """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts a given time.
 
     k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
     """
-    wire = mechanism.wire(link % len(mechanism.links) // mechanism.wire_links)
-    still = State(0.0, (0.0,) * len(wire.links), (0.0,) * len(wire.links))
-    unstressed = Mechanism(wire.links).poses(still)
+    size, poses, link = mechanism.wire_links, mechanism.poses(state), obstacle.link % len(mechanism.links)
+    wire = Mechanism(mechanism.links[link - link % size :][:size])
+    unstressed = wire.poses(State(0.0, (0.0,) * size, (0.0,) * size))
     inertia = sum(
         each.inertia + each.mass * math.hypot(*pose.centre) ** 2
         for each, pose in zip(wire.links, unstressed, strict=True)
     )
-    poses = mechanism.poses(state)
-    joint, root = poses[link].joint, poses[link % len(poses) // mechanism.wire_links * mechanism.wire_links].joint
+    joint, root = poses[link].joint, poses[link - link % size].joint
     lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
-    return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 * inertia / lever**2
+    return (0.5 * math.pi * (1.0 + obstacle.restitution) / duration) ** 2 * inertia / lever**2

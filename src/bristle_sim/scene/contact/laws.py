@@ -10,11 +10,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.mechanism import State
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -51,40 +51,13 @@ class ContactLaw:
         """Apply an instantaneous impact to the scene; all values are in engine units."""
         raise NotImplementedError
 
-    def _record(
-        self,
-        obstacle: Obstacle,
-        before: State,
-        rates: tuple[float, ...],
-        outcome: str,
-        impulse: Vector,
-        velocities: tuple[Vector, Vector],
-        impact: Impact | None = None,
-    ) -> tuple[State, ContactRecord]:
-        """Return the state after an impact, and its record; ``impact`` is None for a law without phases."""
-        compressive: Vector | None = None
-        works: tuple[Vector | None, Vector | None] = None, None
-        if impact is not None:
-            compressive = impact.compressive_impulse_normal, impact.compressive_impulse_tangential
-            loaded, unloaded = impact.compressive_work, impact.restitutive_work
-            works = (float(loaded[0]), float(loaded[1])), (float(unloaded[0]), float(unloaded[1]))
-        return State(before.time, before.angles, rates), ContactRecord(
-            obstacle=obstacle.name,
-            law=self.name,
-            outcome=outcome,
-            time=before.time,
-            duration=0.0,
-            impulse=impulse,
-            compressive_impulse=compressive,
-            compressive_work=works[0],
-            restitutive_work=works[1],
-            velocity_before=velocities[0],
-            velocity_after=velocities[1],
-            angles=before.angles,
-            rates_before=before.rates,
-            rates_after=rates,
-            phases=() if impact is None else impact.phases,
-        )
+    def _after(self, scene: Scene, obstacle: Obstacle, before: State, **entries: Any) -> tuple[State, ContactRecord]:
+        """Return the state after an impact that has changed the scene's rates, and its record with further entries."""
+        after = State(before.time, before.angles, tuple(scene.rates()))
+        works = {"compressive_impulse": None, "compressive_work": None, "restitutive_work": None}
+        motion = {"angles": before.angles, "rates_before": before.rates, "rates_after": after.rates}
+        general = {"obstacle": obstacle.name, "law": self.name, "time": before.time, "duration": 0.0}
+        return after, ContactRecord(**{**general, **motion, **works, **entries})
 
 
 def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestApproach, ContactSpace]:
@@ -118,10 +91,21 @@ class EnergeticLaw(ContactLaw):
         space = ending_together(space, self.accuracy)
         impact = energetic_at(obstacle, space, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
-        after = (impact.velocity_normal, impact.velocity_tangential)
-        space.apply(impulse, after)
-        velocities = space.velocity, after
-        return self._record(obstacle, state, tuple(scene.rates()), impact.outcome_name, impulse, velocities, impact)
+        velocity = (impact.velocity_normal, impact.velocity_tangential)
+        space.apply(impulse, velocity)
+        return self._after(
+            scene,
+            obstacle,
+            state,
+            outcome=impact.outcome_name,
+            impulse=impulse,
+            compressive_impulse=(impact.compressive_impulse_normal, impact.compressive_impulse_tangential),
+            compressive_work=tuple(map(float, impact.compressive_work)),
+            restitutive_work=tuple(map(float, impact.restitutive_work)),
+            velocity_before=space.velocity,
+            velocity_after=velocity,
+            phases=impact.phases,
+        )
 
 
 def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
@@ -166,11 +150,12 @@ class EngineLaw(ContactLaw):
         scene.step(ENGINE_STEP, 1, record.note)
         ((*impulse, _),) = record.read(touch.normal) or [(0.0, 0.0, 0.0)]
         scene.contacts.release()
-        after = State(state.time, state.angles, tuple(scene.rates()))
-        scene.place(after)
-        velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity
+        rates = tuple(scene.rates())
+        scene.place(State(state.time, state.angles, rates))
+        velocity = obstacle.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
-        return self._record(obstacle, state, after.rates, outcome, (impulse[0], impulse[1]), (touch.velocity, velocity))
+        entries = {"impulse": tuple(impulse), "velocity_before": touch.velocity, "velocity_after": velocity}
+        return self._after(scene, obstacle, state, outcome=outcome, **entries)
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:

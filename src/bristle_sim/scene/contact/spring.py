@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.course import ContactCourse
-from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import ClosestApproach, WorkpartObstacle
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.trajectory import ContactHistory
@@ -75,7 +75,7 @@ class Spring:
     """
 
     stiffness: float
-    obstacle: Obstacle
+    obstacle: WorkpartObstacle
     expected: Expectation
     surface: float
     inverse_mass: Array
@@ -161,8 +161,8 @@ class Spring:
 class SpringForce:
     """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums."""
 
-    def __init__(self, scene: Scene, obstacle: Obstacle, spring: Spring) -> None:
-        assert isinstance(obstacle, WorkpartObstacle), "only a corner on a plane has a spring"
+    def __init__(self, scene: Scene, spring: Spring) -> None:
+        obstacle = spring.obstacle
         body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
         x, y = (*link.knees, link.tip)[obstacle.corner]
         self._spring, self._push = spring, pusher(body)
@@ -227,7 +227,7 @@ class ContactLoad:
 
     def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
         self._rigid = rigid
-        forces = [SpringForce(scene, each.obstacle, each.spring) for each in springs if each.spring is not None]
+        forces = [SpringForce(scene, each.spring) for each in springs if each.spring is not None]
         self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
 
     def begin(self, step: float) -> Callable[[], None]:
