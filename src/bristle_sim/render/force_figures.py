@@ -60,7 +60,7 @@ PASSES = 12  # bristles that pass in the second panel
 
 @styled()
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
-    """Draw normal forces on the workpart in N, and the impulses of impacts in mN s.
+    """Draw normal forces on the workpart in N, and the impulses of impacts in mN·s.
 
     Raises:
         ValueError: for a tool whose bristle completes no turn.
@@ -99,7 +99,7 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
         else:
             angle = 2 * [turned * each.begin]
             impulses.plot(angle, [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
-    for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
+    for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN·s)", VERMILION)):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
         scale.yaxis.set_visible(bool(scale.lines))

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
@@ -33,7 +34,7 @@ MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick
 
 BEFORE, AFTER = 0.10, 0.18  # free motion shown before and after, as fractions of the time in touch
 STILL = 1e-6  # velocities below this fraction of the fastest are drawn as zero
-ARROW = 0.3  # length of the tip's velocity before the impact, as a fraction of its drawing's height
+ARROW = 0.13  # length of the tip's velocity before the impact, as a fraction of its drawing's height
 LONGEST_FORCE = 0.28  # length of the largest force, as a fraction of its drawing's height
 LETTERS = 15.0  # height of the letters in a picture of normal size, px
 CRATER = 0.02  # depth at which the tip leaves, as a fraction of the largest, from which on the picture explains it
@@ -174,7 +175,7 @@ class ImpactFilm(Film):
         super().__init__(warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s"))
         self.fastest, top = motion.largest("normal_velocity", "tangential_velocity"), 1.0 - HEADER
         self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        self.arrow = draw_chain(self.chain, struck.centre_line, impacts.chain.hub_radius)
+        self.arrow = draw_chain(self.chain, struck.centre_line, impacts.chain.hub_radius, 0.62 * self.letters)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
         self.tip = TipDrawing(close_up, motion, struck.centre_line[-1] - struck.centre_line[-2], self.letters)
         self.markers: list[tuple[Line2D, str, float]] = []
@@ -229,26 +230,29 @@ class ImpactFilm(Film):
         axes.set_xlabel(f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters)
 
 
-def draw_chain(axes: Axes, centre_line: Array, hub_radius: float) -> FancyArrowPatch:
+def draw_chain(axes: Axes, centre_line: Array, hub_radius: float, letters: float) -> FancyArrowPatch:
     """Draw the rods as they strike, the tip at the origin, and return the arrow of the tip's velocity.
 
     ``centre_line`` has root, hinges and tip from the hub's centre, shape (corners, 2), m; the hub's radius, m, is zero for a
     fixed root.
     """
     points, centre, box = centre_line - centre_line[-1], -centre_line[-1], axes.get_window_extent()
-    view = View.around([points], box.width / box.height, 0.2)
+    view = View.around([points], box.width / box.height, 0.35)
     size, width, (x, y) = view.top - view.bottom, view.right - view.left, points[0]
     View(view.left, view.right, -0.15 * size, 0.85 * size).apply(axes)
     axes.set_axis_off()
     axes.add_patch(Rectangle((view.left - width, -0.3 * size), 3.0 * width, 0.3 * size, **GROUND))
     if hub_radius > 0.0:
         axes.add_patch(Circle((centre[0], centre[1]), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY))
-        axes.text(x, y + 0.1 * size, "hub", color=GREY, ha="right", fontsize=9.0, clip_on=True)
+        axes.text(x, y + 0.1 * size, "hub", color=GREY, ha="right", fontsize=letters, clip_on=True)
     else:
         axes.add_patch(Rectangle((x - 0.04 * size, y), 0.08 * size, 0.04 * size, **GROUND))
     axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)
     axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
     axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
+    halo = [withStroke(linewidth=3.0, foreground="white")]
+    look: dict[str, Any] = {"color": PURPLE, "fontsize": letters, "path_effects": halo}
+    axes.text(0.5, 0.02, "velocity of the tip", ha="center", transform=axes.transAxes, **look)
     return moving_arrow(axes, PURPLE, 2.0, 13.0)
 
 

@@ -9,18 +9,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
-from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
-from bristle_sim.render.style import QUANTITIES, add_panel, axes_at, blank_figure, draw_colours, note, styled
+from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
+from bristle_sim.render.style import (
+    QUANTITIES,
+    add_panel,
+    axes_at,
+    blank_figure,
+    draw_colours,
+    note,
+    signed,
+    styled,
+    write_key,
+)
 from bristle_sim.studies.tolerances import Study
 
 if TYPE_CHECKING:
     import xarray as xr
-
 
 COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2  # panels in a row, and their size with its margins, cm
 TITLE_LETTERS = 32  # letters in a line of a panel's title
@@ -68,12 +75,19 @@ def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
 
 MOST = 6  # inputs shown for each output
 ROW = 4.1  # height of an output's panels with their titles, cm
+KEY = {
+    "passes; mean ± standard deviation": {"color": SKY, "linewidth": 6.0},
+    "95 % of them": {"color": BLUE, "alpha": 0.12, "linewidth": 6.0},
+    "total Sobol index": {"color": VERMILION, "alpha": 0.45, "linewidth": 6.0},
+    "first-order index": {"color": BLUE, "linestyle": "none", "marker": "o", "markersize": 3.2},
+    "95 % interval": {"color": GREY, "linewidth": 0.9},
+}
 
 
 @styled()
 def tolerance_figure(study: Study) -> Figure:
     """Draw a histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
-    height = ROW * len(study.outputs) + 1.2
+    height = ROW * len(study.outputs) + 1.4
     figure = blank_figure(16.0, height)
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
@@ -84,7 +98,9 @@ def tolerance_figure(study: Study) -> Figure:
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
         axes.set_yticks([])
         axes.set_xlabel(unit, labelpad=1.0)
-        words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
+        spread = float(values.std(ddof=1))
+        digits = max(0, 1 - math.floor(math.log10(spread))) if spread > 0.0 else 3
+        words = f"{signed(values.mean(), digits)} ± {spread:.{digits}f} {unit}"
         note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
         axes, chosen = axes_at(figure, 10.3, bottom, 5.3, 2.4), np.argsort(-study.total[number])[:MOST]
         places = np.arange(chosen.size)
@@ -97,12 +113,6 @@ def tolerance_figure(study: Study) -> Figure:
         axes.invert_yaxis()
         axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
         axes.tick_params(axis="y", length=0.0)
-    words = "first-order index, 95 % intervals as lines"
-    handles = [
-        Patch(facecolor=SKY, label="passes"),
-        Patch(facecolor=BLUE, alpha=0.12, label="95 % of them"),
-        Patch(facecolor=VERMILION, alpha=0.45, label="total Sobol index"),
-        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label=words),
-    ]
-    figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.4)
+        axes.set_xlabel("Sobol index", labelpad=1.0)
+    write_key(figure, KEY, ncols=3)
     return figure

@@ -85,7 +85,7 @@ def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
     for run, color, name, values in zip((struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True):
         history = run.contact.history
         assert history is not None
-        shown = scale_for(values["normal_final_impulse"], "N s")
+        shown = scale_for(values["normal_final_impulse"], "N·s")
         label = f"{name}, {values['normal_final_impulse'] * shown.factor:.3g} {shown.unit}"
         time = (history.time - history.time[0]) * clock.factor
         force = cubics(time, history.normal_force)(shown_time := np.linspace(0.0, time[-1], 300))
@@ -121,7 +121,7 @@ class WireFilm(Film):
             force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
         force.set_title("normal force (N)", loc="left", fontsize=small)
-        wave.set_title("bending moment along the wire (mN m)", loc="left", fontsize=small)
+        wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
         self.arrival = _draw_wave(wave, self.figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck, small)
         self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
@@ -139,7 +139,7 @@ class WireFilm(Film):
         elif self.struck.strike.tool.bristle.links == 1:
             caption = "the end is struck"
         elif time < self.arrival:
-            caption = "the end is struck; the root does not know of it"
+            caption = "the end is struck; the wave is on its way to the root"
         return caption, f"wire {signed(pushed, 1, 5)} N", f"rigid {signed(rigid, 1, 5)} N"
 
     def _draw_wires(self, axes: Axes, letters: float) -> None:
