@@ -40,11 +40,10 @@ from bristle_sim.studies.flexible_wire import flexible_wire
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.least_pitch import least_pitch
 from bristle_sim.studies.neighbours import neighbours
-from bristle_sim.studies.periodic_turn import periodic_turn
 from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
 from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
-from bristle_sim.studies.whole_tool import Assembly, whole_tool
+from bristle_sim.studies.whole_tool import Assembly, periodic_turn, whole_tool
 from bristle_sim.theory.force_fit import fit_force_history
 
 OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))

@@ -9,9 +9,8 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.settings import Settings
-from bristle_sim.studies.periodic_turn import TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import load_cell_response, turn_forces
-from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
+from bristle_sim.studies.turn_forces import Force, load_cell_response, turn_forces
+from bristle_sim.studies.whole_tool import Assembly, TurnNotCompleted, load_cell_series, periodic_turn, whole_tool
 
 FINE = Settings(accuracy=1e-8)
 SPEED, RADIUS, LENGTH, MASS = 261.8, 0.0275, 0.027, 8.387e-5
@@ -52,7 +51,7 @@ class TestTurn:
         assert left == pytest.approx(0.276, abs=1e-3)
         ratio = (damped.changes[-1] / damped.changes[2]) ** (1.0 / (len(damped.changes) - 3))
         assert 0.5 * left < ratio < 2.0 * left
-        monkeypatch.setattr("bristle_sim.studies.periodic_turn.MOST_TURNS", 4)
+        monkeypatch.setattr("bristle_sim.studies.whole_tool.MOST_TURNS", 4)
         unsettled = periodic_turn(thrown, Settings(accuracy=1e-6))
         remarks = whole_tool(thrown, Assembly(), Settings(accuracy=1e-6)).remarks
         assert any("no turn of 4 repeats the one before" in each for each in remarks)
@@ -137,8 +136,9 @@ class TestLoadCell:
     def test_impulses_and_a_force_that_acts_longer_than_a_period(self, bandwidth):
         impacts, box = [(1.2e-3, 2.7e-3), (1e-4, 1e-3)], (2.0e-3, 3.1e-3, 0.8)
         times = np.linspace(0.0, self.PERIOD, 50, endpoint=False)
-        interval = (box[0], box[1], lambda at: np.full(at.shape, box[2]))
-        shown = load_cell_response(impacts, [interval], self.PERIOD, bandwidth, times)
+        forces = [Force("workpart", time, time, np.array([impulse])) for time, impulse in impacts]
+        forces.append(Force("workpart", *box[:2], np.array([]), lambda at: np.full((*at.shape, 1), box[2])))
+        shown = load_cell_response(forces, self.PERIOD, bandwidth, times)
         # The series is cut off at k = 4000: each impulse leaves 2 J/T (cut T/(2 pi))^2/4000, 2e-5 of J/T at 1 kHz.
         left = 4.0 * 3.7e-3 / self.PERIOD * (bandwidth * self.PERIOD) ** 2 / 4000.0
         assert shown == pytest.approx(self.by_fourier(impacts, box, bandwidth, times), abs=left + 1e-10)

@@ -8,12 +8,12 @@ Each case is a pass of a wire of links to its strike, followed for half a millis
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 import time as clock
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -71,6 +71,13 @@ class FilmMap:
         strike, step = self.run.event_time("strike") or 0.0, 1.0 / self.grid.frame_rate
         return np.asarray(strike + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5))
 
+    @property
+    def seen(self) -> tuple[list[float], list[float]]:
+        """Return the middle of each exposure and the tip's mean height over the workpart in it, s and m."""
+        instants = self.frames[:, np.newaxis] + np.linspace(0.0, self.grid.exposure, 11)
+        heights = self.run.at(instants).tip[..., 1].mean(axis=1) + self.tool.workpart_depth
+        return instants[:, 5].tolist(), heights.tolist()
+
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     """Map touches, compression time and crater over contact duration and wire damping, and examine the nearest case.
@@ -91,12 +98,12 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
             *rows(MEASURES, values, printed=MEASURED),
         ),
         **ran(found.run) | {"wall_s": clock.perf_counter() - started},
-        remarks=("printed: what film and micrograph show", *_reached(found.results)),
+        remarks=("printed: what film and micrograph show", *(_reached(name, found.results[name]) for name in MEASURED)),
         tables=(_table(variants),),
         extra={
             "map": {name: axis.tolist() for name, axis in axes.items()} | plain,
             "variants": variants,
-            "frames": [{"time": time, "tip_height": height} for time, height in _seen(found)],
+            "frames": [{"time": time, "tip_height": height} for time, height in zip(*found.seen, strict=True)],
         },
         subject=found,
         answer=_answer(values, duration, damping),
@@ -111,9 +118,11 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     straight = tool.replace(knee_angle_deg=0.0, contact="compliant")
     dampings = grid.largest_damping * np.linspace(0.0, 1.0, grid.dampings) ** 2
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
-    space = {"wire_damping_ratio": dampings, "contact_duration": durations}
-    options: dict[str, Any] = {"workers": None if grid.workers == 1 else grid.workers, "store": grid.store}
-    swept = sweep(functools.partial(followed, settings, straight), space, **options).load()
+    space, point = (
+        {"wire_damping_ratio": dampings, "contact_duration": durations},
+        partial(followed, settings, straight),
+    )
+    swept = sweep(point, space, workers=None if grid.workers == 1 else grid.workers, store=grid.store).load()
     unknown = np.full(swept["failure"].shape, math.nan)
     results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
     missed = np.sum([np.log(results[name] / value) ** 2 for name, value in MEASURED.items()], axis=0)
@@ -121,12 +130,12 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
         raise ValueError(
             f"no pass of the map has a strike that is resolved in time; {swept['failure'].values.ravel()[0]}"
         )
-    row, column = (int(at) for at in np.unravel_index(int(np.nanargmin(missed)), missed.shape))
+    row, column = np.unravel_index(int(np.nanargmin(missed)), missed.shape)
     best = straight.replace(wire_damping_ratio=dampings[row], contact_duration=durations[column])
-    return FilmMap(grid, dampings, durations, results, (row, column), best, simulate(best, settings))
+    return FilmMap(grid, dampings, durations, results, (int(row), int(column)), best, simulate(best, settings))
 
 
-@functools.cache
+@cache
 def _strike_time(tool: Tool, settings: Settings) -> float:
     run = simulate(tool, settings, stop_after="strike")
     require_result(run, settings)
@@ -146,14 +155,15 @@ def followed(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, floa
         until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
     run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))
     require_result(run, settings)
-    touches = [each for each in run.contacts if each.obstacle == "workpart"]
-    entries = [math.atan2(-each.velocity_before[0], abs(each.velocity_before[1])) for each in touches]
-    cut = [(each.compressive_work, entry) for each, entry in zip(touches, entries, strict=True) if entry > 0.0]
-    depths = [crater_depth(work, CUTTING_FRICTION, entry) for work, entry in cut if work is not None]
-    values: tuple[float | None, ...] = (float(len(touches)), None, max(depths, default=None), None)
+    touches, depths = [each for each in run.contacts if each.obstacle == "workpart"], list[float]()
+    for each in touches:
+        entry = math.atan2(-each.velocity_before[0], abs(each.velocity_before[1]))
+        if entry > 0.0 and each.compressive_work is not None:
+            depths.append(crater_depth(each.compressive_work, CUTTING_FRICTION, entry))
+    compression = slide = None
     if (history := touches[0].history) is not None:
-        values = values[0], compression_end(history), values[2], slide_of(touches[0]).forward
-    return dict(zip(MEASURES, values, strict=True))
+        compression, slide = compression_end(history), slide_of(touches[0]).forward
+    return dict(zip(MEASURES, (float(len(touches)), compression, max(depths, default=None), slide), strict=True))
 
 
 def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list[dict[str, Any]]:
@@ -190,22 +200,11 @@ def _table(variants: list[dict[str, Any]]) -> Table:
     return Table("the nearest pair with other wires", head, tuple(cells))
 
 
-def _reached(results: Mapping[str, Array]) -> list[str]:
-    lines = []
-    for name, value in MEASURED.items():
-        label, unit = MEASURES[name]
-        low, high = float(np.nanmin(results[name])), float(np.nanmax(results[name]))
-        reached = f"{amount(value, unit)} {'lies' if low <= value <= high else 'does not lie'} on the map"
-        lines.append(f"{label}: {reached}, {amount(low, unit)} to {amount(high, unit)}")
-    return lines
-
-
-def _seen(film: FilmMap) -> list[tuple[float, float]]:
-    """Return the middle of each exposure and the tip's mean height over the workpart in it, s and m."""
-    during = np.linspace(0.0, film.grid.exposure, 11)
-    instants = film.frames[:, np.newaxis] + during
-    heights = film.run.at(instants.ravel()).tip[:, 1].reshape(instants.shape).mean(axis=1) + film.tool.workpart_depth
-    return list(zip(instants[:, 5].tolist(), heights.tolist(), strict=True))
+def _reached(name: str, results: Array) -> str:
+    (label, unit), measured = MEASURES[name], MEASURED[name]
+    low, high = float(np.nanmin(results)), float(np.nanmax(results))
+    reached = "lies" if low <= measured <= high else "does not lie"
+    return f"{label}: {amount(measured, unit)} {reached} on the map, {amount(low, unit)} to {amount(high, unit)}"
 
 
 def _answer(values: Mapping[str, float | None], duration: float, damping: float) -> str:

@@ -23,48 +23,8 @@ from bristle_sim.parameters import Tool
 from bristle_sim.studies.pass_invariants import complex_points, levers, nearest, touched, wire_lines
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-Impact = tuple[float, float]
-"""Time in s and impulse in N s."""
-
-Interval = tuple[float, float, Callable[[Array], Array]]
-"""Beginning and end in s of a force that acts in between, and the force, N, as a function of time."""
-
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss's rule integrates a cubic times exp(p t) over |p| h <= 1 to rounding: its error is 1e-16 of the 16th derivative's."""
-
-
-def load_cell_response(
-    impacts: Iterable[Impact], intervals: Iterable[Interval], period: float, bandwidth: float, times: Array
-) -> Array:
-    """Force that the load cell shows at the given times, N, under forces that have always repeated with the period.
-
-    Each impact leaves J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the filter's pole p. A force that
-    acts for a while is cut in parts, shorter than half a period and 1/|p|, each of which is integrated with exp(p t).
-    """
-    pole = 2.0 * math.pi * bandwidth * complex(-1.0, 1.0) / math.sqrt(2.0)
-    state = np.zeros(len(times), dtype=complex)
-    for time, impulse in impacts:
-        state += impulse * np.exp(pole * np.mod(times - time, period))
-    for begin, end, force in intervals:
-        parts = math.ceil((end - begin) * max(2.0 / period, abs(pole)) + 1.0)
-        length = (end - begin) / parts
-        for start in begin + length * np.arange(parts):
-            since = np.mod(times - start, period)
-            whole = complex(_weighed(force, np.array([start]), np.array([length]), pole)[0])
-            inside = since < length
-            state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
-            # While the part still acts, it has left this much; the others of the series are complete.
-            sofar = _weighed(force, np.full(int(inside.sum()), start), since[inside], pole)
-            state[inside] += -np.expm1(pole * period) * sofar
-    # Residue of w^2/((s - p)(s - p*)) at p, the sum over k included.
-    return np.asarray(2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real)
-
-
-def _weighed(force: Callable[[Array], Array], start: Array, length: Array, pole: complex) -> NDArray[np.complex128]:
-    """Return the integral of exp(p (end - t)) F(t) over each interval."""
-    offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
-    values = force((start[:, np.newaxis] + offset).ravel()).reshape(offset.shape)
-    return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
 
 
 CLOSEST_NODES = 0.05
@@ -85,6 +45,38 @@ class Force:
     end: float
     integral: Array
     course: Any = None
+
+
+def load_cell_response(forces: Iterable[Force], period: float, bandwidth: float, times: Array) -> Array:
+    """Return the normal force that the load cell shows at times, N, under forces that have always repeated with the period.
+
+    Each impact leaves J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the filter's pole p. A force that
+    acts for a while is cut in parts, shorter than half a period and 1/|p|, each of which is integrated with exp(p t).
+    """
+    pole = 2.0 * math.pi * bandwidth * complex(-1.0, 1.0) / math.sqrt(2.0)
+    state = np.zeros(len(times), dtype=complex)
+    for force in forces:
+        if force.course is None:
+            state += force.integral[0] * np.exp(pole * np.mod(times - force.begin, period))
+            continue
+        parts = math.ceil((force.end - force.begin) * max(2.0 / period, abs(pole)) + 1.0)
+        length = (force.end - force.begin) / parts
+        for start in force.begin + length * np.arange(parts):
+            since = np.mod(times - start, period)
+            whole = complex(_weighed(force.course, start, np.array([length]), pole)[0])
+            inside = since < length
+            state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
+            # While the part still acts, it has left this much; the others of the series are complete.
+            state[inside] += -np.expm1(pole * period) * _weighed(force.course, start, since[inside], pole)
+    # Residue of w^2/((s - p)(s - p*)) at p, the sum over k included.
+    return np.asarray(2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real)
+
+
+def _weighed(course: Callable[[Array], Array], start: float, length: Array, pole: complex) -> NDArray[np.complex128]:
+    """Return the integral of exp(p (end - t)) F(t), F the normal force, over intervals of these lengths from the start."""
+    offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
+    values = course(start + offset)[..., 0]
+    return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
 
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:

@@ -2,10 +2,15 @@
 
 Such bristles are shifted copies of one: with N of them the mean of a force is N omega/(2 pi) times its integral over the
 turn that one bristle repeats. The drive's torque is the moment of the forces on the bristle, and in a second way the energy that a turn loses over its angle.
+
+After a sustained contact only one motion is possible, since on the obstacle the bristle's angle follows from the hub's whatever came
+before. Each turn after the first one with a sustained contact is therefore the same, with a damped belt and without. Only
+a bristle that bounces off everything remembers more than a turn; its motion need not repeat.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -14,10 +19,21 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.periodic_turn import MAGNIFIED, PeriodicTurn, TurnNotCompleted, periodic_turn
-from bristle_sim.studies.strike_point import ran, require_rigid
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies.strike_point import ran, require_result, require_rigid, start_angle
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
+from bristle_sim.trajectory import Trajectory
+
+MOST_TURNS = 24
+"""Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
+
+REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn
+
+MAGNIFIED = 100.0
+"""Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten times the
+accuracy."""
 
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
@@ -36,6 +52,56 @@ UNITS = {
     "force_envelope_low": ("load cell's 5 % percentile", "N"),
     "force_envelope_high": ("load cell's 95 % percentile", "N"),
 }
+
+
+class TurnNotCompleted(ValueError):
+    """A bristle that jams, or lies down on the hub, completes no turn; the message says when and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class PeriodicTurn:
+    """The turns that count: the last one, which repeats the one before, or the later half of those that do not repeat.
+
+    Each is a run that starts in the state in which the one before ended. ``changes`` of the state, rad, are those over
+    each turn from the first on, which starts radial and at rest relative to the hub.
+    """
+
+    runs: tuple[Trajectory, ...]
+    changes: tuple[float, ...]
+    repeats: bool
+
+
+def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
+    """Simulate turns until one repeats the one before; ``settings.hub_turn`` is ignored.
+
+    Raises:
+        TurnNotCompleted: if the bristle jams or lies down on the hub.
+        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+    """
+    if not tool.hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
+    bristle, hub, least = tool.bristle, tool.hub, max(REPEATED, MAGNIFIED * settings.accuracy)
+    stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
+    natural_rate = max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
+    settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
+    start = -0.5 * math.pi if tool.bar is None else start_angle(tool)
+    runs, changes, angle, rate = list[Trajectory](), list[float](), 0.0, 0.0
+    while len(runs) < MOST_TURNS:
+        run = simulate(tool, settings, start_hub_angle=start, start_relative_angle=angle, start_relative_rate=rate)
+        require_result(run, settings)
+        if run.stop_reason is not StopReason.END:
+            after = "" if not runs else f" of turn {len(runs) + 1}"
+            raise TurnNotCompleted(
+                f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms{after}, after"
+                f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
+            )
+        after_turn = float(run.relative_angle[-1]), float(run.relative_rate[-1])
+        changes.append(max(abs(after_turn[0] - angle), abs(after_turn[1] - rate) / natural_rate))
+        runs.append(run)
+        angle, rate = after_turn
+        if changes[-1] <= least:
+            return PeriodicTurn((run,), tuple(changes), repeats=True)
+    return PeriodicTurn(tuple(runs[MOST_TURNS // 2 :]), tuple(changes), repeats=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,11 +175,7 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
     pushes = [each for turn in whole.forces for each in turn if each.obstacle == "workpart"]
-    impacts = [(each.begin, float(each.integral[0])) for each in pushes if not each.course]
-    intervals = [
-        (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0]) for each in pushes if each.course
-    ]
-    shown = load_cell_response(impacts, intervals, whole.period, whole.assembly.bandwidth, times)
+    shown = load_cell_response(pushes, whole.period, whole.assembly.bandwidth, times)
     return {"time (s)": times, "normal_force (N)": shown / len(whole.forces)}
 
 
@@ -121,15 +183,14 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     tool, runs, speed = whole.tool, whole.turn.runs, whole.tool.hub.speed
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
     rate, forces = turns / len(runs), [each for turn in whole.forces for each in turn]
-    pressed = [[each for each in run.contacts if each.obstacle == "workpart"] for run in runs]
-    normal, tangential = rate * np.sum([(0.0, 0.0), *(each.impulse for run in pressed for each in run)], axis=0)
-    moment = {
-        name: float(sum(each.integral[2] for each in forces if each.obstacle == name)) for name in ("workpart", "bar")
-    }
-    hand = 0.0 - rate * moment["workpart"]
-    drive = hand - rate * moment["bar"]
+    pressed = [[each.impulse for each in run.contacts if each.obstacle == "workpart"] for run in runs]
+    normal, tangential = rate * np.sum([(0.0, 0.0), *(each for run in pressed for each in run)], axis=0)
+    hand, by_bar = (
+        0.0 - rate * float(sum(each.integral[2] for each in forces if each.obstacle == obstacle))
+        for obstacle in ("workpart", "bar")
+    )
+    drive, struck = hand + by_bar, rate * sum(map(bool, pressed))
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
-    struck = rate * sum(map(bool, pressed))
     simulated = (struck, normal, 0.0 - tangential, drive, hand, drive * speed, float(low), float(high))
     theory: dict[str, float] = {"impact_rate": turns}
     if whole.turn.repeats:
