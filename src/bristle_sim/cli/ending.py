@@ -41,7 +41,8 @@ def _end(number: int, frame: FrameType | None) -> None:
         callback = (
             code.co_filename.endswith("_callbacks.py") or code.co_name.endswith("free") or code.co_name == "freebody"
         )
-        if ("pymunk" in code.co_filename and callback) or code is _end_again.__code__:
+        in_hook = code.co_name == _end_again.__name__ and frame.f_globals is globals()
+        if ("pymunk" in code.co_filename and callback) or in_hook:
             _try_again(number)
             return
         frame = frame.f_back
