@@ -37,7 +37,8 @@ function addKnob(key, group) {
   }
   text.addEventListener("change", () => { place(key, text); changed(); });
   line.append(text);
-  box.append(label, line, make("p", `${key.meaning}; ${key.range}. Default: ${key.source}.`));
+  box.append(label, line, make("p", `${key.meaning}; ${key.range}. Default: ${key.source}.`, { id: id + "-meaning" }));
+  for (const each of [text, key.slider]) each?.setAttribute("aria-describedby", id + "-meaning");
   group.append(box);
   knobs.set(key.key, { key, text, box });
 }
@@ -119,17 +120,24 @@ function show(run) {
 const row = (cells, tag = "td") => { const node = make("tr"); cells.forEach((cell) => node.append(make(tag, cell))); return node; };
 function table(run) {
   const [head, ...rows] = run.table;
-  const other = new Map((pinned?.table ?? []).map((cells) => [cells[0], cells[1]]));
+  const other = new Map((pinned?.table ?? []).map(([label, unit, value]) => [label, { unit, value }]));
+  const pinnedValue = ([label, unit]) => { const own = other.get(label); return !own ? "" : own.unit === unit ? own.value : `${own.value} ${own.unit}`; };
   el("head").replaceChildren(row(pinned ? [...head.slice(0, 2), "pinned", ...head.slice(2)] : head, "th"));
-  el("rows").replaceChildren(...rows.map((cells) => row(pinned ? [...cells.slice(0, 2), other.get(cells[0]) ?? "", ...cells.slice(2)] : cells)));
+  el("rows").replaceChildren(...rows.map((cells) => row(pinned ? [...cells.slice(0, 2), pinnedValue(cells), ...cells.slice(2)] : cells)));
 }
 const PANELS = [["retraction", "retraction, °"], ["rate", "rate relative to the hub, rad/s"], ["speed", "tip speed, m/s"], ["force", "normal force on the wire, N"]];
 for (const [name, caption] of PANELS) {
   const figure = make("figure");
-  figure.append(make("canvas", "", { id: "panel-" + name, role: "img", "aria-label": caption + " over time" }), make("figcaption", caption + ", over time in ms"));
+  figure.append(make("canvas", "", { id: "panel-" + name, role: "img", "aria-label": caption + " over time" }), make("figcaption"));
   el("panels").append(figure);
 }
-function panels(run) { for (const [name] of PANELS) chart(el("panel-" + name), [pinned && { ...pinned.series, values: pinned.series[name], colour: "soft" }, { ...run.series, values: run.series[name], colour: "wire" }].filter(Boolean)); }
+function panels(run) {
+  for (const [name, caption] of PANELS) {
+    const canvas = el("panel-" + name);
+    canvas.nextSibling.textContent = caption + ", over time in ms" + (pinned ? "; grey: the pinned tool" : "");
+    chart(canvas, [pinned && { ...pinned.series, values: pinned.series[name], colour: "soft" }, { ...run.series, values: run.series[name], colour: "wire" }].filter(Boolean));
+  }
+}
 function ticks(low, high) {
   const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find((each) => each * power >= raw) * power;
   const found = [];
