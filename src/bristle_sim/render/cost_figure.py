@@ -1,4 +1,4 @@
-"""Draw error against CPU time, one panel a case: our methods and the best of each peer in colour, the others in grey."""
+"""Draw error against CPU time, one panel per case. Our methods and the best of each peer are coloured, the others grey."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def cost_figure(measured: AccuracyCost) -> Figure:
 
 
 def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
-    """Return the first error of TARGETS that a method reaches, and the cheapest method there; None where none does."""
+    """Return the smallest error in TARGETS that any of these points reaches, and the cheapest point that reaches it, or None."""
     found = ((target, cheapest(points, target)) for target in TARGETS)
     return next((each for each in found if each[1] is not None), (1.0, None))
 
@@ -75,7 +75,7 @@ def _shown(point: Point) -> str:
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw a case; named in colour are all of our methods and the best of each peer, below them the others and the notes."""
+    """Draw a case with its legend; the methods in grey and the case's notes are listed below the legend."""
     by_package: dict[str, list[Point]] = {}
     for point in (each for each in points if math.isfinite(each.error)):
         by_package.setdefault(package_of(point.method), []).append(point)

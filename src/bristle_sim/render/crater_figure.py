@@ -35,7 +35,7 @@ def crater_figure(study: CraterStudy) -> Figure:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
-    """Return name, depth (um) and colour of every estimate; the work-energy sum, millimetres, is left out."""
+    """Return name, depth (um) and colour of every estimate; the work-energy sum, which is millimetres, is left out."""
     crater, force, rows = study.crater, study.parallel, []
     ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
     if study.angles is not None:

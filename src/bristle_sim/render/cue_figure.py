@@ -1,4 +1,4 @@
-"""Draw the released bristle and the quasi-static formula over time, and the bars that they need."""
+"""Draw a bristle released from rest, simulated and by the quasi-static formula, and the bar's place by each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Draw the dissertation's figures, one a page or all on one sheet.
+"""Draw the dissertation's figures, one per page or all on one sheet.
 
 Closed forms are lines, the results that check them points, and the operating point a dot.
 """
@@ -70,7 +70,7 @@ def draw(figure: Redrawn) -> Figure:
 
 @styled()
 def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
-    """Draw all figures on one sheet, a panel a cell."""
+    """Draw all figures on one sheet, one panel per cell."""
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
     sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
     for (figure, _), axes in zip(cells, sheet.axes, strict=True):
@@ -172,7 +172,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
-    """Draw values that differ by rounding alone as equal, down to zero; leave room for labels above."""
+    """Set the scale: values that differ only by rounding look equal, and labels above their marks have room."""
     values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
     low, high = float(values.min()), float(values.max())
     if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):

@@ -37,7 +37,7 @@ class View(NamedTuple):
 
     @classmethod
     def around(cls, points: Sequence[ArrayLike], aspect: float | None, margin: float) -> View:
-        """Return the smallest view of a ratio of width to height, or of any, around arrays of points, shape (..., 2).
+        """Return the smallest view around arrays of points, shape (..., 2), with a ratio of width to height if one is given.
 
         ``margin`` is the free border as a fraction of the points' larger extent.
         """
@@ -56,7 +56,7 @@ class View(NamedTuple):
 
 
 def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """Return the smallest view, mm, that holds wires (shape (..., 2), m), a bar near them and the workpart's surface."""
+    """Return the smallest view, mm, of the wires' points (shape (..., 2), m), a bar near them and the workpart's surface."""
     points = [lines]
     reach = BAR_SHOWN * float(np.hypot(lines[..., 0], lines[..., 1]).max())
     if tool.bar is not None and math.hypot(*tool.bar.centre) < reach:
@@ -67,7 +67,7 @@ def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> V
 
 
 def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
-    """Add an arrow of no length, see point_arrow; ``head`` in points."""
+    """Add an arrow that :func:`point_arrow` moves; ``head`` is the size of its head in points."""
     arrow = FancyArrowPatch((0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=head, shrinkA=0.0, shrinkB=0.0)
     arrow.set(color=color, linewidth=linewidth, zorder=5)
     axes.add_patch(arrow)
@@ -75,7 +75,7 @@ def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> Fancy
 
 
 def point_arrow(arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float], shortest: float) -> None:
-    """Show an arrow from start to end, unless it is shorter than ``shortest``, where its head would hide it."""
+    """Show an arrow from start to end, or hide it if it is shorter than ``shortest``."""
     arrow.set_visible(math.dist(start, end) > shortest)
     arrow.set_positions(start, end)
 
@@ -97,7 +97,7 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
-    """Draw the root circle that carries the belt, with the sense of its turn, and the bar and workpart that a tool has."""
+    """Draw the hub as the circle of the roots, with its sense of rotation, and the bar and the workpart if the tool has them."""
     radius = tool.hub.radius * MILLIMETRES
     axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
     axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
@@ -139,12 +139,12 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
 
 
 def toward(angle: ArrayLike) -> Array:
-    """Return the direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
+    """Return the unit vector (sin, -cos) of an angle from the downward direction, shape (*angle.shape, 2)."""
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return where wires touch the next ones, from the hub's centre, shape (touches, 2), mm.
+    """Return the points where neighbouring wires touch, from the hub's centre, shape (touches, 2), mm.
 
     Centre lines have the shape (corners, 2), m. A touch is where a corner or an end is within 1.05 diameters of the other line.
     """
@@ -166,10 +166,10 @@ def _foot(point: Array, line: Array) -> Array:
 
 
 class WireDrawing:
-    """The wire and its root in the belt; with details also the radial line it is measured from, and a ring of roots."""
+    """The wire and its root; with details also the radial line through the root and the roots of other bristles."""
 
     def __init__(self, axes: Axes, tool: Tool, *, color: str = BLUE, alpha: float = 1.0, details: bool = False) -> None:
-        """``axes`` show their view already: the wire is as thick as that makes it, and a hair so that it can be seen."""
+        """``axes`` must have their final limits: the wire is drawn to scale, plus half a point so that a thin one can be seen."""
         width = axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
         look: dict[str, Any] = {"color": color, "alpha": alpha, "solid_capstyle": "butt", "solid_joinstyle": "miter"}
         thickness = 0.5 + width * tool.bristle.wire_diameter * MILLIMETRES
@@ -182,7 +182,7 @@ class WireDrawing:
             self.artists = [self.radial, self.ring, *self.artists]
 
     def place(self, centre_line: Array) -> None:
-        """Move everything to where the centre line's corners are, from the hub's centre, shape (corners, 2), m."""
+        """Move everything to a centre line, given by its corners from the hub's centre, shape (corners, 2), m."""
         corners = np.asarray(centre_line) * MILLIMETRES
         root = corners[0]
         self.wire.set_data(*corners.T)

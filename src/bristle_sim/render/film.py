@@ -1,4 +1,4 @@
-"""Films without a display: slow motion, frames of which only the moving parts are drawn anew, and mp4 and gif files."""
+"""Films without a display: slow motion, frames, and mp4 and gif files. Each frame redraws only the moving parts."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def slow_motion(
 
 
 class Film(ABC):
-    """The picture that a film shows, at any film time; a subclass draws the part below the header and moves it.
+    """A film: its picture at any film time. A subclass draws the part below the header and moves it.
 
     Attributes:
         size, letter_size: width and height of the picture by default, px, and height of its letters, px.
@@ -100,7 +100,7 @@ class Film(ABC):
     def __init__(
         self, warp: TimeWarp, width: int, height: int, colours: Sequence[str], clock: Scale | None = None
     ) -> None:
-        """``colours``: of the read-outs after time and slow-down; ``clock``: unit of the time, by default ms."""
+        """``colours`` are those of the read-outs after time and slow-down; ``clock`` is the time's unit, by default ms."""
         if not all(16 <= edge <= 8192 for edge in (width, height)):
             raise ValueError(f"size = {width} x {height}: must be 16 to 8192 along either edge (in px)")
         self.warp, self.clock, self.pixels = warp, clock or Scale(MILLISECONDS, "ms"), (width, height)
@@ -115,7 +115,7 @@ class Film(ABC):
         self.texts: tuple[str, ...] = ()
 
     def add_timeline(self, place: tuple[float, float, float, float], letters: float) -> Axes:
-        """Add a panel over the film's clock, with a line that shows the instant and letters of this size on its scales."""
+        """Add a panel over the film's clock with a line at the instant shown; ``letters`` is the size of its tick labels."""
         axes = self.figure.add_axes(place)
         axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
         axes.tick_params(labelsize=letters)
@@ -137,7 +137,7 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a film time, s; everything still is drawn the first time."""
+        """Return the picture at a film time, s. The parts that do not move are drawn once, with the first frame."""
         self.show(film_time)
         if self._still is None:
             with styled():
@@ -183,12 +183,12 @@ class Film(ABC):
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    """Return letters that matplotlib carries; it draws a line of text in milliseconds, Pillow in a twentieth of that."""
+    """Return one of matplotlib's fonts for Pillow, which draws a line of text twenty times as fast as matplotlib."""
     return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size)
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
-    """Return the instants of the frames, counted on a terminal where tqdm is installed."""
+    """Return the instants of the frames, with a progress bar if standard error is a terminal and tqdm is installed."""
     with contextlib.suppress(ImportError):
         if sys.stderr is not None and sys.stderr.isatty():
             counted: Iterable[float] = import_module("tqdm").tqdm(times, unit="frame", leave=False, file=sys.stderr)

@@ -46,7 +46,7 @@ def impact_figure(impacts: Impacts) -> Figure:
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
-    """Draw the energetic law's straight pieces, shaded by phases, with a contact resolved in time as points on them."""
+    """Draw the energetic law's straight lines over shaded phases, and a contact resolved in time as crosses."""
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
     impulse, speed = scale_for(float(course.impulse[-1]), "N·s"), scale_for(fastest, "m/s")
     axes.set(xlabel=f"normal impulse p ({impulse.unit})", ylabel=f"velocity of the tip ({speed.unit})")

@@ -43,13 +43,13 @@ TIP_RADIUS, ROD_LENGTH = 9.0, 300.0  # size of the enlarged rod's end, not to sc
 
 @dataclass(frozen=True, slots=True)
 class ContactMotion:
-    """Samples over time, linear in between, two of them at an instant where a force jumps; SI units.
+    """Motion and forces of an impact over time, SI units: samples with straight lines between, two where a force jumps.
 
     Attributes:
         time: s, from the first touch; negative before it.
         samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces on it (``normal_force``,
             ``tangential_force``, N), and its displacement since the first touch, ``depth`` below the surface and ``along`` it, m.
-        phases: what happens from when on, e.g. ``compression slip``; the first is the arrival, the last the outcome.
+        phases: e.g. ``compression slip``, each with its start; the first is the arrival, the last the outcome.
         touch_end: when the contact ends, s.
     """
 
@@ -59,12 +59,12 @@ class ContactMotion:
     touch_end: float
 
     def largest(self, *names: str) -> float:
-        """Return the largest size of a vector of these components."""
+        """Return the largest magnitude of the vector of these samples."""
         return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
 
     @property
     def compression_end(self) -> float:
-        """When the tip is deepest in the surface, s from the first touch."""
+        """Instant at which the tip is deepest in the surface, s from the first touch."""
         return float(self.time[int(np.argmax(self.samples["depth"]))])
 
     def at(self, name: str, time: float) -> float:
@@ -73,7 +73,7 @@ class ContactMotion:
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return a record's samples with free motion before and after; a tip that does not leave stays pressed on as it is.
+    """Return a contact's samples with free motion before and after it; a tip that does not leave stays where it is.
 
     Raises:
         ValueError: if the contact has no history: its law is instantaneous, or the tip did not approach.
@@ -89,7 +89,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     end, touching = float(clock[-1]), np.array([*samples.values()])
 
     def freely(state: Array, elapsed: float) -> Array:
-        """Return velocities, no forces, and displacements a time after a state, s."""
+        """Return the state after free motion for some time, s: the same velocities, no forces."""
         normal, tangential, _, _, depth, along = state.tolist()
         return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])
 
@@ -158,7 +158,7 @@ class TipDrawing:
 
 
 class ImpactFilm(Film):
-    """What a film of an impact shows, as the compliant law resolves it in time; raises ValueError where it does not.
+    """A film of an impact that the compliant law resolved in time; raises ValueError if it did not.
 
     :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact visible.
     """
@@ -257,7 +257,7 @@ def draw_chain(axes: Axes, centre_line: Array, hub_radius: float, letters: float
 
 
 def _rod_outline(last_rod: Array) -> Array:
-    """Return a round-ended rod, points, that touches the origin from above and leans as the last rod does."""
+    """Return the outline in points of a round-ended rod that leans as the last rod does and touches the origin from above."""
     towards_hinge = -last_rod / math.hypot(*last_rod)
     across = np.array([-towards_hinge[1], towards_hinge[0]])
     turn = np.linspace(0.0, np.pi, 40)[:, None]

@@ -1,4 +1,4 @@
-"""Draw maps of the strike over the bar's position, with the printed, the formula's and the best positions on them."""
+"""Draw maps of the strike over the bar's position, with the printed position, the formula's and the best ones."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _draw_map(axes: Axes, maps: xr.Dataset, values: Array | None, unit: str, *, 
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
-    """Return directions of the bar by name, with their marks."""
+    """Return the bar's directions by name, rad, each with the look of its mark."""
     assert found.tool.bar is not None
     own = math.atan2(found.tool.bar.horizontal, found.tool.bar.vertical)
     bar = "printed position" if found.tool.bar == Bar() else "the tool's bar"

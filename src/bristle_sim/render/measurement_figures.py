@@ -23,7 +23,7 @@ SPHERES = {
 
 @styled()
 def measured_figure(subject: tuple[Spheres, Spheres, Any]) -> Figure:
-    """Draw velocity ratio, spin and rebound angle: points as measured, curves by the law with and without compliance."""
+    """Draw velocity ratio, spin and rebound angle: measured points, and the law's curves with and without compliance."""
     compliant, rigid, _ = subject
     figure, angle, lines = blank_figure(16.0, 7.6), np.linspace(0.5, 62.0, 400), []
     for place, (name, (title, words)) in enumerate(SPHERES.items()):
@@ -56,7 +56,7 @@ MEASURED_LINE, NEAREST, MOTION, EXPOSED = LOOKS.values()
 
 @styled()
 def film_map_figure(film: FilmMap) -> Figure:
-    """Draw touches, compression time and crater depth over both unknowns; below, frames of the nearest pass and its motion."""
+    """Draw maps of touches, compression time and crater depth, and below them the nearest pass as a camera films it."""
     figure = blank_figure(16.0, 14.0)
     for number, (name, (title, words, _)) in enumerate(MAPS.items()):
         axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words, xlabel="contact duration (µs)")
@@ -87,7 +87,7 @@ def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
 
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
-    """Draw the wire smeared over each exposure, and the tip's height with the instants that the frames see."""
+    """Draw the wire blurred by each exposure, and the tip's height with the exposures marked."""
     strike, ground = film.run.event_time("strike") or 0.0, -MILLIMETRES * film.tool.workpart_depth
     lines = []
     for opened in film.frames:

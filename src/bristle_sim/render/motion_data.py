@@ -20,18 +20,15 @@ SPEED_SHOWN = 0.01
 """Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, degrees, N, and m/s of the tip."""
 
 STRIKE_SHOWN = 0.01  # part of the run for which an impact at an instant is shown
-PLAYED, IN_CONTACT = 8000, 0.08
-"""Steps of the slider, a millisecond each when it plays, and the least part of them that a contact resolved in time gets."""
-
 Columns = dict[str, tuple[Array, Array]]
 """Values and slopes of the line's corners, mm, the retraction, degrees, and the force, N, each (n, m); times are in ms."""
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
-    """Return a pass up to the end of its story: times in ms, lengths in mm, speeds in m/s, angles as JSON needs them.
+    """Return a pass up to the end of its story as JSON data: ms, mm, m/s and degrees; the hub's angle in rad.
 
-    Between the nodes the page interpolates centre line and retraction by Hermite's cubics, the force linearly; there are as
-    many as that takes. Nodes that share an instant are the motion before and after it.
+    Between the nodes the page interpolates centre line and retraction by cubic Hermite polynomials, and the force linearly.
+    Nodes are added until that is exact to the digits shown. Two nodes at one instant are the motion before and after it.
     """
     interpolation, end = Interpolation(run), story_end(run)
     time = _nodes(interpolation, end)
@@ -49,7 +46,6 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
         "retraction": nodes["retraction"].tolist(),
         "force": nodes["force"][:, :1].tolist(),
         "hub": [float(run.hub_angle[0]), run.hub_speed / MILLISECONDS],
-        "clock": _clock(run, end).tolist(),
         "hubRadius": tool.hub.radius * MILLIMETRES,
         "wire": tool.bristle.wire_diameter * MILLIMETRES,
         "bar": None if tool.bar is None else [each * MILLIMETRES for each in (*tool.bar.centre, tool.bar.radius)],
@@ -68,7 +64,7 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 def _nodes(interpolation: Interpolation, end: float) -> Array:
-    """Return the instants, s, between which the page's interpolation differs by less than it shows."""
+    """Return the nodes, s, that make the page's interpolation exact to the digits shown."""
     time = np.unique(interpolation.course(end, 2).time)
     starts, ends, nodes = time[:-1], time[1:], [time]
     for _ in range(ROUNDS):
@@ -84,7 +80,7 @@ def _nodes(interpolation: Interpolation, end: float) -> Array:
 
 
 def _columns(motion: Motion) -> Columns:
-    """Return values and slopes of what the page interpolates; m/s are mm/ms, and the force between nodes is a straight line."""
+    """Return values and slopes of the interpolated quantities; m/s are mm/ms, and the force needs no slope."""
     shape, force = (motion.time.size, -1), motion.normal_force[:, np.newaxis]
     retraction, falling = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])[..., np.newaxis]
     velocity = motion.centre_line_velocity.reshape(shape)
@@ -93,7 +89,7 @@ def _columns(motion: Motion) -> Columns:
 
 
 def _differs(length: Array, start: Columns, end: Columns, motion: Columns) -> Any:
-    """Return in which intervals of a length, ms, the page's interpolation differs visibly from the motion at TRIED."""
+    """Return for each interval, of a length in ms, whether the page's interpolation at TRIED is visibly wrong."""
     s, h, wrong = TRIED, length[:, np.newaxis], []
     for name, shown in SHOWN.items():
         (p, v), (q, w), (true, velocity) = start[name], end[name], motion[name]
@@ -106,16 +102,3 @@ def _differs(length: Array, start: Columns, end: Columns, motion: Columns) -> An
             speeds = (np.hypot(*each[:, -2:].T) for each in (slope, velocity))
             wrong.append(np.abs(np.subtract(*speeds)) > SPEED_SHOWN)
     return np.any(wrong, axis=0)
-
-
-def _clock(run: Trajectory, end: float) -> Array:
-    """Return steps of the slider and instants, ms, shape (n, 2): contacts resolved in time are shown more slowly."""
-    start = float(run.time[0])
-    slow = [(each.time, each.time + each.duration) for each in run.contacts if each.history is not None]
-    slow = [(first, last) for first, last in slow if last <= end]
-    instants = np.unique([start, end, *(each for pair in slow for each in pair)])
-    parts = np.diff(instants) / (end - start)
-    least = IN_CONTACT / max(1.0, 0.5 * len(slow))
-    parts = np.where(np.isin(instants[:-1], [first for first, _ in slow]), np.maximum(parts, least), parts)
-    steps = np.concatenate([[0.0], np.cumsum(parts) / parts.sum()]) * PLAYED
-    return np.stack([steps, MILLISECONDS * instants], axis=1)

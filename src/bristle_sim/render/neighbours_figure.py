@@ -1,4 +1,4 @@
-"""Draw a row of bristles where its wires touch, and the last bristle's strike over the pitch with the least pitches."""
+"""Draw a row of bristles at two touches, and the last bristle's strike over the pitch."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LEAST = {
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
-    """Return pitches, deg, from close beside each other to beyond the least pitch of the whole pass."""
+    """Return pitches to simulate, deg, from close bristles to beyond the least pitch of the whole pass."""
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
         return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
@@ -69,7 +69,7 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
-    """Return two instants to draw, each with words: the first touch, and the last one before the last bristle's strike."""
+    """Return names and times, s, of the first touch and of the last one before the last bristle's strike."""
     front, strike = row.bristles[0].event_time("strike"), row.bristles[-1].event_time("strike")
     until, name = float(row.bristles[-1].time[-1]) if strike is None else strike, f"bristle {len(row.bristles)}"
     touches = [each for each in row.touches if each <= until]

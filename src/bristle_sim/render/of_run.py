@@ -1,4 +1,4 @@
-"""Pictures that a run gives of itself: figure, film, and the drawings that a notebook shows."""
+"""The figure, the film and the notebook's views of a run, which :class:`Trajectory` calls."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def film(run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], o
 
 
 def view(run: Trajectory) -> Html:
-    """Return the motion with its slider as a frame for a notebook, whose page keeps its own style and names."""
+    """Return the motion under a slider as a frame, which keeps its style apart from the notebook's page."""
     page = filled("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
     look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
     return Html(f'<iframe srcdoc="{escape(page)}" {look}></iframe>')
 
 
 def summary_page(run: Trajectory) -> str:
-    """Return the summary as HTML, beside it to scale the tip's path, the wire at the strike or the end, and the known tool."""
+    """Return the summary as HTML beside a drawing to scale: tip path, wire at the strike or the end, and tool if known."""
     contact, tool = run.first_contact("workpart"), None
     wire = run.centre_line[-1 if contact is None else int(np.abs(run.time - contact.time).argmin())]
     with contextlib.suppress(ValueError):  # a run of something else has no tool to draw

@@ -70,7 +70,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
-    """Return by panel's label the lines over time, each with its values and look."""
+    """Return the panels over time: by label the lines, and by name each line's values and look."""
     potential = "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
     first = " of\nthe first link" if tool.bristle.links > 1 else ""
     rows: dict[str, dict[str, tuple[Array, dict[str, Any]]]] = {
@@ -98,9 +98,9 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
-    """Move ascending positions as little as a simple rule can until each is ``gap`` from the next, within the bounds.
+    """Move ascending positions apart until each is at least ``gap`` from the next, within the bounds.
 
-    The mean of pushing all to the right and pushing all to the left keeps both the order and the gap.
+    The result is the mean of pushing all to the right and pushing all to the left, which keeps order and gap.
     """
     wanted = np.asarray(positions, dtype=float)
     offsets = gap * np.arange(wanted.size)

@@ -1,4 +1,4 @@
-"""Pages of HTML that open offline: a scenario's report, two passes compared, the motion alone, and the bench."""
+"""HTML pages that open offline: a scenario's report, two passes compared, a run's motion, and the bench."""
 
 from __future__ import annotations
 
@@ -52,14 +52,11 @@ def write_report(
     plot_is_folder: bool = False,
     video: Path | None = None,
 ) -> None:
-    """Write a report as a page without any reference to other files, which appears only when complete.
+    """Write a report as one self-contained page, which appears only when complete.
 
     Name, question and parameters are the scenario's; the command makes the page again. ``plot`` draws the figure to a path,
-    or all figures to a folder; where it cannot, a remark says why. ``video`` is a film that has been made. A slider shows the
-    motion if the report's subject has a ``tool`` and a ``trajectory``.
-
-    Raises:
-        OSError: naming the file, if it cannot be written.
+    or all figures to a folder; if it fails, a remark says why. ``video`` is the path of a finished film. A slider shows the
+    motion if the report's subject has a ``tool`` and a ``trajectory``. Raises OSError naming a file that cannot be written.
     """
     run, tool = getattr(report.subject, "trajectory", None), getattr(report.subject, "tool", None)
     figures, missing = list[Markup](), ""
@@ -100,14 +97,8 @@ def write_comparison(
 ) -> None:
     """Write the comparison of two passes as a page, which appears only when complete.
 
-    Args:
-        path: of the page.
-        names, reports: of the two passes.
-        changed: key and both values of each key that differs.
-        rows: label, unit, both values and the difference of each number.
-
-    Raises:
-        OSError: naming the file, if it cannot be written.
+    ``changed`` has key and both values of each key that differs, ``rows`` label, unit, both values and the difference of each
+    number. Raises OSError naming the file, if it cannot be written.
     """
 
     def plot(report: Report, target: Path) -> None:
@@ -123,7 +114,7 @@ def explore_page(knobs: Sequence[dict[str, Any]]) -> str:
 
 
 def filled(template: str, **content: Any) -> str:
-    """Return the page of some content; spaces between a number and its unit do not break, names may after an underscore."""
+    """Return a template filled with content; its filters keep a number with its unit and let names break after underscores."""
     loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
@@ -139,7 +130,7 @@ def _write(path: Path, template: str, **content: Any) -> None:
 
 
 def verdict(report: Report) -> str:
-    """Return how many comparisons are within their tolerance, and which are not; empty where none has one."""
+    """Return how many comparisons are within their tolerance and which are not, or nothing if none has a tolerance."""
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]
     if not judged:
@@ -151,7 +142,7 @@ def verdict(report: Report) -> str:
 def _embedded_figures(
     report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool = False, name: str = "the run"
 ) -> list[Markup]:
-    """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
+    """Return the figures as HTML: an SVG is placed in the page, any other picture is encoded."""
     found = []
     with TemporaryDirectory() as folder:
         target = Path(folder)

@@ -59,7 +59,7 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 
 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
-    """Return the run in words, in order of time; the first phase starts with the run.
+    """Return the run's phases with their captions, in order of time; the first starts with the run.
 
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
@@ -87,7 +87,7 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
 
 def _begins_a_phase(event: Event, strike: float | None) -> bool:
-    """Return whether an extreme is after the strike where it is one of retraction, or without any where it is one of speed."""
+    """Return False for a largest retraction before the strike, and for a highest speed in a run that has a strike."""
     if event.name == "largest retraction":
         return strike is not None and event.time > strike
     return event.name != "highest relative speed" or strike is None
@@ -99,7 +99,7 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the notable events but for releases in the instant of a touch, which belong to a bounce."""
+    """Return the notable events without the releases at the instant of a touch, which belong to a bounce."""
     touches, found = dict[str, float](), []
     for event in trajectory.notable_events:
         obstacle, _, kind = ("workpart touch" if event.name == "strike" else event.name).partition(" ")

@@ -84,7 +84,7 @@ def add_panel(
 
 
 def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
-    """Add a legend of lines and marks by their looks: in one row at a figure's foot, unless ``place`` says otherwise."""
+    """Add a legend of named lines and marks, by default in one row at the foot; ``place`` as for ``legend``."""
     handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
     target.legend(handles=handles, **{"loc": "lower center", "ncols": len(handles), **place})
 
@@ -92,7 +92,7 @@ def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **p
 def draw_colours(
     axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, extend: str = "neither", **look: Any
 ) -> Axes:
-    """Draw values over the centres of cells in colours, and return the axes of the colours' scale, to their right."""
+    """Draw a map of coloured cells at their centres, and return the axes of its colour bar, to the right."""
     axes.grid(visible=False)
     image = axes.pcolormesh(x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look})
     figure, (left, bottom, width, height) = axes.get_figure(root=True), axes.get_position().bounds
@@ -109,7 +109,7 @@ def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float
 
 
 def say(axes: Axes, words: str) -> None:
-    """Write words in the middle of a panel that has nothing to show, without scales."""
+    """Write in the middle of an empty panel why it is empty, and remove its ticks."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 

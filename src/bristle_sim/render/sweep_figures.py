@@ -35,7 +35,7 @@ TITLE_LETTERS = 32  # letters in a line of a panel's title
 
 @styled()
 def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
-    """Draw a panel for each quantity; points without a value are gaps, or white.
+    """Draw a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
 
     Raises:
         ValueError: if no point has a result.
@@ -65,7 +65,7 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
 
 
 def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
-    """Return values in a person's unit, and their label with it."""
+    """Return values in a readable unit, and their label with that unit."""
     values, about = found[name].values, found[name].attrs
     unit, size = readable_unit(str(about.get("units", "1")), values.ravel().tolist())
     unit = {"1": "", "deg": "°"}.get(unit, unit)

@@ -34,7 +34,7 @@ class Stage(NamedTuple):
     Attributes:
         tool: with hub, bar and workpart as drawn.
         wires: of each the motion at an instant of the film's clock, s, and its colour.
-        shown: centre lines that the view holds, m.
+        shown: centre lines that the view must contain, m.
         details: whether the radial line and a ring of roots are drawn.
         trail: motion whose tip leaves a trail.
         strike: where a star marks the strike, m.
@@ -168,9 +168,9 @@ def _story(row: NeighbourRow) -> tuple[Phase, ...]:
 
 
 def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, duration: float = 8.0) -> ToolFilm:
-    """Return a film of the tool with the bar beside that without; its clock is zero where the one strikes, the other is radial.
+    """Return a film of the tool with its bar beside the same tool without, each up to its strike or radial instant, time 0.
 
-    Raises ValueError unless the bristle strikes with the bar, and comes back to radial without.
+    Raises ValueError unless the bristle strikes with the bar, and becomes radial again without it.
     """
     contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
     if contact is None or radial is None:
@@ -187,7 +187,7 @@ def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, 
         return cued(min(max(time + contact.time, 0.0), contact.time), "before")
 
     def without(time: float) -> Motion:
-        """Return the other one's motion; until it enters the pulley it goes straight on with its belt."""
+        """Return the motion of the bristle without a bar; before it enters the pulley it moves straight with the belt."""
         now, early = thrown(min(max(time + radial.time, 0.0), radial.time)), min(time + radial.time, 0.0)
         velocity = now.centre_line_velocity @ turn if early == 0.0 else np.broadcast_to(belt, now.centre_line.shape)
         return dataclasses.replace(

@@ -3,13 +3,9 @@ const viewer = (() => {
 const find = (id) => document.getElementById(id), canvas = find("tool"), slider = find("instant");
 let data, first, last, box, instant; // instant: the one shown, ms
 
-function along(value, from, to) { // the clock's steps at an instant (from 1 to 0), or the instant of a step (from 0 to 1)
-  let k = 1;
-  while (k < data.clock.length - 1 && data.clock[k][from] <= value) k++;
-  const [one, other] = [data.clock[k - 1], data.clock[k]];
-  return one[to] + (other[to] - one[to]) * (value - one[from]) / (other[from] - one[from]);
-}
-function showAt(t) { instant = Math.min(Math.max(t, first), last); slider.value = along(instant, 1, 0); draw(); }
+const PLAYED = 8000; // steps of the slider, a millisecond each when it plays
+function instantOf(step) { return first + (last - first) * step / PLAYED; }
+function showAt(t) { instant = Math.min(Math.max(t, first), last); slider.value = PLAYED * (instant - first) / (last - first); draw(); }
 function sampleBefore(t) { // the last sample that is not after t, and not the last one of all
   let low = 0, high = data.time.length - 1;
   while (high - low > 1) { const middle = (low + high) >> 1; if (data.time[middle] <= t) low = middle; else high = middle; }
@@ -107,7 +103,7 @@ function draw() {
 }
 let playing = 0, began = 0;
 function advance(now) { // the whole run in eight seconds
-  slider.value = Math.min(slider.max, now - began); instant = along(Number(slider.value), 0, 1); draw();
+  slider.value = Math.min(slider.max, now - began); instant = instantOf(Number(slider.value)); draw();
   playing = Number(slider.value) < Number(slider.max) ? requestAnimationFrame(advance) : 0;
   find("play").textContent = playing ? "pause" : "play";
 }
@@ -121,8 +117,8 @@ function show(motion) {
   const fresh = data === undefined;
   data = motion;
   [first, last] = [data.time[0], data.time[data.time.length - 1]];
-  slider.max = data.clock[data.clock.length - 1][0];
-  instant = along(Number(slider.value), 0, 1);
+  slider.max = PLAYED;
+  instant = instantOf(Number(slider.value));
   box = boxShown();
   const named = new Map(); // the first phase of each caption
   for (const [start, caption] of data.phases.slice(1)) if (!named.has(caption)) named.set(caption, start);
@@ -133,7 +129,7 @@ function show(motion) {
     jump.onclick = () => showAt(start);
   }
   if (fresh) {
-    slider.addEventListener("input", () => { instant = along(Number(slider.value), 0, 1); draw(); });
+    slider.addEventListener("input", () => { instant = instantOf(Number(slider.value)); draw(); });
     window.addEventListener("resize", draw);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   }

@@ -43,7 +43,7 @@ LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
 @styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the strike at hand, and the effects of contact stiffness and number of links."""
+    """Draw the force of one strike, and how its measures depend on the contact's duration and the number of links."""
     figure, size = blank_figure(16.0, 13.6), (6.3, 4.6)
     _draw_force(figure, struck)
     by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
@@ -104,7 +104,7 @@ GRID = 400  # instants of the curves of force and of the map of bending moments
 
 
 class WireFilm(Film):
-    """What a film of a wire's strike shows, from the first touch until the wave has come back."""
+    """A film of a wire's strike, from the first touch until the bending wave has come back."""
 
     size, letter_size = (960, 540), 15.0
 
@@ -170,7 +170,7 @@ def _centre_line(run: Any, time: float) -> Array:
 
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
-    """Draw the bending moments over time and place, root on top; return when the wave is at the hinge next to the root, s."""
+    """Draw bending moments over time and place, root on top; return the wave's arrival at the hinge next to the root, s."""
     bristle, run = struck.strike.tool.bristle, struck.wire
     time, bends = np.linspace(0.0, run.time[-1], GRID), np.diff(run.angles, axis=1).T
     scale.set_visible(bool(bends.size))

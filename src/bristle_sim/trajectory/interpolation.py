@@ -128,10 +128,10 @@ def _states(samples: WireMotion) -> Array:
 
 
 def _hermite(time: Array, states: Array, instants: Array) -> Array:
-    """Return values and slopes, shape (2, instants, columns), of polynomials by divided differences, one for each instant.
+    """Return values and slopes of one Hermite polynomial per instant, shape (2, instants, columns), by divided differences.
 
-    ``time`` has the instants of the samples that each passes through, shape (instants, samples), and ``states`` the values
-    and slopes there, shape (instants, samples, 2, columns).
+    ``time`` has the times of each polynomial's samples, shape (instants, samples), ``states`` their values and slopes, shape
+    (instants, samples, 2, columns).
     """
     nodes, table = np.repeat(time, 2, axis=1), np.repeat(states[:, :, 0], 2, axis=1)
     coefficients = [table[:, 0]]
@@ -150,7 +150,7 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
 
 
 def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[np.intp]:
-    """Return the number of each instant's piece; at the end of one the side chooses."""
+    """Return the number of each instant's piece; where two pieces meet, ``side`` chooses."""
     starts, ends = time[np.array(pieces)].T
     if side == "after":
         return np.searchsorted(starts, instants, side="right") - 1

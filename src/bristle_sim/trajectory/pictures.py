@@ -1,4 +1,4 @@
-"""The module that draws runs: it stands above this layer, and is imported when a picture is requested."""
+"""Access to the module that draws runs, which is in a higher layer and imported only when a picture is requested."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def write(run: Trajectory, path: str | Path) -> None:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Read the arguments of a trajectory from a file.
+    """Return the arguments of a Trajectory that a file stores.
 
     Raises:
         OSError: if there is no such file or it cannot be read.
