@@ -206,14 +206,15 @@ def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[st
         difference += "" if difference == "-" else f" {each.judge_name}"
         tail = (difference, _relative(each.tolerance), {True: "yes", False: "NO", None: "-"}[each.ok])
         lines.append([each.label, "-" if unit == "1" else unit, *numbers, *tail])
-    kept = [i for i, title in enumerate(head) if title in head[:3] or any(line[i] != "-" for line in lines[1:])]
-    return [[line[i] for i in kept if head[i] not in left_out] for line in lines]
+    columns = list(zip(*lines, strict=True))
+    kept = [each for each in columns if each[0] not in left_out and (each[0] in head[:3] or {*each[1:]} - {"-"})]
+    return list(map(list, zip(*kept, strict=True)))
 
 
 def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
     """Return the rows of a table as text; its first columns stand at the left, the others at the right."""
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    return [side_by_side([[cell] for cell in line], widths, range(left, len(line)))[0] for line in lines]
+    columns = list(zip(*lines, strict=True))
+    return side_by_side(columns, [max(map(len, column)) for column in columns], range(left, len(columns)))
 
 
 def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()) -> list[str]:
@@ -275,7 +276,8 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 def differences(quantities: Sequence[Quantity]) -> str:
     """Return a sentence on the largest differences from the formulas and from print; empty if there is nothing to compare."""
     formula, printed = (
-        most_different(quantities, *each) for each in (("theory", "by formula"), ("printed", "printed"))
+        most_different(quantities, "theory", "by formula"),
+        most_different(quantities, "printed", "printed"),
     )
     found = "; ".join(filter(None, (formula, printed)))
     return f" What differs most: {found}." if found else ""

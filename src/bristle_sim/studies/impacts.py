@@ -7,7 +7,7 @@ pendulums are signed as in the dissertation, negative approaching; in the scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,35 +101,29 @@ def oblique_impact(
 
 
 def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
-    """Simulate Stronge's single pendulum (Zhang 2020, sec. 2.4.1)."""
-    gamma = math.radians(pendulum.impact_angle_deg)
-    chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
-    impacts = _all_laws(chain, surface, contact, settings)
-    one = impacts.strikes[contact.law].contact
-    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma))
-    theory = _single_theory(pendulum, gamma, surface)
-    # A rate after the impact has the rounding of the one before it.
-    widened = _widened(tolerance, HEIGHT_ROUNDING / max(abs(theory[0] or 0.0), AT_REST))
-    simulated = (
-        -one.rates_after[0] / pendulum.rate if pendulum.rate else None,
-        None if one.compressive_impulse is None else one.compressive_impulse[0],
-        one.impulse[0],
-    )
-    names, limits = ("rebound_ratio", *IMPULSES), ((widened, AT_REST), (tolerance, 0.0), (tolerance, 0.0))
-    sides = zip(names, zip(simulated, theory, strict=True), limits, strict=True)
-    found = [_row(name, IMPACT[name], pair, *limit) for name, pair, limit in sides]
-    return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
+    """Simulate Stronge's single pendulum (Zhang 2020, sec. 2.4.1).
 
-
-def _single_theory(pendulum: SinglePendulum, gamma: float, surface: Surface) -> list[float | None]:
-    """Return the pendulum's own formulas; with two coefficients of friction, the bristle's with a hub of no radius."""
-    rod, rate = (pendulum.mass, pendulum.length), pendulum.rate
+    With two coefficients of friction the formulas are the bristle's, with a hub of no radius.
+    """
+    gamma, rod, rate = math.radians(pendulum.impact_angle_deg), (pendulum.mass, pendulum.length), pendulum.rate
+    impacts = _all_laws(Chain((rod[0],), (rod[1],), (-gamma,), (-rate,)), surface, contact, settings)
+    theory: Any
     if surface.restitution_friction is None or rate >= 0.0:
-        own = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
-        return [own.rebound_ratio if rate else None, own.normal_compressive_impulse, own.normal_final_impulse]
-    speed = (min(-rate, 1e6), max(-rate / 1e6, 1.0))
-    bristle = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
-    return [float(getattr(bristle, name)) for name in ("rebound_ratio", *IMPULSES)]
+        theory = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
+    else:
+        speed = (min(-rate, 1e6), max(-rate / 1e6, 1.0))
+        theory = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
+    expected = {name: float(getattr(theory, name)) for name in ("rebound_ratio", *IMPULSES)}
+    simulated = contact_quantities(impacts.strikes[contact.law].contact)
+    # A rate after the impact has the rounding of the one before it.
+    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma))
+    rounding = {"rebound_ratio": HEIGHT_ROUNDING / max(abs(expected["rebound_ratio"]), AT_REST)}
+    found = []
+    for name, value in expected.items():
+        pair = (simulated[name], None if name == "rebound_ratio" and not rate else value)
+        least = AT_REST if name == "rebound_ratio" else 0.0
+        found.append(_row(name, IMPACT[name], pair, _widened(tolerance, rounding.get(name, 0.0)), least))
+    return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
 
 
 def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
@@ -144,15 +138,14 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
     within = _tolerance(contact, settings, surface, None, HEIGHT_ROUNDING * magnified)
     slowest, compressive = AT_REST * max(map(abs, rates)), one.contact.compressive_impulse
     energies = (one.kinetic_energy_ratio, theory.kinetic_energy_ratio if one.kinetic_energy_before else None)
-    sides = {
-        "final_rate_1": (-one.contact.rates_after[0], theory.final_rate_1),
-        "final_rate_2": (-one.contact.rates_after[1], theory.final_rate_2),
-        "normal_compressive_impulse": (compressive[0] if compressive else None, theory.normal_compressive_impulse),
-        "normal_final_impulse": (one.contact.impulse[0], theory.normal_final_impulse),
-        "kinetic_energy_ratio": energies,
-    }
-    least = {"final_rate_1": slowest, "final_rate_2": slowest, "kinetic_energy_ratio": AT_REST**2}
-    found = [_row(name, (IMPACT | RODS)[name], pair, within, least.get(name, 0.0)) for name, pair in sides.items()]
+    sides = (
+        ("final_rate_1", -one.contact.rates_after[0], theory.final_rate_1, slowest),
+        ("final_rate_2", -one.contact.rates_after[1], theory.final_rate_2, slowest),
+        ("normal_compressive_impulse", compressive[0] if compressive else None, theory.normal_compressive_impulse, 0.0),
+        ("normal_final_impulse", one.contact.impulse[0], theory.normal_final_impulse, 0.0),
+        ("kinetic_energy_ratio", *energies, AT_REST**2),
+    )
+    found = [_row(name, (IMPACT | RODS)[name], pair, within, least) for name, *pair, least in sides]
     return _report(impacts, found, lambda one: -one.contact.rates_after[1], "second rod")
 
 
@@ -161,7 +154,7 @@ def _coefficients(surface: Surface) -> tuple[float, float, float]:
 
 
 def _row(
-    name: str, words: tuple[str, str], sides: tuple[float | None, float | None], within: float | None, least: float
+    name: str, words: tuple[str, str], sides: Iterable[float | None], within: float | None, least: float
 ) -> Quantity:
     """Return a quantity of a label and unit, either side of which is zero where it is no more than the least."""
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
@@ -200,9 +193,8 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
             if law == contact.law:
                 raise
             refusals[law] = str(error)
-    return Impacts(
-        chain, surface, contact.law, strikes, refusals, contact.duration, elastic=bool(contact.tangential_compliance)
-    )
+    elastic = bool(contact.tangential_compliance)
+    return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration, elastic=elastic)
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
@@ -211,14 +203,15 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
     laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]
     head = ("law", "rate after, rad/s", "p_n, N s", "p_t, N s", "work n, J", "work t, J", "energy ratio")
     forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
-    cells = (
-        tuple("-" if value is None else format(value, form) for value, form in zip(law.values(), forms, strict=True))
-        for law in laws
-    )
+    pairs = (zip(law.values(), forms, strict=True) for law in laws)
+    cells = tuple(tuple("-" if value is None else format(value, form) for value, form in each) for each in pairs)
     words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(one.outcome, "sticks")
     impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}"
     known = "The formulas are for a contact that is rigid along the surface" if impacts.elastic else agreement(rows)
     answer = f"{known}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
+    remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
+    if impacts.elastic:
+        remarks.append("theory: of a contact that is rigid along the surface")
     return Report(
         outcome=outcome_of(one),
         quantities=tuple(rows),
@@ -226,11 +219,8 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         events=(("strike", one.time),),
         steps=requested.steps,
         wall_s=requested.wall_s,
-        remarks=(
-            *(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
-            *(("theory: of a contact that is rigid along the surface",) if impacts.elastic else ()),
-        ),
-        tables=(Table("the contact laws compared", head, tuple(cells)),),
+        remarks=tuple(remarks),
+        tables=(Table("the contact laws compared", head, cells),),
         extra={"laws": laws},
         subject=impacts,
         answer=answer if one.impulse[0] else "There is no impact: the tip does not approach the surface.",
@@ -244,9 +234,7 @@ def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
     return {
         "law": law,
         "rate_after": rate,
-        "normal_impulse": one.contact.impulse[0],
-        "tangential_impulse": one.contact.impulse[1],
-        "normal_work": works[0],
-        "tangential_work": works[1],
+        **dict(zip(("normal_impulse", "tangential_impulse"), one.contact.impulse, strict=True)),
+        **dict(zip(("normal_work", "tangential_work"), works, strict=True)),
         "kinetic_energy_ratio": one.kinetic_energy_ratio,
     }

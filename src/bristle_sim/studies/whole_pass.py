@@ -116,33 +116,33 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         remarks=tuple(remarks),
         extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
-        answer=f"The bristle does not strike the workpart: {_why_not(tool, run)}."
+        answer=_why_not(tool, run)
         if contact is None
         else _strike_in_words(measured, outcome_of(contact)) + differences(found),
     )
 
 
 def _strike_in_words(measured: Values, outcome: str) -> str:
-    found = {name: value or 0.0 for name, value in measured.items()}
-    speed = found["relative_speed_at_contact"]
+    names = ("contact_time", *STATE, "normal_final_impulse")
+    time, lag, speed, tip, impulse = (measured[name] or 0.0 for name in names)
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
-    by_bar = "" if found["release_time"] else ", not released by a bar"
+    by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes at {amount(found['contact_time'], 's', 4)}{by_bar}, {beside_radial(found['lag_deg_at_contact'])},"
-        f" {relative}, its tip at {amount(found['tip_speed_at_contact'], 'm/s')}, with a normal impulse of"
-        f" {amount(found['normal_final_impulse'], 'N s')} ({outcome})."
+        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
+        f" {amount(tip, 'm/s')}, with a normal impulse of {amount(impulse, 'N s')} ({outcome})."
     )
 
 
 def _why_not(tool: Tool, run: Trajectory) -> str:
-    if tool.workpart is None:
-        return "the tool has no workpart"
-    if run.stop_reason is StopReason.END:
-        return f"its tip stays {amount(tool.workpart_depth + float(run.tip[:, 1].min()), 'm')} above it"
     ended = str(run.stop_reason)
     if run.stop_reason is StopReason.RETRACTION_LIMIT:
         ended = f"it folds back by {math.degrees(float(np.abs(run.relative_angle).max())):.0f}°"
-    return f"{ended} at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
+    reason = f"{ended} at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
+    if tool.workpart is None:
+        reason = "the tool has no workpart"
+    elif run.stop_reason is StopReason.END:
+        reason = f"its tip stays {amount(tool.workpart_depth + float(run.tip[:, 1].min()), 'm')} above it"
+    return f"The bristle does not strike the workpart: {reason}."
 
 
 def _measured(tool: Tool, run: Trajectory) -> Values:
