@@ -66,7 +66,7 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     if own is None:
         return "none of our methods is within 1"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
-    return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}, no peer gets there"
+    return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}; no peer"
 
 
 def _shown(point: Point) -> str:

@@ -62,9 +62,8 @@ class StrikeCase(Case):
     chain: Chain
     surface: Surface
     notes: tuple[str, ...] = (
-        "energetic: the law, no steps in time; engine: Newton's restitution",
-        "scipy: the compliant contact's equations, derived by hand",
-        "mujoco cannot express energetic restitution",
+        "bristle_sim: energetic takes no steps; engine is Newton's law",
+        "no other package has energetic restitution",
     )
 
 

@@ -23,7 +23,7 @@ FLIGHT: Offers = {
     "mujoco": peers.mujoco_flight,
     "heyoka": peers.heyoka_flight,
 }
-STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
+STRIKE: Offers = {OURS: own_methods.strike_attempts}
 PASS: Offers = {OURS: own_methods.pass_attempts, "scipy": scipy_methods.pass_attempts, "mujoco": peers.mujoco_pass}
 
 CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
