@@ -71,6 +71,7 @@ REFUSED = [
 ]  # fmt: skip
 
 REFUSED_BY_THE_RUN = [
+    ("single_pendulum --set contact=compliant --set restitution=5e-4", "restitution = 0.0005: must be 0, or at least"),
     ("oblique_impact --csv a.csv", "contact = energetic: must be compliant"),
     ("crater_depth --set hub_radius=4e-5 --plot a.png", "compression_time = 5e-05: must be shorter"),
     ("cue_and_impact --sweep penetration=0.03:0.04:2 --plot a.png", "--plot: must have results to draw"),

@@ -16,9 +16,9 @@ import pytest
 
 from bristle_sim import Bristle, Contact, Tool, Trajectory, Workpart, simulate
 from bristle_sim.cli import command
-from bristle_sim.comparison import Report
+from bristle_sim.comparison import Quantity, Report
 from bristle_sim.render.motion_data import motion_data
-from bristle_sim.render.report import write_report
+from bristle_sim.render.report import verdict, write_report
 from bristle_sim.units import Choice, Range
 
 STATED: dict[str, Any] = {"name": "s", "question": "?", "command": "run", "parameters": []}
@@ -70,6 +70,12 @@ def test_the_page_says_question_result_parameters_and_command_and_refers_to_noth
     assert all(value is not None and value.startswith(("data:", "#")) for value in referring)
     named = [value for name, value in elements.attributes if name == "id"]
     assert len(named) == len(set(named))
+
+
+def test_the_verdict_counts_what_agrees_and_names_what_does_not():
+    rows = (Quantity("a_b", "1", 1.0, 1.0, tolerance=1e-3), Quantity("c_d", "1", 2.0, 1.0, tolerance=0.1))
+    assert verdict(Report(None, rows)) == "1 of 2 comparisons that have a tolerance are within it; not: c d."
+    assert verdict(Report(None, rows[:1])) == "1 of 1 comparisons that have a tolerance are within it."
 
 
 @pytest.mark.parametrize(

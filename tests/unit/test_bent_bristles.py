@@ -1,13 +1,14 @@
 """Bristles with a knee: geometry by quadrature, and the three shapes of the film."""
 
 import dataclasses
+import math
 
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import Slide, answer, bent_bristles, slide_of
+from bristle_sim.studies.bent_bristles import Slide, against_film, answer, bent_bristles, slide_of
 
 TOOL = Tool(
     hub=Hub(speed=272.27),
@@ -64,4 +65,8 @@ def test_a_tip_that_retracts_at_once_is_named() -> None:
     sliding, retracting = (Slide(each, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6) for each in (1e-3, 1e-5))
     words = answer({"reverse": sliding, "straight": sliding, "forward": retracting})
     assert "the forward bent tip retracts at once" in words
+    lasting = Slide(1e-3, 1e-3, 1e-4, 5e-5, None, None, math.inf)
+    assert answer(dict.fromkeys(("reverse", "straight", "forward"), lasting)).endswith("retracts at once.")
+    still = Slide(0.0, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6)
+    assert against_film({"reverse": still, "straight": still, "forward": sliding}).startswith("neither")
     assert "the reverse bent one never strikes" in answer({"reverse": None, "straight": sliding, "forward": sliding})

@@ -15,7 +15,7 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.cli import Scenario, command
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
-from bristle_sim.render.cost_figure import LEAST, cost_figure
+from bristle_sim.render.cost_figure import LEAST, cost_figure, reached, verdict
 from bristle_sim.render.crater_figure import MEASURED, MICRO
 from bristle_sim.render.dissertation_figures import contact_sheet, draw
 from bristle_sim.render.style import add_panel, blank_figure
@@ -162,6 +162,13 @@ def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_dr
     assert "grey: scipy rk45" in said
     assert "mujoco" not in said
     assert "to $10^{-6}$: simulate 0.6 ms, scipy dop853 0.8 ms" in said
+
+
+def test_the_words_above_a_panel_name_the_first_error_that_is_reached():
+    coarse, failed = at("bristle_sim simulate", 1e-2, 2e-3), at("bristle_sim simulate", np.inf, np.nan)
+    assert reached([coarse, failed]) == (1e-2, coarse)
+    assert verdict(*reached([coarse]), None) == "to $10^{-2}$: simulate 2 ms, no peer gets there"
+    assert verdict(*reached([failed]), None) == "none of our methods is within 1"
 
 
 def test_a_fault_is_seen():

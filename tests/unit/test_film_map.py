@@ -16,7 +16,7 @@ from bristle_sim import simulate
 from bristle_sim.parameters import FilmGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies import film as module
-from bristle_sim.studies.film import MEASURED, film, followed
+from bristle_sim.studies.film import MEASURED, _answer, film, followed
 from bristle_sim.studies.strike_point import crater_depth
 from bristle_sim.theory.crater import CUTTING_FRICTION
 
@@ -103,6 +103,10 @@ def test_an_interrupted_map_goes_on_from_its_store(tmp_path: Path, monkeypatch: 
     assert again.quantities == two_links.quantities
     assert len(set(finished)) == 3
     assert not set(finished) & set(cases)
+
+
+def test_a_pair_that_explains_all_three_facts_is_named():
+    assert _answer(MEASURED, 1e-4, 0.3).startswith("A contact of 100 us and a damping ratio of 0.3 explain touches,")
 
 
 def test_a_map_without_a_strike_says_so():

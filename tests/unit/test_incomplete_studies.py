@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.render.cost_figure import cost_figure
+from bristle_sim.render.film import slow_motion
 from bristle_sim.render.force_figures import whole_tool_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
@@ -45,6 +48,7 @@ from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, toler
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.studies.whole_tool import Assembly, periodic_turn, whole_tool
 from bristle_sim.theory.force_fit import fit_force_history
+from bristle_sim.tool_file import write_tool
 
 OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
 
@@ -61,6 +65,13 @@ def struck(strike: Strike = Strike(), hub: Hub = Hub(), wire: Bristle = FLEXIBLE
 
 
 REFUSALS = [
+    (partial(slow_motion, 1.0, 1.0, 8.0), "^film of a run from 1 to 1: "),
+    (partial(slow_motion, 0.0, 1.0, 0.0), "^duration = 0: must be"),
+    (partial(slow_motion, 0.0, 1.0, 8.0, slower=0.5), "^slower = 0.5: must be"),
+    (partial(cost_figure, SimpleNamespace(cases=())), "^cases = "),  # type: ignore[arg-type]
+    (partial(write_tool, 3, "tool.toml"), "^tool = 3: must be a Tool"),  # type: ignore[arg-type]
+    (partial(Sampling, samples=3), "^samples = 3: must be a power of 2"),
+    (lambda: simulate(Tool(), Settings(hub_turn=0.1)).at(0.0, side="left"), "^side = 'left': must be before or after"),
     (partial(start_angle, UNBARRED), "^bar = None: must be a Bar"),
     (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
     (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
@@ -147,8 +158,9 @@ def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_dra
         Tool(bar=Bar(horizontal=0.058)),
         Tool(workpart=Workpart(friction=0.0, restitution=0.0)),
         Tool(hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)),
+        Tool(workpart=Workpart(penetration=0.0)),
     ],
-    ids=["no strike", "no bar", "bar not touched", "no friction", "at rest"],
+    ids=["no strike", "no bar", "bar not touched", "no friction", "at rest", "no cut"],
 )
 def test_a_pass_is_told_by_what_happened_in_it(tool: Tool):
     """No number is made up for what did not happen, and none differs from theory for it."""

@@ -11,7 +11,7 @@ from scipy.special import ellipk
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.render.tool_films import inertia_film
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.studies.inertia_driven import _answer, inertia_driven
 from bristle_sim.theory.inertia_drive import largest_retraction, time_to_radial
 
 INERTIA = 8.387e-5 * 0.027**2 / 3.0
@@ -95,6 +95,7 @@ def test_without_a_strike_there_is_nothing_to_equal():
     simulated, found = values(Tool(workpart=workpart), with_reference=False)
     assert simulated["hub_speed_for_equal_tip_speed"] is None
     assert "with the bar there is no strike to compare with (" in found.answer
+    assert "at no pulley speed is it as fast" in _answer(found.subject.radial, 1e3, "", None)
 
 
 def test_film_of_both_tools():

@@ -23,6 +23,8 @@ SOURCES = {
     "list": ("P = [{}]", "P[0] * x"),
     "dict": ("P = {{'mu': {}}}", "P['mu'] * x"),
     "set of words": ("P = {{'a', 'b', 'c', str({})}}", "'a' in P"),
+    "frozen set": ("P = frozenset({{'a', str({})}})", "'a' in P"),
+    "read-only dict": ("import types\nP = types.MappingProxyType({{'mu': {}}})", "P['mu'] * x"),
     "array": ("import numpy as np\nP = np.array([{}])", "P[0] * x"),
     "tool": ("import bristle_sim as bs\nP = bs.Tool(hub=bs.Hub(speed={}))", "P.hub.speed * x"),
     "function": ("def g(x): return x * {}", "g(x)"),
