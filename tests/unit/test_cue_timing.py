@@ -12,7 +12,7 @@ from matplotlib.patches import Circle
 from scipy.integrate import solve_ivp
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Tool
+from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.settings import Settings
@@ -91,6 +91,14 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
 def test_the_answer_changes_with_the_tool(tool: Tool, words: str) -> None:
     answer = cue_timing(tool, math.radians(44.5), Settings(1e-4), with_reference=False).answer
     assert re.search(words, answer)
+
+
+def test_nothing_cues_a_bristle_that_nothing_moves() -> None:
+    limp = Tool(belt=Belt(stiffness=0.0), hub=Hub(speed=0.0))
+    report = cue_timing(limp, math.radians(44.5), Settings(1e-3), with_reference=False)
+    assert report.answer == "No bar cues this bristle: its relative speed has no maximum."
+    drawn = {each.get_gid() for each in panel(cue_figure(report.subject), "c").patches}
+    assert not drawn & {"bar, simulated", "bar, formula"}
 
 
 def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:

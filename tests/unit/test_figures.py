@@ -47,6 +47,7 @@ OTHERS = {
     "flexible_wire": ("wire_links=4 friction=0.6 contact_duration=0.2ms",),
 }
 QUICK = {("cue_and_impact", PASSES[7]), ("crater_depth", "friction=0.3"), ("oblique_impact", "friction=0.9")}
+QUICK |= {("crater_depth", "impact_angle_deg=5")}
 QUICK |= {("bent_bristles", "penetration=-0.01"), ("cue_timing", "belt_damping_ratio=0.5")}
 """Drawn with every run of the tests; the others are many."""
 

@@ -41,6 +41,16 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     assert "compression 50 µs (as printed, for the film)" in written
 
 
+def test_films_show_a_requested_duration_and_a_tip_that_stays() -> None:
+    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
+    assert (shown.timing, ImpactFilm(shown, width=320, height=180).motion.phases[-1].caption[:7]) == (
+        "contact_duration as requested",
+        "rebound",
+    )
+    sticking = ImpactFilm(with_visible_contact(bristle(friction=0.9)), width=320, height=180)
+    assert sticking.motion.phases[-1].caption == "stiction: the tip stays"
+
+
 def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
     tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
     slow = rods(rate_1=-1e-5, rate_2=-2e-5)

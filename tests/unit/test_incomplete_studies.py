@@ -43,6 +43,7 @@ from bristle_sim.studies.flexible_wire import flexible_wire
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.least_pitch import least_pitch
 from bristle_sim.studies.neighbours import neighbours
+from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
 from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
@@ -179,8 +180,13 @@ def test_a_strike_while_the_bar_is_touched_is_not_cued():
     contacts = [
         replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each for each in run.contacts
     ]
+    pressed = replace(run, contacts=tuple(contacts))
     with pytest.raises(NotCuedError, match="must have left the bar when it strikes"):
-        strike_measures(Tool(), replace(run, contacts=tuple(contacts)))
+        strike_measures(Tool(), pressed)
+    invariants = {row.name: row.simulated for row in invariant_rows(Tool(), Settings(), pressed)}
+    assert invariants["impulse_momentum_error"] is None
+    smooth = Tool(workpart=Workpart(friction=0.0))  # cuts no crater
+    assert strike_measures(smooth, simulate(smooth, stop_after="strike"))["crater_depth"] is None
 
 
 def test_a_belt_without_stiffness_throws_nothing_back():
