@@ -1,4 +1,4 @@
-"""What accuracy costs in time: error against CPU time, compared with other tools on the same cases.
+"""The cost of accuracy: error against CPU time, compared with other packages on the same cases.
 
 A release flight, a strike under each contact law, the strike of a double pendulum and the whole pass are computed by
 every method at settings from coarse to fine. Errors are taken from closed forms or a converged reference; times are CPU

@@ -1,4 +1,4 @@
-"""Film and crater: which contact stiffness and wire damping would explain what was measured?
+"""Film and crater: which contact stiffness and wire damping would explain the measurements?
 
 Film and micrograph show one touch, some 50 us of compression and a crater 130 um deep. The stiffness of the contact, given as
 the time that a rigid bristle would be in touch, and the damping of the wire were never measured. A map over both has passes of

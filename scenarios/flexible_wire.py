@@ -31,7 +31,7 @@ def run(
 
 
 def plot(report: Report) -> Picture:
-    """Draw the force over time, and what contact stiffness and number of links change."""
+    """Draw the force over time, and the effect of contact stiffness and number of links."""
     from bristle_sim.render.wire_pictures import wire_figure
     from bristle_sim.studies.flexible_wire import wire_study
 

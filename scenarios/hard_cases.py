@@ -1,7 +1,7 @@
 """Hard cases: extreme masses, belts, speeds and sizes, jams, grazing, chatter, thin bars, long runs, small budgets.
 
 Each case has a promise: to stay accurate, to conserve what must be conserved, or to refuse in one clear line. The table
-shows what was reached. ``--set theme=jam`` tries one theme, ``--set effort=quick`` leaves out what takes long.
+shows each result. ``--set theme=jam`` tries one theme, ``--set effort=quick`` leaves out long cases.
 """
 
 import sys
@@ -12,7 +12,7 @@ from bristle_sim.comparison import Report
 
 
 def run(chosen: HardCaseChoice) -> Report:
-    """Try the cases, and compare what was reached with what is promised."""
+    """Try the cases, and compare each result with its promise."""
     from bristle_sim.benchmarks.hard_cases.report import hard_cases
 
     return hard_cases(chosen)

@@ -1,4 +1,4 @@
-"""Measured impacts: what the impact laws predict of spheres on glass, and of an ellipse on a floor, beside what was measured.
+"""Measured impacts: the laws' predictions for spheres on glass and an ellipse on a floor, compared with the measurements.
 
 The spheres' points are the published ones, and nothing is fitted: a tangential spring with the ratio of stiffnesses that
 elasticity gives stands beside the rigid law. With ``data`` each law is fitted on every second impact of the ellipse and predicts

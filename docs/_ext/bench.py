@@ -20,6 +20,7 @@ from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.server import server
 
@@ -63,7 +64,7 @@ class BenchDirective(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return the address, the answer, and the picture if one is requested."""
-        assignments, pass_of = self.options.get("set", "").split(), bench.scenario()
+        assignments, pass_of = self.options.get("set", "").split(), whole_pass()
         if "radial" in self.options:
             found = bench.radial_bar(pass_of, assignments)
             assignments += [f"{key}={value}" for key, value in found["assignments"].items()]

@@ -70,7 +70,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
-    """Return a function that says what to install, so that help and star imports work without the extra."""
+    """Return a function that names the missing extra, so that help and star imports work without it."""
 
     def sweep(*_: Any, **__: Any) -> Any:
         """Evaluate a function at many points; needs the extra: pip install 'bristle_sim[sweep]'."""

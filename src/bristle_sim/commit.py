@@ -26,5 +26,5 @@ def commit() -> str:
 
 
 def named_commit() -> dict[str, str]:
-    """Return the commit by its name; nothing where it is not known."""
+    """Return the commit as an entry of a JSON object; an empty mapping if it is not known."""
     return {"commit": commit()} if commit() else {}

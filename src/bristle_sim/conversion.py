@@ -30,7 +30,7 @@ TYPICAL_UNITS = (
 
 
 def conversion(unit: str, to: str) -> float | None:
-    """Return the factor that converts a number from one unit to another; None where there is none.
+    """Return the factor that converts a number from one unit to another; None between different dimensions.
 
     An angle is a dimension of its own here: 250 Hz are not 250 rad/s, nor N m the same as N m/rad.
     """
@@ -42,7 +42,7 @@ def conversion(unit: str, to: str) -> float | None:
 
 
 def likely_unit(unit: str, to: str) -> str:
-    """Advise the unit with the most similar name of those that can be converted."""
+    """Return advice: the convertible unit with the most similar name; empty if none is similar."""
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
     closeness = 0.6 if conversion(unit, unit) is None else 1.0  # of an existing unit only the same letters
     likely = difflib.get_close_matches(_unspaced(unit), fitting, n=1, cutoff=closeness)

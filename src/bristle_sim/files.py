@@ -18,7 +18,7 @@ _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 
 
 def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False) -> Path:
-    """Return the path of a file (or folder) that can be written; no suffixes admit any.
+    """Return the path of a file (or folder) that can be written. Without suffixes any name is accepted.
 
     Raises ValueError in one line that begins with the option, if one names the path, or with the path itself.
     """
@@ -67,7 +67,7 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Tell whether a path names an open stream, a device, a pipe or a socket."""
+    """Return whether a path names an open stream, a device, a pipe or a socket."""
     return _descriptor(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 

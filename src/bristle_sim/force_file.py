@@ -110,7 +110,7 @@ def _cells(path: str | Path, number: int, line: str, separator: str | None) -> l
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell, finite or not; None if it is none."""
+    """Return the number in a cell, finite or not; None for other text."""
     try:
         return None if "_" in cell else float(cell.replace(decimal, "."))
     except ValueError:
@@ -128,14 +128,14 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
 
 
 def _column(number: int, heading: str) -> Column:
-    """Return a column with the name and unit of its heading; µ and μ are u."""
+    """Return a column with the name and unit of its heading; both signs of micro become u."""
     split = UNIT.match(heading)
     name, unit = split.groups() if split else (heading, "")
     return Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u"))
 
 
 def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]) -> Column:
-    """Return the column that the key names, or the one with such a unit, or the one that is left."""
+    """Return the column that the key names; by default the only one with a unit of its kind, or the only one left."""
     found = [each for each in columns if each.unit in units]
     if key is not None:
         found = [each for each in columns if key.strip() in (str(each.number), each.name)]

@@ -1,7 +1,7 @@
 """A tool in a TOML file: the keys of ``--set``, each with its unit, meaning and source in a comment.
 
 A number is in the unit that ``--list-keys`` shows, a text such as ``"27 mm"`` carries its own. A part that is absent is
-``bar = false``; what a file leaves out has its default. The keys of a part may also stand in a table of its name.
+``bar = false``; a key that a file leaves out has its default. The keys of a part may also stand in a table of its name.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.units import Choice, Range, likely_key, shown
 
-ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is absent
+ABSENT = "false"  # the text that ``read_keys`` returns for an absent part
 
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
-    """Read a parameter file as what would be typed for each key.
+    """Read a parameter file and return the text of each key as it would be typed.
 
     Args:
         path: of the file.
@@ -33,7 +33,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         Text by key, and ``"false"`` by the name of each part that is absent.
 
     Raises:
-        ValueError: in one line, for a file that is no TOML and for a key or table that nothing knows.
+        ValueError: in one line, for a file that is not TOML, and for an unknown key or table.
         OSError: for a file that cannot be read.
     """
     content = Path(path).read_bytes()
@@ -67,7 +67,7 @@ def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: s
 
 
 def read_tool(path: str | Path) -> Tool:
-    """Read a tool from a TOML file; what the file leaves out has its default.
+    """Read a tool from a TOML file; a key that the file leaves out has its default.
 
     Raises:
         ValueError: in one line, for a file that is no TOML, an unknown key, or a value that is out of range.
@@ -83,7 +83,7 @@ def read_tool(path: str | Path) -> Tool:
 
 
 def write_tool(tool: Tool, path: str | Path) -> None:
-    """Write a tool to a TOML file that ``read_tool`` reads back, every digit of it, with a comment to each key.
+    """Write a tool to a TOML file with a comment for each key; ``read_tool`` returns the same tool, to the last digit.
 
     Raises:
         ValueError: if ``tool`` is not a tool.
@@ -105,7 +105,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 
 
 def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
-    """A key's line, below the comment that says what it is; one without a value is itself a comment."""
+    """Return a key's comment and its line; the line of a key without a value is a comment too."""
     unit = f"; {declared.unit}" if isinstance(declared, Range) and declared.unit != "1" else ""
     words = f"{declared.meaning}{unit} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")

@@ -1,1 +1,1 @@
-"""What accuracy costs, what the impact law costs, and whether the program stays stable where it is hard."""
+"""Benchmarks: the cost of accuracy, and stability in hard cases."""

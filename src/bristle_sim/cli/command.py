@@ -73,12 +73,14 @@ def _complete(known: dict[str, Path]) -> None:
 
 
 def _command(name: str, given: Sequence[str]) -> int:
-    """Run a command that is no scenario of its own but serves the whole pass; return the exit status."""
+    """Run a command that serves the scenario of the whole pass; return the exit status."""
     from bristle_sim.cli import compare, explore
 
     run_command = {"compare": compare.main, "explore": explore.main}[name]
     about, program = COMMANDS[name].partition(":")[0], f"{PROGRAM} {name}"
-    parser = argparse.ArgumentParser(prog=program, description=about, allow_abbrev=False, exit_on_error=False)
+    parser = argparse.ArgumentParser(
+        prog=program, description=f"{about.capitalize()}.", allow_abbrev=False, exit_on_error=False
+    )
     try:
         return run_command(whole_pass(), parser, given)
     except (ValueError, OSError, argparse.ArgumentError) as error:

@@ -75,7 +75,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
 @dataclass
 class Work:
-    """A run of a scenario that is requested: key values, the files to write, and the command that makes it again."""
+    """A requested run of a scenario: key values, the files to write, and the command that repeats it."""
 
     scenario: Scenario
     options: argparse.Namespace
@@ -114,7 +114,7 @@ class Work:
         return status
 
     def _texts(self, report: Report, *, finished: bool) -> dict[str, str]:
-        """Return the requested time series, which may be refused, and JSON; the one for standard output is "-"."""
+        """Return the requested CSV, which may be refused, and JSON; also as "-" the text for standard output."""
         texts = {}
         if self.scenario.series is not None and self.options.csv is not None and finished:
             texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
@@ -175,7 +175,7 @@ def _flag(option: str) -> str:
 
 
 def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
-    """Return the files that the options name, once it is sure that each can be written and none is named twice.
+    """Return the files that the options name, after checks that each can be written and none is named twice.
 
     A device such as /dev/null may serve several options.
     """
@@ -237,22 +237,22 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
     "json": ("FILE", "write the results as JSON; - for standard output", {}),
     "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
-    "plot": ("FILE", "draw a figure (png, svg, pdf)", {}),
-    "video": ("FILE", "render a video (mp4, gif)", {}),
+    "plot": ("FILE", "draw a figure (PNG, SVG, PDF)", {}),
+    "video": ("FILE", "render a video (MP4, GIF)", {}),
     "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
-    "fps": ("NUMBER", "pictures a second of the video", {"type": float}),
+    "fps": ("NUMBER", "frames per second of the video", {"type": float}),
     "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
-    "write_tool": ("FILE.toml", "write the tool that was run, or found", {}),
-    "workers": ("N", "processes of a sweep; -1: one a core", {"type": int}),
+    "write_tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
+    "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
     "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
-    "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key, or of two keys by two options; --csv, --json and"
-              " --plot are of all points", APPENDED),
+    "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
+              " show all points", APPENDED),
 }  # fmt: skip
 """Metavariable, help and further settings of each option."""
 
 
 def parser_of(scenario: Scenario, program: str, *, sweeping: bool = False) -> argparse.ArgumentParser:
-    """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
+    """Return a parser of the options of the scenario, or of a sweep of it; any other option has the value None."""
     parser, left_out = _Parser(prog=program, description=scenario.question, allow_abbrev=False), set[str]()
     if "hub_speed" not in scenario.keys():  # noqa: SIM118
         left_out |= {"parameters", "write_tool"}

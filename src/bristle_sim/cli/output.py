@@ -28,7 +28,7 @@ SILENCE = 15.0  # longest time without a word on the progress of long work, s
 
 @contextmanager
 def progress(program: str) -> Iterator[None]:
-    """Show on standard error how far long work is: at once on a terminal, in one line; else a line now and then."""
+    """Show the progress of long work on standard error: at once, in one line, on a terminal; else in a line now and then."""
     if sys.stderr is None:
         yield
         return
@@ -49,7 +49,7 @@ def progress(program: str) -> Iterator[None]:
 
 
 class _Progress(logging.Handler):
-    """Remember the last report on the progress; print it at once on a terminal, else when nothing else was said for long."""
+    """Keep the last report on the progress; print it at once on a terminal, elsewhere after a silence."""
 
     def __init__(self, program: str, *, terminal: bool) -> None:
         super().__init__(logging.INFO)
@@ -65,7 +65,7 @@ class _Progress(logging.Handler):
             print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the last report, and the time that has passed, at intervals until the work has ended; a bar counts by itself."""
+        """Print the last report and the elapsed time at intervals until the work has ended, unless a progress bar is shown."""
         before, end = ("\r\x1b[K", "") if self.terminal else ("", "\n")
         while not ended.wait(SILENCE):
             if getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
@@ -136,7 +136,7 @@ def in_words(report: Report) -> str:
 
 
 def _wrapped(remark: str) -> list[str]:
-    """Wrap a remark into lines that fit; one that is in columns or lines already stays as it is."""
+    """Wrap a remark into lines that fit; a remark in columns or lines stays as it is."""
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
     return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
@@ -149,11 +149,11 @@ def write_text(target: Path, text: str) -> None:
 
 
 def say(text: str) -> None:
-    """Print on standard output, where a reader that has seen enough, such as ``head``, is no error."""
+    """Print on standard output; a reader that closes it early, such as ``head``, causes no error."""
     try:
         print(text, flush=True)
     except OSError as error:
-        # Python flushes once more at exit: what is left must have somewhere to go.
+        # Python flushes once more at exit; the rest of the text goes to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise OSError(f"standard output: {error.strerror}") from None

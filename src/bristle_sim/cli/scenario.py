@@ -42,7 +42,7 @@ class Scenario:
         series: returns the time series of a report, by name and unit, one entry a sample; None without a motion.
         tool: returns the tool that was found, where it is another one than that of the run.
         defaults: key values that differ from the parameter classes' own, each with its source.
-        without: keys of the arguments that mean nothing to the question.
+        without: keys of the arguments that have no effect on the answer.
         highest: upper limits of keys that are lower than in the parameter classes, each with its reason.
         options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
@@ -167,7 +167,7 @@ class Scenario:
         return [(declared, values[key], default) for key, (declared, default) in self.keys().items()]
 
     def key_list(self) -> str:
-        """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
+        """Return two lines or more for each key, 100 columns wide: default, unit and range, then meaning and source."""
         rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
             shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
@@ -185,7 +185,7 @@ class Scenario:
 
 
 def built(kind: Any, values: Values) -> Any:
-    """Return a parameter object of the given class, or a tool, with key values; what has no key is as by default."""
+    """Return a parameter object of the given class, or a tool, with key values; a field without one has its default."""
     given = {}
     for name, (declared, _) in declared_fields(kind).items():
         if declared.key in values:

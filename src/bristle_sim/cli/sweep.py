@@ -93,7 +93,7 @@ def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
 
 
 def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
-    """Say how many points there are, and why some lack results."""
+    """Return the number of points, and the reasons of those that lack results."""
     import numpy as np
 
     reasons, numbers = np.unique(found["failure"].values, return_counts=True)
@@ -104,7 +104,7 @@ def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
 
 
 def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
-    """Return the quantities over the keys in tables that fit the width; none where there are too many points."""
+    """Return the quantities over the keys in tables that fit the width; no table of more than MOST_ROWS points."""
     if found["failure"].size > MOST_ROWS:
         return []
     columns = list[tuple[str, ...]]()

@@ -117,7 +117,7 @@ class DoublePendulum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
-    """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
+    """Bristles that follow each other in one plane, and friction and restitution between two wires."""
 
     bristles: int = count(
         2,
@@ -151,7 +151,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """What a run is compared with."""
+    """Whether a run is also compared with the independent solution."""
 
     reference: str = choice(
         "no",
@@ -183,7 +183,7 @@ class MapGrid(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Assembly(Declared):
-    """How many bristles the tool has, and the load cell under the workpart."""
+    """Number of bristles of the tool, and the load cell under the workpart."""
 
     bristles: int = count(
         42,

@@ -23,13 +23,13 @@ class Text:
 
     @property
     def allowed(self) -> str:
-        """Say what the text must be, for messages and listings."""
+        """The rule for the text, for messages and listings."""
         if self.unit == "folder":
             return "the name of a folder"
         return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
 
     def check(self, value: Any) -> str:
-        """Return the text, or raise ValueError with key, value and what it must be."""
+        """Return the text, or raise ValueError with key, value and rule."""
         if not isinstance(value, str) or not (_is_file(value) if self.unit == "file" else value.strip()):
             raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
@@ -162,7 +162,7 @@ class Measured(Declared):
 
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
-    """The map over contact stiffness and wire damping, the camera of the nearest pass, and where finished cases are kept."""
+    """The map over contact stiffness and wire damping, the camera of the nearest pass, and the folder of finished cases."""
 
     durations: int = count(8, "2 <= map_durations <= 200", "contact durations of the map, in equal ratios", "chosen")
     shortest: float = quantity(

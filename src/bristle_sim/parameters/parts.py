@@ -1,4 +1,4 @@
-"""The parts of a tool: hub, belt, bristle, bar, workpart, and how a contact is resolved."""
+"""The parts of a tool: hub, belt, bristle, bar, workpart and contact law."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ class Bar(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Surface(Declared):
-    """How a tip rubs and rebounds on a flat, rigid surface."""
+    """Friction and restitution of a tip on a flat, rigid surface."""
 
     friction: float = quantity(
         0.31,
@@ -242,7 +242,7 @@ class Workpart(Surface):
 
 @dataclass(frozen=True, slots=True)
 class Contact(Declared):
-    """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""
+    """Contact law: energetic impact, a compliance resolved in time, or the engine's own."""
 
     law: str = choice(
         "energetic",

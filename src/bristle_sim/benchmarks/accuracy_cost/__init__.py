@@ -13,7 +13,7 @@ from bristle_sim.units import Declared, choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """How much to measure."""
+    """The extent of the measurement."""
 
     effort: str = choice(
         *("full", "effort", ("full", "quick"), "how many settings are timed and how often"),

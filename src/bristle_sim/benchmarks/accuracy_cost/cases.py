@@ -23,7 +23,7 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
 REFERENCE_ACCURACY = 1e-12
-"""Accuracy of the whole pass's reference, a hundredth or less of what any attempt requests."""
+"""Accuracy of the whole pass's reference, at most a hundredth of that of any attempt."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

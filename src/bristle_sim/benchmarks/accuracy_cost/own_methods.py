@@ -21,7 +21,7 @@ STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)  # s
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return the public call; and each stepper with a scene that is built beforehand, as other tools compile a model."""
+    """Return attempts by the public call, and by steppers on a scene built beforehand, as other packages compile a model."""
     scene, units = build_tool(case.tool, hub_start=0.0)
     start, end = State(0.0, (-case.retraction,), (scene.mechanism.hub_speed,)), case.duration / units.time
 
@@ -41,7 +41,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(state.angles[0], state.rates[0], before)
 
     def plain(count: int) -> Run:
-        """Carry the scene in equal steps of the engine as it comes, with joints that it corrects."""
+        """Carry the scene in equal steps of the engine, which corrects its joints itself."""
         before = scene.steps
         scene.place(start)
         scene.correct_joints(completely=True)
@@ -61,7 +61,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return each contact law; the compliant one at several accuracies."""
+    """Return attempts by each contact law; by the compliant one at several accuracies."""
 
     def by_law(law: str) -> Callable[[float], Run]:
         def run(accuracy: float) -> Run:
@@ -78,7 +78,7 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return the public call, extrapolated and with plain engine steps of a given length."""
+    """Return attempts by the public call, and by plain engine steps of a given length."""
 
     def passed(setting: Any, run: Callable[..., Any]) -> Run:
         found = run(case.tool, setting, stop_after="strike")

@@ -56,7 +56,7 @@ STEPS_IN_CONTACT = 2.0
 """Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
 
 HUB_START, HUB_TURN = -0.5 * math.pi, 0.5 * math.pi
-"""Where the hub starts in a pass, and over what its steps are counted, rad; the strike comes earlier."""
+"""Hub's start in a pass and its turn in the given number of steps, rad; the strike comes before the end of that turn."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 
@@ -88,7 +88,7 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 
 
 class MujocoModel:
-    """Hub and bristle, compiled, and a tool's bar; the workpart is where a step ends below it."""
+    """Hub and bristle, compiled, with a tool's bar. The strike lies within the first step that ends below the workpart."""
 
     def __init__(self, tool: Tool, integrator: str) -> None:
         self.library: Any = importlib.import_module("mujoco")

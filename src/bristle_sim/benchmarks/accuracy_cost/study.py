@@ -32,7 +32,7 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.double_pendulum, STRIKE),
     (cases.whole_pass, PASS),
 )
-"""Each case, and what each package offers at it."""
+"""Each case, with the function of each package that returns its attempts."""
 
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
@@ -51,8 +51,8 @@ REQUESTED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""Methods that take a requested accuracy, and down to which: rounding, what positions leave of the penetrations of a
-short contact, and the pass's reference are not far below."""
+"""Methods that take a requested accuracy, and the least accuracy that is judged. Not far below it are rounding, the rounding
+of a short contact's penetrations, and the accuracy of the pass's reference."""
 
 ROUNDS = {"full": 7, "quick": 2}
 """Number of times that each attempt is timed."""
@@ -148,7 +148,7 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
 
 
 def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
-    """Return a package's attempts at a case: none of a peer that is installed but cannot be imported or set up."""
+    """Return a package's attempts at a case; an empty list for a peer that is installed but cannot be imported or set up."""
     try:
         return offer(case)
     except Exception as error:

@@ -18,7 +18,7 @@ THEMES = (
 
 @dataclass(frozen=True, slots=True)
 class HardCaseChoice(Declared):
-    """Which cases to try."""
+    """The cases to try."""
 
     theme: str = choice("all", "theme", ("all", *THEMES), "kind of hard case that is tried", "chosen: every theme")
     effort: str = choice(

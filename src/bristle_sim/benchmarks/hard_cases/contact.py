@@ -114,7 +114,7 @@ def touching() -> Iterator[HardCase]:
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float | None = 0.0, gap: float | None = 0.0
 ) -> Tool:
-    """Return a tool whose bristle, at an absolute angle (rad), has bar and workpart at the given gaps (m), or none of them.
+    """Return a tool whose bristle, at an absolute angle (rad), has bar and workpart at the given gaps (m); None leaves one out.
 
     The bar stands ahead of the wire, at a part of its length; neither rubs nor restores.
     """

@@ -1,4 +1,4 @@
-"""Measures of a run or of a strike, which cases of several themes share: compared with the reference, a closed form, a budget."""
+"""Comparisons of runs and strikes with the reference, closed forms and budgets, for cases of several themes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ STRIKE_ACCURACY = 1e-6
 
 
 class Start(TypedDict, total=False):
-    """Start of a run, in rad and rad/s; what is absent is as by default."""
+    """Start of a run, in rad and rad/s; an absent entry has its default."""
 
     start_hub_angle: float
     start_relative_angle: float
@@ -69,7 +69,7 @@ def agrees_with_reference(
     stop_after: str | None = None,
     hub_turn: float = 1.5 * math.pi,
 ) -> Finding:
-    """Compare a run of an accuracy equal to the limit with the reference: why it ends, its last state and its first strike."""
+    """Compare a run, as accurate as the limit, with the reference: stop reason, last state and first strike."""
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
 

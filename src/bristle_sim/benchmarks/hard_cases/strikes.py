@@ -39,7 +39,7 @@ RATE, RESTITUTION = 845.0, 0.42
 
 TWO_ROD_ROUNDING = 1e-12
 """Limit of rates and impulses of two rods: rounding, some 1e-15, times 30 = 1/sin^2 of the 10 degrees between them, times 30
-more for what the phases make of it; and limit of energies."""
+more for the phases; and limit of energies."""
 
 ANGLES = (math.radians(-20.0), math.radians(-30.0))
 
@@ -191,7 +191,7 @@ LATER = 1e-13
 
 
 def _three_at_once() -> Finding:
-    """Have a radial wire of two links meet the bar, which restores, with both, and the workpart with its tip."""
+    """Run a radial wire whose two links meet the bar, which restores, at the instant at which its tip meets the workpart."""
     cos, reach = TOOL.workpart_depth / TIP, TOOL.bar_reach
     sin, joint = math.sqrt(1.0 - cos**2), ROOT + 0.5 * LENGTH
     bar = {"bar_horizontal": joint * sin - reach * cos, "bar_vertical": joint * cos + reach * sin}

@@ -33,10 +33,11 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     Raises:
         ModuleNotFoundError: without the extra ``explore``.
     """
-    from bristle_sim.cli.explore.bench import assignments_of, scenario
+    from bristle_sim.cli.command import whole_pass
+    from bristle_sim.cli.explore.bench import assignments_of
     from bristle_sim.cli.explore.server import serve
 
-    address = serve(assignments_of(tool, scenario()))
+    address = serve(assignments_of(tool, whole_pass()))
     return Html(f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>')
 
 

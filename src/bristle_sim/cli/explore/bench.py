@@ -1,4 +1,4 @@
-"""The run for the knobs of the bench, as the plain numbers and words that its page shows."""
+"""Runs for the bench: from the values of its knobs to the numbers and words on its page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.output import csv_text, document, word
 from bristle_sim.cli.scenario import Scenario, built
 from bristle_sim.comparison import cells
@@ -29,13 +28,8 @@ SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GP
 """Units that an engineer types, and their size in SI."""
 
 
-def scenario() -> Scenario:
-    """Return the scenario of the bench, the whole pass."""
-    return whole_pass()
-
-
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Return every key as the page needs it; ``start`` are the assignments that the page begins with."""
+    """Return every key as a dictionary for the page; ``start`` are the assignments that the page begins with."""
     values = pass_of.values_of(start)
     groups = {each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()}
     return [_knob(declared, values[key], groups.get(key, "settings")) for key, (declared, _) in pass_of.keys().items()]
@@ -107,7 +101,7 @@ def series(run: Trajectory) -> dict[str, list[float]]:
 
 
 def command(assignments: Sequence[str]) -> str:
-    """Return the command line that makes the run again."""
+    """Return the command line that repeats the run."""
     return shlex.join(["bristle-sim", "cue_and_impact", *(word for each in assignments for word in ("--set", each))])
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
+from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.explore import bench
 from bristle_sim.render.report import explore_page
 
@@ -28,13 +29,13 @@ class SlowRuns:
     """Runs of a process of their own. A newer run of the same client stops the older one."""
 
     def __init__(self) -> None:
-        """Begin without any."""
+        """Begin without a run."""
         self._running: dict[str, BaseProcess] = {}
         self._lock = threading.Lock()
         self._context = multiprocessing.get_context("spawn")
 
     def compute(self, client: str, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-        """Return the run, or why there is none."""
+        """Return the run, or its ``error`` in one line."""
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_compute, args=(theirs, list(start), list(typed)), daemon=True)
         with self._lock:
@@ -63,7 +64,7 @@ class SlowRuns:
 
 
 def _compute(pipe: Connection, start: list[str], typed: list[str]) -> None:
-    pipe.send(bench.run_of(bench.scenario(), start, typed))
+    pipe.send(bench.run_of(whole_pass(), start, typed))
 
 
 def application(start: Sequence[str] = ()) -> Flask:
@@ -73,7 +74,7 @@ def application(start: Sequence[str] = ()) -> Flask:
         ValueError: for values that are refused.
     """
     app = Flask("bristle_sim.cli.explore", static_folder=None)
-    pass_of, slow = bench.scenario(), SlowRuns()
+    pass_of, slow = whole_pass(), SlowRuns()
     page = explore_page(bench.knobs(pass_of, start))
 
     def typed() -> list[str]:
@@ -120,7 +121,7 @@ def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0)
 
 
 class _Quiet(WSGIRequestHandler):
-    """Answers requests without a line for each."""
+    """Answers requests without a log line for each."""
 
     def log(self, type: str, message: str, *args: Any) -> None:
         """Write nothing."""
