@@ -1,7 +1,7 @@
-"""Search the simulation for directions of the bar: that of a radial strike (a root) and of the fastest tip (a maximum).
+"""Search the simulation for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a maximum).
 
-The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays, and its direction
-from the workpart's normal decides when the bristle is released. The lag at the strike falls as the direction grows.
+The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays. Its direction from
+the workpart's normal decides when the bristle is released; the lag at the strike falls as the direction grows.
 """
 
 from __future__ import annotations

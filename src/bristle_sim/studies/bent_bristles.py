@@ -1,9 +1,8 @@
-"""Three bristles in one tool: knee bent backwards, straight, knee bent forwards. Who slides, who retracts at once?
+"""Three bristles in one tool: knee bent backwards, straight, knee bent forwards. Which tip slides, which retracts at once?
 
-High-speed film of the three (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) shows the forward bent tip retract as soon as it
-strikes, while the other two slide first. Here each passes bar and workpart in the same tool, its strike resolved in time. The
-further ahead a knee puts the tip, the sooner the strike's friction turns its slip around. A wire of links strikes a workpart of
-the stiffness that would keep the rigid bristle in touch for the contact's duration.
+In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as soon as it strikes, while the
+other two slide first. The further ahead a knee puts the tip, the sooner the strike's friction turns its slip around. A wire of
+links strikes a workpart of the stiffness that would keep the rigid bristle in touch for the contact's duration.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Compare chapter 4's crater depths with print and with those that follow from a contact simulated in time.
 
-Chapter 4's depths are formulas and stand under theory; nothing of them is simulated. The simulated contact is the bristle's
-in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own.
+Chapter 4's depths are formulas and stand under theory. The simulated contact is the bristle's in the scene, compression only,
+for the time that the camera saw: its force and its energy give depths of their own.
 
-(4.45), 2 eta + beta - alpha = C, leaves C to the work material; the dissertation takes that of least work, 90 degrees, and
-its crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
+(4.45), 2 eta + beta - alpha = C, leaves C to the work material. The dissertation takes that of least work, 90 degrees, and its
+crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
 comes out of the surface (4.35): then there is a C, but no chip.
 """
 

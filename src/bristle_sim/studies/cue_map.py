@@ -1,7 +1,6 @@
-"""The best positions of the bar: directions found by simulation, compared with formulas and print; maps over position.
+"""The best directions of the bar, found by simulation and compared with formulas and print, and maps over its position.
 
-The dissertation names one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), at which the strike should be radial and the
-tip at its fastest.
+The dissertation names one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), for a strike both radial and fastest.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
-"""Compares the bar position of the quasi-static cue formulas with that of a simulated release from rest.
+"""Compare the bar position of the quasi-static cue formulas with that of a simulated release from rest.
 
 In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation (Zhang 2020, sec. 2.2), and
-its cue time places the bar (2.1). They leave out the rotating root's centrifugal stiffening, which the simulated release
-includes, and the bar's own effects: the impact of first touch, the swing that continues after the last touch. A whole pass
-includes these too.
+its cue time places the bar (2.1). They leave out the centrifugal stiffening, which the simulated release includes, and the
+bar's own effects, which a whole pass includes: the impact of first touch, and the swing after the last touch.
 """
 
 from __future__ import annotations
@@ -46,10 +45,10 @@ MOST_DAMPED = 10.0
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release up to the highest relative speed, and the bars that it and the formula need, or None.
+    """A simulated release from a retraction, rad, up to the highest relative speed, and the bars that it and the formula need.
 
-    The retraction is in rad. The readings are those of the belt stiffness and ``own`` if the tool's is another; each has
-    whole passes with the bar where its release needs it, if anywhere, and where it stands, ``bar``.
+    The passes are those with the bar where the release needs it, if anywhere, and where it stands, ``bar``. The readings are
+    those of the belt stiffness, and ``own`` if the tool's is another.
     """
 
     tool: Tool
@@ -64,10 +63,9 @@ class CueTiming:
 
     @property
     def wires(self) -> Array:
-        """Return the simulated wire as released and when fastest, turned to where it then strikes radially.
+        """Return the centre lines of the wire as released and when fastest, shape (2, corners, 2), m.
 
-        Two centre lines, shape (2, corners, 2), m. Hub and belt have no preferred direction, so the run may be turned about the
-        hub's centre: until the root stands at the impact angle gamma before the workpart's normal when the speed is highest.
+        Both are turned about the hub's centre so that the fastest wire strikes radially, at the impact angle gamma.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)

@@ -1,7 +1,7 @@
 """Find the contact stiffness and wire damping that would explain film and crater: a map over both, and the nearest pair.
 
 Film and micrograph give three facts of a strike of a straight wire: one touch, some 50 us of compression, a crater 130 um deep.
-Nobody measured the contact's stiffness, given here as the time that a rigid bristle would be in touch, nor the wire's damping.
+The contact's stiffness, given here as the time that a rigid bristle would be in touch, was not measured, nor was the damping.
 Each case is a pass of a wire of links to its strike, followed for half a millisecond: the wire vibrates when it arrives.
 """
 

@@ -1,8 +1,8 @@
-"""Compares the strike of a wire that bends with that of the rigid bristle at the same contact stiffness.
+"""Compare the strike of a wire that bends with that of the rigid bristle at the same contact stiffness.
 
 The end of a straight radial wire strikes while all of it turns at one rate. The contact is a spring with energetic restitution,
-its stiffness given as the duration of the rigid bristle's contact. It converges as the number of links grows, unlike an
-instantaneous impact. The report compares the scene, the rigid bristle and the independent solution.
+its stiffness given as the duration of the rigid bristle's contact. Unlike an instantaneous impact, it converges as the number
+of links grows.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Compare chapter 3's assumed force curve with the force of a simulated contact that brakes the bristle.
 
-The curve (3.19) is a ball's on a plate, its shape carried over to the bristle. It is compared with the bristle's own contact
-in the scene, on a spring, with the same compressive impulse and compression time.
-
-A curve fitted to a measured record may take its place (3.2-3.4). The fit assumes a form of the force with few parameters,
-(3.3). Two checks independent of the form show whether the record has it: the impulse as a sum over the points, and residuals
-beyond the noise, which is estimated from second differences.
+The curve (3.19) is a ball's on a plate, carried over to the bristle. It is compared with the bristle's contact in the scene,
+on a spring, with the same compressive impulse and compression time. A curve of the form (3.3), fitted to a measured record, may
+take its place. Two checks independent of the form show whether the record has it: the impulse as a sum over the points, and
+residuals beyond the noise, which is estimated from second differences.
 """
 
 from __future__ import annotations

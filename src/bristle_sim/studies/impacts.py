@@ -1,7 +1,7 @@
 """Single impacts compared with their closed forms: radial bristle, Stronge's single and double pendulum.
 
-The simulated side goes through the pymunk scene with the requested contact law, and with the others for comparison. Rates of
-pendulums are signed as in the dissertation, negative approaching; in the scene the same motion turns the other way.
+The scene computes them by the requested contact law, and by the others for comparison. Rates of pendulums are signed as in
+the dissertation, negative approaching; in the scene the same motion turns the other way.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
+"""Compare a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again, and the pulley speed at which that tip is as fast as the
-bar-cued tool's at its strike.
+-omega. Reported are its tip's speed when it is radial again, and the pulley speed for the bar-cued tip's speed.
 """
 
 from __future__ import annotations

@@ -2,10 +2,8 @@
 
 Spheres: aluminium oxide, 5 mm, on soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001, Powder Technology 120,
 281-291); the points were read off the published figures. Nothing is fitted: K = diag(1, 7/2)/m, e = 0.98, mu = 0.092.
-
-Ellipse: the planar impact data set of Fazeli, Donlon, Drumwright and Rodriguez (2017), 36.4 g, axes of 70 and 50 mm, radius
-of gyration 19.2 mm, in a file that the user gives. Friction and restitution are fitted on every second impact, and each law
-predicts the others.
+Ellipse: the planar impact data set of Fazeli, Donlon, Drumwright and Rodriguez (2017), in a file that the user gives.
+Friction and restitution are fitted on every second impact, and each law predicts the others.
 """
 
 from __future__ import annotations

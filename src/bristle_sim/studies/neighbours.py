@@ -1,7 +1,6 @@
 """Neighbours in one plane: the least pitches at which wires touch, and the effect of a touch on the strike.
 
-Rows of bristles are simulated together; the least pitches are compared with those by the motion of a lone bristle, and the
-last bristle's strike with the lone one's.
+Rows of bristles are simulated together and compared with the motion of a lone bristle.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact law at its strike.
 
-All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it, and so
-is the geometry of a rigid wire's contacts with bar and workpart. Points and directions are complex numbers x + i y from the
-hub's centre, m; arrays have n instants first.
+They and the geometry of a rigid wire's contacts follow from the trajectory and the tool's parameters alone, apart from the
+scene. Points and directions are complex numbers x + i y from the hub's centre, m; arrays have n instants first.
 """
 
 from __future__ import annotations

@@ -48,10 +48,9 @@ CLEAR_OF_BAR = math.radians(5.0)
 
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return the bristle's lag behind the radial direction, its rate relative to the hub and its tip's speed.
+    """Return the lag, the rate relative to the hub and the tip's speed, in the units of STATE; None without a contact.
 
-    All in the units of STATE; None without a contact. Lag and rate of a wire that bends, whose links vibrate, are those of the
-    line from root to tip.
+    Lag and rate of a wire that bends, whose links vibrate, are those of the line from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)

@@ -1,7 +1,7 @@
 """Evaluate a function of keyword arguments over named axes, on one core, on many or on a cluster.
 
-An executor evaluates the points: the calling process, joblib's processes (loky), threads, or a Dask cluster. Only the
-calling process writes finished points to a store, as data and never as pickles; xarray labels and reads them.
+The calling process, joblib's processes (loky), threads or a Dask cluster evaluate the points. Only the calling process writes
+finished points to a store, as data and never as pickles; xarray labels and reads them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Digest of a swept function and all that it refers to, so that a store never returns stale results.
 
 joblib's hash walks the values. The user's functions, classes and modules stand for their instructions and values, installed
-ones for name and version, this package for its files. A pickle by value would note line numbers, and a random number for
-each class.
+ones for name and version, this package for its files. A pickle by value would contain line numbers and random numbers.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Points of a sweep: the outcome of one, and many by joblib's scheduler, in turns of some tenths of a second.
-
-Worker processes import this module and not those that label and store results.
-"""
+"""Points of a sweep: the outcome of one, and many by joblib's scheduler; worker processes import no more than this module."""
 
 from __future__ import annotations
 
@@ -25,12 +22,10 @@ from bristle_sim.studies.sweep_identity import name_of
 from bristle_sim.trajectory.records import ContactRecord
 
 Function = Callable[..., Any]
-Point = tuple[int, dict[str, Any]]
-"""Number of a point in its grid, and its arguments."""
-
-Outcome = tuple[dict[str, Array], str]
-"""Results of a point by name, and the reason why there are none, empty where there are."""
-
+Point = tuple[int, dict[str, Any]]  # number of a point in its grid, and its arguments
+Outcome = tuple[
+    dict[str, Array], str
+]  # results of a point by name, and the reason why there are none, empty where there are
 FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
 
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}

@@ -33,14 +33,11 @@ def sweep_scenario(
         run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
         axes: the values of each key, in SI units; one key can be drawn as lines, two as maps.
         units: of the keys; those of the quantities come from the report.
-        workers, store, progress: as :func:`bristle_sim.sweep` takes them.
+        workers, store, progress: those of :func:`bristle_sim.sweep`, which raises the same errors.
 
     Returns:
         The simulated values of the report's quantities by name (by formula if never simulated; NaN if missing), with ``units``
-        and ``long_name``; and ``failure``, the reason why a point lacks some: the error, or the report's answer.
-
-    Raises ValueError for no keys or more than two, and as :func:`bristle_sim.sweep` does.
-    """
+        and ``long_name``; and ``failure``, the reason why a point lacks some: the error, or the report's answer."""
     if len(axes) not in (1, 2):
         raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")
     space = {key: np.asarray(values, dtype=float) for key, values in axes.items()}

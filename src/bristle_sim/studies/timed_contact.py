@@ -1,8 +1,7 @@
 """A bristle's contact resolved in time: force and motion of one of a given compression time, and perhaps of a given impulse.
 
-A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its impulse
-and duration differ from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until the contact in
-the scene has what is requested.
+In the 50 us of a contact the hub turns by 0.75 deg and the bristle by more, so that impulse and duration differ from the
+rigid-body limit by some per cent. Speed and stiffness are adjusted until the contact in the scene has those requested.
 """
 
 from __future__ import annotations
@@ -154,11 +153,6 @@ class TimedContact:
         return np.asarray(cubics(self.time, values).antiderivative()(self.time))
 
 
-def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
-    """Return the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
-    return math.hypot(1.0, friction) * float(normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
-
-
 def timed_contact(
     hub: Hub,
     bristle: Bristle,
@@ -170,19 +164,18 @@ def timed_contact(
     rate: float | None = None,
     impulse: float | None = None,
 ) -> TimedContact:
-    """Simulate a strike whose contact has the given compression time, s.
+    """Simulate a strike whose contact has a compression time, s, at a rate of the bristle, rad/s, or of an impulse, N s.
 
-    The impact angle is in rad. Either the rate of the bristle, rad/s, or the compressive impulse, N s, must be given; for an
-    impulse the rate is found.
-
-    Raises ValueError if there is no such contact.
+    The impact angle is in rad, the impulse that of compression. Raises ValueError if there is no such contact.
     """
     if (rate is None) == (impulse is None):
         raise ValueError("rate, impulse: must be exactly one of the two")
     requested, speed = [compression_time], bristle.length * (rate or 0.0) + hub.radius * hub.speed
     if impulse is not None:
         requested = [compression_time, impulse]
-        speed = impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
+        # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
+        own = normal_compressive_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
+        speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
         if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
@@ -225,8 +218,8 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
     """Give the contact resolved in time the printed 50 us of compression, for films, unless a duration was requested.
 
-    The contact of the report is so short that the rods stand still meanwhile (the rigid-body limit): nanometres and
-    meganewtons. Where 50 us are too short or too long for these rods, it stays so, and ``timing`` says it.
+    The report's contact is so short that the rods stand still meanwhile (the rigid-body limit), and stays so where 50 us are
+    too short or too long for these rods; ``timing`` says which.
     """
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")

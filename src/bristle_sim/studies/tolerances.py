@@ -1,12 +1,12 @@
 """Which tolerance matters: inputs spread about their values, and how the strike spreads with them.
 
-Every input is uniform within its half-width about its value, independent of the others: an interval in which a dimension is
-accepted. For small spreads the standard deviation is that of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2).
+Every input is uniform within its half-width about its value, independent of the others. For small spreads the standard
+deviation is that of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2).
 
-Sobol indices share the variance of every output among the inputs. Two samples A and B of a scrambled Sobol sequence, and A
+Sobol indices divide the variance of every output among the inputs. Two samples A and B of a scrambled Sobol sequence, and A
 with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the fraction of the
-variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the fraction that x_i has a
-part in (``scipy.stats.sobol_indices``).
+variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the fraction in which x_i has a
+part (``scipy.stats.sobol_indices``).
 """
 
 from __future__ import annotations
@@ -181,9 +181,9 @@ def sobol_study(
 ) -> Study:
     """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
 
-    The point function is one as ``sweep`` takes it, and so are the workers; each argument is uniform in its interval. There are
-    at least two outputs, and samples, a power of 2, of each of the two independent samples. The seed is that of the sequence's
-    scrambling and of the bootstrap; scipy's own bootstrap takes none.
+    Function and workers are those of ``sweep``; each argument is uniform in its interval, and there are at least two outputs.
+    The number of samples is a power of 2. The seed is that of the sequence's scrambling and of the bootstrap, for which scipy's
+    own takes none.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.

@@ -1,7 +1,6 @@
 """Forces on a bristle over its turns: impulses of impacts, and time series of the sustained contacts between them.
 
 Normal and tangential are those of a contact record; moments are about the hub's centre, positive in the hub's sense.
-
 A load cell is a mass on a spring. With the damping of Butterworth's filter its response to a unit impulse is
 h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth, at which it passes half the power.
 """

@@ -1,8 +1,8 @@
 """The whole pass compared with the dissertation's chain of formulas: cue geometry, cue time, highest speed, oblique impact.
 
-The formulas are applied as in the dissertation: the bar releases the bristle at the retraction that its position permits,
-the bristle flies a quarter period of its undamped belt and strikes radially, at its highest speed. Where the simulation
-differs from them, that is the finding; only the independent reference has to agree within a tolerance.
+By the formulas the bar releases the bristle at the retraction that its position permits; the bristle flies a quarter period of
+its undamped belt and strikes radially, at its highest speed. Where the simulation differs, that is the finding; only the
+independent reference has to agree within a tolerance.
 """
 
 from __future__ import annotations

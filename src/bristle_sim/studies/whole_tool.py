@@ -1,11 +1,11 @@
 """The whole tool: forces of bristles that do not touch each other, on the workpart, the drive and a load cell.
 
 Such bristles are shifted copies of one: with N of them the mean of a force is N omega/(2 pi) times its integral over the
-turn that one bristle repeats. The drive's torque is the moment of the forces on the bristle, and in a second way the energy that a turn loses over its angle.
+turn that one bristle repeats. The drive's torque is the moment of the forces on the bristle; the energy that a turn loses over
+its angle confirms it.
 
-After a sustained contact only one motion is possible, since on the obstacle the bristle's angle follows from the hub's whatever came
-before. Each turn after the first one with a sustained contact is therefore the same, with a damped belt and without. Only
-a bristle that bounces off everything remembers more than a turn; its motion need not repeat.
+On an obstacle the bristle's angle follows from the hub's, whatever came before. Each turn after the first one with a sustained
+contact is therefore the same, with a damped belt and without. A bristle that bounces off everything need not repeat its motion.
 """
 
 from __future__ import annotations
