@@ -48,7 +48,7 @@ def values(report: Report) -> dict[str, float]:
 )
 def test_spheres(squared: float, most: tuple[float, float, float]) -> None:
     """Nothing is fitted: the limits are the resolution of points that were read off figures."""
-    found = spheres(squared).errors
+    found = spheres(squared)
     assert np.all(np.array([found["restitution"], found["spin"], found["rebound_angle"]]) <= most)
 
 

@@ -12,7 +12,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, draw_colours, styled, write_key
 from bristle_sim.studies.film import FOLLOWED, MEASURED, FilmMap
-from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, Spheres, sphere_rebound
+from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, sphere_rebound
 
 SPHERES = {
     "restitution": ("tangential velocity", "after over before"),
@@ -22,15 +22,14 @@ SPHERES = {
 
 
 @styled()
-def measured_figure(subject: tuple[Spheres, Spheres, Any]) -> Figure:
+def measured_figure(compliance: float) -> Figure:
     """Draw velocity ratio, spin and rebound angle: measured points, and the law's curves with and without compliance."""
-    compliant, rigid, _ = subject
     figure, angle, lines = blank_figure(16.0, 7.6), np.linspace(0.5, 62.0, 400), []
     for place, (name, (title, words)) in enumerate(SPHERES.items()):
         axes = add_panel(figure, (1.3 + 5.1 * place, 1.9, 3.9, 4.4), title, words, xlabel="angle of incidence (°)")
-        by_compliance = [sphere_rebound(angle, each.compliance)[name] for each in (rigid, compliant)]
+        by_compliance = [sphere_rebound(angle, each)[name] for each in (0.0, compliance)]
         lines = axes.plot(angle, by_compliance[0], "--", color=VERMILION, label="rigid along the surface")
-        lines += axes.plot(angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliant.compliance:g}")
+        lines += axes.plot(angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliance:g}")
         lines += axes.plot(*MEASURED_SPHERES[name].T, "o", color=BLACK, markersize=3.5, label="measured")
     figure.legend(handles=lines, loc="lower center", ncols=3)
     return figure

@@ -19,19 +19,7 @@ from bristle_sim.comparison import UNKNOWN, Report, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import (
-    FINEST_MAXIMUM,
-    Measures,
-    Place,
-    Strike,
-    fastest_place,
-    placed,
-    radial_place,
-    reference_solution,
-    retraction,
-    simulation,
-    stiffened_direction,
-)
+from bristle_sim.studies import bar_search
 from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, beside_radial, require_rigid, strike_of_keys
 from bristle_sim.theory import cueing
 
@@ -58,8 +46,8 @@ class CueMap:
     tool: Tool
     settings: Settings
     grid: MapGrid
-    radial: Place
-    fastest: Place
+    radial: bar_search.Place
+    fastest: bar_search.Place
     formula: float | None
 
 
@@ -72,34 +60,36 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     """
     require_rigid(tool)
     started, usual = clock.perf_counter(), 2 * USUAL_PASSES
-    strike = _logged(simulation(settings), usual * (1 + with_reference))
-    radial = radial_place(tool, strike)
-    fastest = fastest_place(tool, strike, radial.direction)
+    strike = _logged(bar_search.simulation(settings), usual * (1 + with_reference))
+    radial = bar_search.radial_place(tool, strike)
+    fastest = bar_search.fastest_place(tool, strike, radial.direction)
     simulated, theory, referred, printed = _named(tool, radial, fastest), UNKNOWN, UNKNOWN, UNKNOWN
     if with_reference:
-        independent = _logged(reference_solution(settings), usual)
-        found = radial_place(tool, independent, radial.direction)
-        referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
+        independent = _logged(bar_search.reference_solution(settings), usual)
+        found = bar_search.radial_place(tool, independent, radial.direction)
+        referred = _named(tool, found, bar_search.fastest_place(tool, independent, radial.direction))
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
     within = dict.fromkeys(QUANTITIES, tolerance) | {
         "bar_vertical": tolerance * max(1.0, steep),
         "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction,
+        "bar_direction_for_highest_tip_speed_deg": 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
     }
     if tool == Tool():
         names = ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg", "bar_horizontal", "bar_vertical")
         printed = dict(zip(names, printed_cue().values(), strict=True))
-    cue = cueing.cue(tool, retraction(tool)) if tool.belt.stiffness else None
+    cue = cueing.cue(tool, bar_search.retraction(tool)) if tool.belt.stiffness else None
     if cue is not None:  # in it the radial and the fastest strike are the same
         speed = cue.highest_relative_speed
         tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
-        place = Place(cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
+        place = bar_search.Place(cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
         theory = _named(tool, place, place)
     return Report(
         outcome=None,
         quantities=rows(QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None),
-        remarks=(f"the formula with centrifugal stiffening: {math.degrees(stiffened_direction(tool)):.3f} deg",),
+        remarks=(
+            f"the formula with centrifugal stiffening: {math.degrees(bar_search.stiffened_direction(tool)):.3f} deg",
+        ),
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, None if cue is None else cue.bar_direction),
         answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strike)}",
         wall_s=clock.perf_counter() - started,
@@ -119,7 +109,7 @@ def _found_in_words(simulated: Values) -> str:
     )
 
 
-def _where_it_stands(tool: Tool, strike: Strike) -> str:
+def _where_it_stands(tool: Tool, strike: bar_search.Strike) -> str:
     assert tool.bar is not None
     stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
     try:
@@ -129,11 +119,11 @@ def _where_it_stands(tool: Tool, strike: Strike) -> str:
     return f"Where it stands, at {stands:.2f}°{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}."
 
 
-def _logged(strike: Strike, usual: int) -> Strike:
+def _logged(strike: bar_search.Strike, usual: int) -> bar_search.Strike:
     """Wrap the strike so that each pass is logged, with the time left if the usual number of passes take the mean so far."""
     started, counter = clock.perf_counter(), itertools.count(1)
 
-    def logged(tool: Tool) -> Measures:
+    def logged(tool: Tool) -> bar_search.Measures:
         measures, finished = strike(tool), next(counter)
         left = (clock.perf_counter() - started) / finished * max(usual - finished, 1)
         words = "pass %d of some %d finished, about %.0f s left"
@@ -143,8 +133,8 @@ def _logged(strike: Strike, usual: int) -> Strike:
     return logged
 
 
-def _named(tool: Tool, radial: Place, fastest: Place) -> Values:
-    bar = placed(tool, radial.direction).bar
+def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
+    bar = bar_search.placed(tool, radial.direction).bar
     assert bar is not None
     strike, highest = radial.strike, fastest.strike["tip_speed_at_contact"]
     place = (math.degrees(radial.direction), bar.horizontal, bar.vertical)

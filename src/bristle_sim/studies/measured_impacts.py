@@ -53,14 +53,6 @@ Law = Callable[..., Impact]
 
 
 @dataclass(frozen=True, slots=True)
-class Spheres:
-    """A law's prediction for the spheres: root mean square error of each measured quantity, and the curves."""
-
-    compliance: float
-    errors: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
 class Ellipse:
     """The impacts of the file: states (..., 3) before and after, contact Jacobian (..., 2, 3) and K (..., 2, 2) of each.
 
@@ -111,13 +103,10 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
     }
 
 
-def spheres(compliance: float) -> Spheres:
-    """Return the root mean square errors of the prediction of the spheres."""
-    errors = {}
-    for name, points in MEASURED_SPHERES.items():
-        found = sphere_rebound(points[:, 0], compliance)[name]
-        errors[name] = float(np.sqrt(np.mean((found - points[:, 1]) ** 2)))
-    return Spheres(compliance, errors)
+def spheres(compliance: float) -> dict[str, float]:
+    """Return the root mean square error of the prediction of each measured quantity of the spheres."""
+    missed = {name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1] for name, at in MEASURED_SPHERES.items()}
+    return {name: float(np.sqrt(np.mean(each**2))) for name, each in missed.items()}
 
 
 def elastic_compliance(poisson_ratio: float) -> float:
@@ -151,43 +140,33 @@ def read_ellipse(path: str) -> Ellipse:
     long, short = (each**2 for each in HALF_AXES)
     height = np.sqrt(long * sine**2 + short * cosine**2)
     ahead = (long - short) * sine * cosine / height
-    one, none = np.ones_like(ahead), np.zeros_like(ahead)
-    jacobian = np.stack([np.stack([none, one, -ahead], -1), np.stack([one, none, -height], -1)], axis=-2)
+    jacobian = np.zeros((len(states), 2, 3))
+    jacobian[:, 0, 1] = jacobian[:, 1, 0] = 1.0
+    jacobian[:, 0, 2], jacobian[:, 1, 2] = -ahead, -height
     inverse_mass = np.einsum("kij,klj->kil", jacobian, jacobian / INERTIA)
     return Ellipse(states[:, 3:6], states[:, 9:12], jacobian, inverse_mass)
 
 
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """A law fitted on one half of the impacts: mu, e*, and the mean misfit of its predictions of the other half."""
-
-    law: Law
-    compliance: dict[str, float]
-    friction: float
-    restitution: float
-    error: float
-
-
-def fitted(law: Law, train: Ellipse, test: Ellipse, **compliance: float) -> Fit:
-    """Fit mu and e* to the least mean misfit of one half, from the best point of a coarse grid, and predict the other half."""
+def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]:
+    """Return mu and e* for the least mean misfit, from the best point of a coarse grid."""
     from scipy.optimize import minimize
 
     def mean(at: Array) -> float:
-        friction, restitution = float(abs(at[0])), float(np.clip(at[1], 0.0, 1.0))
-        return float(train.misfit(train.predicted(law, friction, restitution, **compliance)).mean())
+        return float(train.misfit(train.predicted(law, *bounded(at), **compliance)).mean())
+
+    def bounded(at: Array) -> tuple[float, float]:
+        return float(abs(at[0])), float(np.clip(at[1], 0.0, 1.0))
 
     starts = [np.array([mu, e]) for mu in (0.05, 0.15, 0.25, 0.4) for e in (0.3, 0.5, 0.7)]
-    best = minimize(mean, min(starts, key=mean), method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-7}).x
-    friction, restitution = float(abs(best[0])), float(np.clip(best[1], 0.0, 1.0))
-    error = test.misfit(test.predicted(law, friction, restitution, **compliance)).mean()
-    return Fit(law, compliance, friction, restitution, float(error))
+    options = {"xatol": 1e-4, "fatol": 1e-7}
+    return bounded(minimize(mean, min(starts, key=mean), method="Nelder-Mead", options=options).x)
 
 
-def confidence(train: Ellipse, fit: Fit) -> Array:
+def confidence(train: Ellipse, friction: float, restitution: float) -> Array:
     """Return the limits of 95 % of mu and e*, shape (2, 2), from fits to resampled halves, on a grid about the fit."""
-    about = (fit.friction * np.linspace(0.7, 1.3, GRID), fit.restitution * np.linspace(0.8, 1.2, GRID))
+    about = (friction * np.linspace(0.7, 1.3, GRID), restitution * np.linspace(0.8, 1.2, GRID))
     pairs = np.array([each.ravel() for each in np.meshgrid(*about, indexing="ij")])
-    hits = (train.predicted(fit.law, mu, min(e, 1.0), **fit.compliance) for mu, e in pairs.T)
+    hits = (train.predicted(energetic_impact, mu, min(e, 1.0)) for mu, e in pairs.T)
     table, rng = np.stack([train.misfit(hit) for hit in hits]), np.random.default_rng(0)
     count = table.shape[1]
     best = [np.argmin(table[:, rng.integers(0, count, count)].mean(axis=1)) for _ in range(RESAMPLES)]
@@ -196,27 +175,24 @@ def confidence(train: Ellipse, fit: Fit) -> Array:
 
 def measured_impacts(measured: Measured) -> Report:
     """Predict the spheres, and the ellipse where there is a file with its impacts."""
-    squared, units = measured.tangential_compliance, {"restitution": "1", "spin": "rad/s", "rebound_angle": "deg"}
-    compliant, rigid = spheres(squared), spheres(0.0)
+    squared, names = measured.tangential_compliance, ("restitution_error", "spin_error", "rebound_angle_error_deg")
+    errors, rigid = list(spheres(squared).values()), list(spheres(0.0).values())
+    units, tables = ("1", "rad/s", "deg"), []
     quantities = [
-        Quantity(f"{prefix}{name}_error{'_deg' if unit == 'deg' else ''}", unit, each.errors[name])
-        for prefix, each in (("", compliant), ("rigid_", rigid))
-        for name, unit in units.items()
+        *map(Quantity, names, units, errors),
+        *map(Quantity, (f"rigid_{name}" for name in names), units, rigid),
     ]
-    rows = []
     for nu in (0.23, 0.3):
-        errors = spheres(elastic_compliance(nu)).errors
-        shown = f"{errors['restitution']:.4f}", f"{errors['spin']:.1f}", f"{errors['rebound_angle']:.3f}"
-        rows.append((f"nu = {nu:g}", f"{elastic_compliance(nu):.3f}", *shown))
+        ratio, spin, angle = spheres(elastic_compliance(nu)).values()
+        tables.append((f"nu = {nu:g}", f"{elastic_compliance(nu):.3f}", f"{ratio:.4f}", f"{spin:.1f}", f"{angle:.3f}"))
     head = ("spheres, elastic constants", "eta^2", "velocity ratio", "spin, rad/s", "rebound, deg")
-    tables = (Table("Root mean square errors", head, tuple(rows)),)
+    form = "{:.3f}, spin by {:.0f} rad/s and rebound angle by {:.2f}°"
     answer = (
-        f"Spheres on glass: with eta^2 = {squared:.4g} the law misses the measured velocity ratio by "
-        f"{compliant.errors['restitution']:.3f}, spin by {compliant.errors['spin']:.0f} rad/s and rebound angle by "
-        f"{compliant.errors['rebound_angle']:.2f}°; a rigid surface by {rigid.errors['restitution']:.3f}, "
-        f"{rigid.errors['spin']:.0f} rad/s and {rigid.errors['rebound_angle']:.2f}°."
+        f"Spheres on glass: with eta^2 = {squared:.4g} the law misses the measured velocity ratio by {form.format(*errors)};"
+        f" with a rigid surface by {form.format(*rigid)}."
     )
-    found = Report(None, tuple(quantities), tables=tables, subject=(compliant, rigid, None), answer=answer)
+    table = Table("Root mean square errors", head, tuple(tables))
+    found = Report(None, tuple(quantities), tables=(table,), subject=squared, answer=answer)
     return found if measured.data is None else _with_ellipse(found, read_ellipse(measured.data), squared)
 
 
@@ -224,13 +200,15 @@ def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Repor
     """Add the laws fitted on every second impact of the ellipse, and their predictions of the others."""
     train, test = ellipse.part(slice(0, None, 2)), ellipse.part(slice(1, None, 2))
     laws: dict[str, Law] = {"energetic": energetic_impact, "poisson": poisson_impact, "newton": newton_impact}
-    fits = {name: fitted(law, train, test) for name, law in laws.items()}
-    fits["compliant"] = fitted(energetic_impact, train, test, tangential_compliance=compliance)
-    own, limits = fits["energetic"], confidence(train, fits["energetic"])
-    values = {"impacts": float(len(ellipse.before)), **{f"{name}_error": fit.error for name, fit in fits.items()}}
+    fits, elastic = {name: fitted(law, train) for name, law in laws.items()}, {"tangential_compliance": compliance}
+    hits = {name: test.predicted(law, *fits[name]) for name, law in laws.items()}
+    hits["compliant"] = test.predicted(energetic_impact, *fitted(energetic_impact, train, **elastic), **elastic)
+    friction, restitution = fits["energetic"]
+    limits = confidence(train, friction, restitution)
+    values = {"impacts": float(len(ellipse.before))}
+    values |= {f"{name}_error": float(test.misfit(hit).mean()) for name, hit in hits.items()}
     values |= {"best_impulse_error": float(test.misfit(test.best_impulse()).mean())}
-    values |= {"friction": own.friction, "restitution": own.restitution}
-    hit = test.predicted(own.law, own.friction, own.restitution)
+    values |= {"friction": friction, "restitution": restitution}
     remarks = (
         f"Friction {limits[0, 0]:.3f} to {limits[0, 1]:.3f} and restitution {limits[1, 0]:.3f} to {limits[1, 1]:.3f} in"
         f" 95 of 100 of {RESAMPLES} resampled halves.",
@@ -238,15 +216,14 @@ def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Repor
         " the other sign than in the file.",
     )
     answer = (
-        f" Ellipse: the energetic law leaves {own.error:.3f} of the outgoing velocity, with compliance"
-        f" {fits['compliant'].error:.3f}, the best point impulse {values['best_impulse_error']:.3f}."
+        f" Ellipse: the energetic law leaves {values['energetic_error']:.3f} of the outgoing velocity, with compliance"
+        f" {values['compliant_error']:.3f}, the best point impulse {values['best_impulse_error']:.3f}."
     )
     return dataclasses.replace(
         spheres,
         quantities=(*spheres.quantities, *(Quantity(name, "1", value) for name, value in values.items())),
         remarks=remarks,
-        tables=(*spheres.tables, _motions(hit), _over_lever(test, hit)),
-        subject=(*spheres.subject[:2], (test, fits)),
+        tables=(*spheres.tables, _motions(hits["energetic"]), _over_lever(test, hits["energetic"])),
         answer=spheres.answer + answer,
     )
 
@@ -264,6 +241,6 @@ def _over_lever(test: Ellipse, hit: Impact) -> Table:
     lever, misfit = -test.jacobian[:, 0, 2], test.misfit(hit)
     edges = np.quantile(lever, (0.0, 0.25, 0.5, 0.75, 1.0))
     quarter = np.clip(np.searchsorted(edges, lever, side="right") - 1, 0, 3)
-    means = (f"{misfit[quarter == i].mean():.3f}" for i in range(4))
-    rows = zip((f"{1e3 * low:.1f} to {1e3 * high:.1f}" for low, high in pairwise(edges)), means, strict=True)
-    return Table("Error over the lever", ("lever, mm", "mean error"), tuple(rows))
+    spans = (f"{1e3 * low:.1f} to {1e3 * high:.1f}" for low, high in pairwise(edges))
+    cells = tuple((span, f"{misfit[quarter == i].mean():.3f}") for i, span in enumerate(spans))
+    return Table("Error over the lever", ("lever, mm", "mean error"), cells)

@@ -11,20 +11,12 @@ import functools
 import hashlib
 import sys
 import sysconfig
+import types
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from pickle import PicklingError, whichmodule  # type: ignore[attr-defined]
-from types import (
-    CellType,
-    CodeType,
-    FunctionType,
-    GetSetDescriptorType,
-    MappingProxyType,
-    MemberDescriptorType,
-    ModuleType,
-)
 from typing import Any
 
 import numpy as np
@@ -73,19 +65,19 @@ def _reduced(value: Any) -> Any:
 
 def _parts(value: Any) -> Any:
     """Return the parts of a value that decide what it is; None where pickle knows them."""
-    module = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", "")
+    module = value.__name__ if isinstance(value, types.ModuleType) else getattr(value, "__module__", "")
     found: Any = None
-    if isinstance(value, ModuleType | FunctionType | type) and _is_library(module or "__main__"):
+    if isinstance(value, types.ModuleType | types.FunctionType | type) and _is_library(module or "__main__"):
         found = module, getattr(value, "__qualname__", ""), _version(module)
     elif isinstance(value, frozenset):
         found = set(value)
-    elif isinstance(value, MappingProxyType):
+    elif isinstance(value, types.MappingProxyType):
         found = dict(value)
-    elif isinstance(value, CodeType):
+    elif isinstance(value, types.CodeType):
         found = [getattr(value, name) for name in CODE.split()]
-    elif isinstance(value, CellType):
-        found = [] if value == CellType() else [value.cell_contents]
-    elif isinstance(value, FunctionType):
+    elif isinstance(value, types.CellType):
+        found = [] if value == types.CellType() else [value.cell_contents]
+    elif isinstance(value, types.FunctionType):
         found = [getattr(value, name) for name in FUNCTION.split()], list(_named(value))
     elif isinstance(value, type):
         found = value.__qualname__, value.__bases__, [each for each in vars(value).items() if _is_own(*each)]
@@ -96,7 +88,7 @@ def _parts(value: Any) -> Any:
     return found
 
 
-def _named(function: FunctionType) -> Iterator[Any]:
+def _named(function: types.FunctionType) -> Iterator[Any]:
     """Yield the values of the global names in a function, and of the modules that it imports."""
     steps = [each for code in _codes(function.__code__) for each in dis.get_instructions(code)]
     names = {str(each.argval) for each in steps}
@@ -109,19 +101,21 @@ def _named(function: FunctionType) -> Iterator[Any]:
 
 def _is_own(name: str, value: Any) -> bool:
     """Whether an attribute of a class says what it does, unlike those that Python adds."""
-    hidden = name.startswith("__") and not isinstance(value, (FunctionType, *ACCESSORS))
-    return not (hidden or name == "_abc_impl" or isinstance(value, MemberDescriptorType | GetSetDescriptorType))
+    hidden = name.startswith("__") and not isinstance(value, (types.FunctionType, *ACCESSORS))
+    return not (
+        hidden or name == "_abc_impl" or isinstance(value, types.MemberDescriptorType | types.GetSetDescriptorType)
+    )
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
+def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
     """Yield a function's code, and that of the functions within it."""
     yield code
-    yield from (inner for each in code.co_consts if isinstance(each, CodeType) for inner in _codes(each))
+    yield from (inner for each in code.co_consts if isinstance(each, types.CodeType) for inner in _codes(each))
 
 
 def _used(value: Any, names: set[str]) -> Any:
     """Return a value; of a module of the user the values in it that have one of the names."""
-    if not isinstance(value, ModuleType) or _is_library(value.__name__):
+    if not isinstance(value, types.ModuleType) or _is_library(value.__name__):
         return value
     return {name: _used(vars(value)[name], names - {name}) for name in sorted(names & vars(value).keys())}
 

@@ -18,19 +18,8 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies import strike_point
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
-from bristle_sim.studies.strike_point import (
-    IMPACT,
-    STATE,
-    beside_radial,
-    contact_quantities,
-    outcome_of,
-    ran,
-    reference_accuracy,
-    require_result,
-    state_at_strike,
-    stopped,
-)
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import Trajectory
@@ -47,8 +36,8 @@ QUANTITIES = {
     "release_retraction_deg": ("retraction at release", "deg"),
     "largest_retraction_deg": ("largest retraction", "deg"),
     "contact_time": ("time of the strike", "s"),
-    **STATE,
-    **IMPACT,
+    **strike_point.STATE,
+    **strike_point.IMPACT,
 }
 
 PRINTED = {
@@ -76,11 +65,11 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     run, reference, referred = simulate(tool, settings), None, UNKNOWN
     contact, cost = run.first_contact("workpart"), run.cost
     if contact is None:
-        require_result(run, settings)
+        strike_point.require_result(run, settings)
     if with_reference:
         from bristle_sim.reference import simulate_reference
 
-        accuracy = reference_accuracy(settings)
+        accuracy = strike_point.reference_accuracy(settings)
         reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after="strike")
         referred = _measured(tool, reference)
 
@@ -108,27 +97,27 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     if run.stop_reason.gives_up:
         remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds")
     return Report(
-        outcome=outcome_of(contact),
+        outcome=strike_point.outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
         quantities=(*found, *(each for each in invariants if each.ok is False)),
         phases=contact.phases if contact is not None else (),
-        **ran(run),
+        **strike_point.ran(run),
         remarks=tuple(remarks),
-        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
+        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": strike_point.stopped(run)},
         subject=WholePass(tool, run, reference),
         answer=_why_not(tool, run)
         if contact is None
-        else _strike_in_words(measured, outcome_of(contact)) + differences(found),
+        else _strike_in_words(measured, strike_point.outcome_of(contact)) + differences(found),
     )
 
 
 def _strike_in_words(measured: Values, outcome: str) -> str:
-    names = ("contact_time", *STATE, "normal_final_impulse")
+    names = ("contact_time", *strike_point.STATE, "normal_final_impulse")
     time, lag, speed, tip, impulse = (measured[name] or 0.0 for name in names)
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
+        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {strike_point.beside_radial(lag)}, {relative}, its tip at"
         f" {amount(tip, 'm/s')}, with a normal impulse of {amount(impulse, 'N s')} ({outcome})."
     )
 
@@ -158,8 +147,8 @@ def _measured(tool: Tool, run: Trajectory) -> Values:
         "release_retraction_deg": retraction,
         "largest_retraction_deg": math.degrees(run.retraction[run.time <= until].max()),
         "contact_time": None if contact is None else contact.time,
-        **state_at_strike(tool, run, contact),
-        **contact_quantities(contact),
+        **strike_point.state_at_strike(tool, run, contact),
+        **strike_point.contact_quantities(contact),
     }
 
 
@@ -185,4 +174,4 @@ def _formulas(tool: Tool) -> Values:
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
-    return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}
+    return {**values, **{name: float(getattr(impact, name)) for name in strike_point.IMPACT}}
