@@ -42,10 +42,11 @@ def touches(run: bs.Trajectory) -> list[float]:
         *itertools.product((2e-3, 5e-4), (0.31, 0.6), (0.42, 0.0), (0.0, 1.21)),
         *itertools.product((1e-4, 3e-5), (0.31,), (0.42,), (0.0, 1.21)),
         (5e-4, 0.31, 0.8, 0.1),
+        (1e-4, 1.0, 0.0, 0.0),
     ],
 )
 def test_a_whole_pass(duration: float, friction: float, restitution: float, compliance: float) -> None:
-    """Also elastic along the surface, eta^2 = 1.21 for steel."""
+    """Also elastic along the surface, eta^2 = 1.21 for steel; and with e* = 0 pressed in deeper and deeper by the belt."""
     tool = timed(duration, friction, restitution, compliance)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY))
     exact = simulate_reference(tool, contact_stiffness=stiffness(run), accuracy=1e-9)

@@ -25,7 +25,7 @@ from bristle_sim.scene.integrate.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import SmoothMotion
 from bristle_sim.scene.progress import Plan, Progress, Recording
-from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_spring
+from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_spring, pressed_on
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -157,7 +157,12 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
         return motion
     # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
     spent = outcome is Outcome.NO_REBOUND and spring.expected.moves
-    if spent or (outcome is Outcome.REBOUND and progress.approach(obstacle) > progress.slow):
+    leaves = outcome is Outcome.REBOUND and progress.approach(obstacle) > progress.slow
+    if not leaves and (again := pressed_on(motion, obstacle)) is not None:
+        progress.event(f"{obstacle.name} release", wires)
+        progress.event(_touch_name(progress, obstacle), wires, lasts=True)
+        return _following(progress, [again], motion.separating)
+    if spent or leaves:
         progress.event(f"{obstacle.name} release", wires)
         return _following(progress, motion.sustained, [*motion.separating, obstacle])
     return _following(progress, [*motion.sustained, Sustained(obstacle)], motion.separating)
@@ -181,7 +186,7 @@ def _begin_contact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: b
     if rests and not progress.mechanism.lone:
         # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
         contact = Sustained(obstacle)
-    elif not (law.at_once or rests) and -progress.approach(obstacle) > progress.slow:
+    elif not law.at_once and -progress.approach(obstacle) > progress.slow:
         try:
             spring = law.spring(progress.scene, progress.state, obstacle)
         except ValueError as error:

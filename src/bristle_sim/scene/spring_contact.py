@@ -29,6 +29,21 @@ def begin_spring(motion: SmoothMotion, obstacle: Obstacle, spring: Spring) -> Su
     return contact
 
 
+def pressed_on(motion: SmoothMotion, obstacle: Obstacle) -> Sustained | None:
+    """Return the contact that follows at once where the last one has left a lone link's tip at rest; None if it is not pressed.
+
+    A spring at rest is pressed in by its load over its stiffness, which is more than the accuracy where the load is that of a
+    belt and the contact is not very short; without restitution it is pressed in again and again.
+    """
+    progress, instant = motion.progress, motion.progress.plan.instant
+    if not progress.mechanism.lone or motion.sustained or progress.had_last_event:
+        return None
+    ahead = progress.flight.advance(progress.scene, progress.state, instant).state
+    press = (progress.approach(obstacle) - progress.gaps.gap_and_rate(obstacle, ahead)[1]) / instant
+    spring = obstacle.law.spring(progress.scene, progress.state, obstacle, press) if press > 0.0 else None
+    return None if spring is None else begin_spring(motion, obstacle, spring)
+
+
 def after_impact(motion: SmoothMotion) -> list[Sustained]:
     """Return a motion's contacts with springs after an impact elsewhere, which changes the sense of their motion."""
     for each, spring in motion.springs:

@@ -65,7 +65,7 @@ class CompliantLaw(ContactLaw):
     name = "compliant"
     at_once: ClassVar[bool] = False
 
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle, press: float = 0.0) -> Spring | None:
         """Return the spring of a new contact; None if the touch is too slow to be resolved.
 
         Raises:
@@ -86,7 +86,10 @@ class CompliantLaw(ContactLaw):
         # A tangential spring multiplies rounding of places by its stiffness.
         rounding = max(1.0, 1.0 / compliance) if compliance else 1.0
         duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
-        if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
+        depth = -space.velocity[0] * duration * unloading
+        if self.stiffness is not None:
+            depth = max(depth, press / (self.stiffness * float(space.inverse_mass[0, 0])))
+        if depth < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle, duration)

@@ -42,9 +42,12 @@ class ContactLaw:
     name: ClassVar[str]
     at_once: ClassVar[bool] = True
 
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
-        """Return the spring of a contact that is resolved in time; None if the impact is instantaneous."""
-        del scene, state, obstacle
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle, press: float = 0.0) -> Spring | None:
+        """Return the spring of a contact that is resolved in time; None if the impact is instantaneous.
+
+        ``press`` is the acceleration at which a point at rest would approach.
+        """
+        del scene, state, obstacle, press
         return None
 
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:

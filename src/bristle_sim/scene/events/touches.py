@@ -87,8 +87,8 @@ def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -
     progress.stepper.begin_afresh()
     if instant < length and (gap := gap_at(instant / length)) <= 0.0:
         gap = gaps.gap(obstacle, interval.again(instant).state)
-    # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
-    low = progress.mechanism.lone and -progress.plan.accuracy <= gap < 0.0
+    # Whether a single rigid link hops is of no consequence; of several, one may hop while another is pressed on.
+    low = progress.mechanism.lone and obstacle.law.at_once and -progress.plan.accuracy <= gap < 0.0
     if low or gaps.gap(obstacle, start) < -GAP_ROUNDING:
         return (interval.end if instant >= length else interval.again(instant)), Touch(obstacle, True)
     part = 1.0
