@@ -20,17 +20,22 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
 
 
 def plot(report: Report) -> Picture:
-    """Draw the retraction over time, and the tip speed over the hub's."""
+    """Draw the retraction over the hub's turn, and the rate relative to the hub over it."""
     from bristle_sim.render.inertia_figure import inertia_figure
 
     return inertia_figure(report.subject)
 
 
 def film(report: Report, **size: int) -> Film:
-    """Film both tools side by side."""
-    from bristle_sim.render.tool_films import inertia_film
+    """Film the bristle that its inertia throws, from the pulley's beginning until it is radial."""
+    from bristle_sim.render.tool_films import pass_film
 
-    return inertia_film(report.subject, **size)
+    if report.subject.radial is None:
+        raise ValueError(
+            "film: the bristle must become radial again; its inertia throws it beyond the limit of retraction"
+        )
+    run = report.subject.radial.trajectory
+    return pass_film(run, run.tool, **size)
 
 
 SCENARIO = Scenario(

@@ -115,7 +115,7 @@ PROMISES = {
         f"{RIGID_TOOL} {BELT} {BAR} penetration reference",
         integrates=True,
         strikes=False,
-        film="bristle_sim.render.tool_films.inertia_film",
+        film="bristle_sim.render.tool_films.pass_film",
     ),
     "flexible_wire": Promise(
         "first_bending_frequency second_bending_frequency normal_final_impulse peak_force time_in_touch"

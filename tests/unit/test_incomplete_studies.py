@@ -32,7 +32,7 @@ from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.film import slow_motion
 from bristle_sim.render.force_figures import whole_tool_figure
 from bristle_sim.render.inertia_figure import inertia_figure
-from bristle_sim.render.tool_films import inertia_film, row_film
+from bristle_sim.render.tool_films import pass_film, row_film
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import radial_place, simulation
@@ -78,7 +78,6 @@ REFUSALS = [
     (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
     (lambda: bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)), "step budget spent"),
-    (lambda: inertia_film(driven(OUT_OF_REACH).subject), "the bristle must strike with the bar"),
     (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
     (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
     (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
@@ -216,5 +215,5 @@ def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(ffmpeg, "get_ffmpeg_exe", absent)
     monkeypatch.setattr(ffmpeg, "write_frames", lambda *_, **__: absent())
     with pytest.raises(ValueError, match=r"ffmpeg for this machine: pip install .*, or a \.gif"):
-        inertia_film(driven(Tool()).subject, duration=0.5).write(tmp_path / "film.mp4")
+        pass_film(simulate(Tool()), Tool(), duration=0.5).write(tmp_path / "film.mp4")
     assert not list(tmp_path.iterdir())

@@ -3,13 +3,11 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
-from bristle_sim.render.tool_films import inertia_film
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import _answer, inertia_driven
 from bristle_sim.theory.inertia_drive import largest_retraction, time_to_radial
@@ -96,18 +94,3 @@ def test_without_a_strike_there_is_nothing_to_equal():
     assert simulated["hub_speed_for_equal_tip_speed"] is None
     assert "with the bar there is no strike to compare with (" in found.answer
     assert "at no pulley speed is it as fast" in _answer(found.subject.radial, 1e3, "", None)
-
-
-def test_film_of_both_tools():
-    """Both roots are at the strike's place at the end; before it enters the pulley the bristle goes straight on, as fast."""
-    driven = inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject
-    scene = inertia_film(driven, width=96, height=48, duration=1.0)
-    cued, thrown = (stage.wires[0][0] for stage in scene.stages)
-    assert cued(0.0).centre_line[0] == pytest.approx(thrown(0.0).centre_line[0], abs=1e-9)
-    entered, before = (thrown(time - driven.radial.time).centre_line for time in (0.0, -1e-4))
-    assert entered - before == pytest.approx(np.tile(entered[0] - before[0], (2, 1)), abs=1e-15)
-    assert math.dist(entered[0], before[0]) == pytest.approx(SPEED * 0.0275 * 1e-4, rel=1e-12)
-    assert (entered[0] - before[0]) @ entered[0] == pytest.approx(0.0, abs=1e-15)
-    for film_time in (0.0, 1.0):
-        scene.show(film_time)
-    assert scene.texts[0] == "with the bar, and without it, round the pulley"

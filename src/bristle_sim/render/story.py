@@ -13,6 +13,7 @@ MOST_LABELS = 9  # as many labels as fit above a panel of full width
 AFTERMATH = 0.12  # how long the story goes on after the tip has left the workpart, as a fraction of the time before
 SAME_INSTANT = 1e-9  # events nearer to each other than this are one, s
 CARRIED = math.radians(1.0)  # a bristle that starts nearer than this to radial is carried along, not thrown, rad
+LAGGING = 0.01  # a bristle whose first rate differs from the hub's by this fraction does not turn with it
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
@@ -63,9 +64,12 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
-    thrown, events = abs(trajectory.relative_angle[0]) > CARRIED, _notable(trajectory)
-    found = [Phase(float(trajectory.time[0]), THROWN if thrown else "turns with the hub")]
+    start, events = float(trajectory.time[0]), _notable(trajectory)
     contact, strike = trajectory.first_contact("workpart"), trajectory.event_time("strike")
+    lags = abs(trajectory.relative_rate[0]) > LAGGING * abs(trajectory.hub_speed)
+    found = [Phase(start, "lags behind the hub by its inertia" if lags else "turns with the hub")]
+    if abs(trajectory.relative_angle[0]) > CARRIED:
+        found = [Phase(start, THROWN)]
     for number, event in enumerate(events):
         obstacle, later = event.name.removesuffix(" touch"), events[number + 1 :]
         if event.name == "strike":
@@ -81,16 +85,15 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
             following = next((each.name for each in later if each.name.startswith(f"{obstacle} ")), "")
             bounce = following != f"{obstacle} release"
             found.append(Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle]))
-        elif event.name in _CAPTIONS and _begins_a_phase(event, strike):
+        elif event.name == "bar release" and any(
+            each.name == "bar touch" and (strike is None or each.time < strike) for each in later
+        ):
+            found.append(Phase(event.time, "off the bar"))
+        elif event.name == "largest retraction" and (event.time < strike if strike is not None else not lags):
+            continue  # before a strike the release begins the phase
+        elif event.name in _CAPTIONS and (event.name != "highest relative speed" or strike is None):
             found.append(Phase(event.time, _CAPTIONS[event.name]))
     return tuple(sorted(found, key=lambda phase: phase.start))
-
-
-def _begins_a_phase(event: Event, strike: float | None) -> bool:
-    """Return False for a largest retraction before the strike, and for a highest speed in a run that has a strike."""
-    if event.name == "largest retraction":
-        return strike is not None and event.time > strike
-    return event.name != "highest relative speed" or strike is None
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:

@@ -1,25 +1,23 @@
-"""Film of the tool to scale, in slow motion: a whole pass, a row of bristles, or two tools side by side."""
+"""Film of the tool to scale, in slow motion: one bristle, or a row of bristles."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, SKY, VERMILION
-from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
+from bristle_sim.render.drawing import View, WireDrawing, close_up, draw_film_tool, touch_places
 from bristle_sim.render.film import HEADER, Film, TimeWarp, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, signed, styled
 from bristle_sim.trajectory import Interpolation, Motion, Trajectory
 
 if TYPE_CHECKING:
-    from bristle_sim.studies.inertia_driven import InertiaDriven
     from bristle_sim.studies.neighbours import NeighbourRow
 
 CAPTION_SHOWN = 0.5  # film time for which the instant of the strike keeps its caption, s
@@ -28,75 +26,64 @@ ROW_SLOWER, ROW_AFTER = 10.0, 0.15
 bristle's strike, as a fraction of the time before."""
 
 
-class Stage(NamedTuple):
-    """A tool with its wires, in a drawing of its own.
-
-    Attributes:
-        tool: with hub, bar and workpart as drawn.
-        wires: of each the motion at an instant of the film's clock, s, and its colour.
-        shown: centre lines that the view must contain, m.
-        details: whether the radial line and a ring of roots are drawn.
-        trail: motion whose tip leaves a trail.
-        strike: where a star marks the strike, m.
-    """
-
-    tool: Tool
-    wires: Sequence[tuple[Callable[[float], Motion], str]]
-    shown: Array
-    details: bool = False
-    trail: Motion | None = None
-    strike: Array | None = None
-
-
 class ToolFilm(Film):
-    """Tools side by side with any number of wires and links, and rings where wires of one tool touch."""
+    """A tool with any number of wires and links, and rings where its wires touch each other."""
 
     @styled()
     def __init__(
         self,
-        stages: Sequence[Stage],
+        tool: Tool,
+        wires: Sequence[tuple[Callable[[float], Motion], str]],
+        view: View,
         warp: TimeWarp,
         story: Sequence[Phase],
         readings: Callable[[Sequence[Motion]], Sequence[str]],
-        colours: Sequence[str],
-        pixels: tuple[int, int],
-        margin: float = 0.04,
+        size: tuple[int, int],
+        *,
+        trail: Motion | None = None,
+        strike: Array | None = None,
     ) -> None:
-        """``readings`` writes the read-outs, in these colours, from the motion of all wires in their order."""
-        self.size = (960, 480) if len(stages) > 1 else (640, 480)
-        super().__init__(warp, *pixels, colours)
-        self.stages, self.story, self._readings = stages, tuple(story), readings
-        self.wires: list[list[WireDrawing]] = []
-        width, height = 1.0 / len(stages), 1.0 - HEADER
-        lines = np.concatenate([np.reshape(each.shown, (-1, 2)) for each in stages])
-        view = close_up(lines, stages[0].tool, width * pixels[0] / (height * pixels[1]), margin)
-        for number, stage in enumerate(stages):
-            axes = self.figure.add_axes((number * width, 0.0, width, height))
-            draw_film_tool(axes, stage.tool, view, 0.75 * self.letters)
-            (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-            wires = [WireDrawing(axes, stage.tool, color=each, details=stage.details) for _, each in stage.wires]
-            (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
-            (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-            self.wires.append(wires)
-            self.moving += [self.trail, *(each for wire in wires for each in wire.artists), self.star, self.rings]
+        """Draw the parts that do not move.
+
+        Args:
+            tool: with hub, bar and workpart as drawn.
+            wires: of each the motion at an instant, s, and its colour.
+            view: part of the tool that is shown, mm.
+            warp, story: the film's times, and captions.
+            readings: writes the read-outs from the motion of all wires, in the last one's colour if there are several.
+            size: of the picture, px.
+            trail: motion of a single wire, whose tip leaves a trail; the wire's radial line and other roots are shown too.
+            strike: place where a star marks the strike, m.
+        """
+        super().__init__(warp, *size, (wires[-1][1] if len(wires) > 1 else BLACK, BLACK))
+        self.tool, self.story, self._readings = tool, tuple(story), readings
+        self._motions, self._past, self._place = [motion for motion, _ in wires], trail, strike
+        axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
+        draw_film_tool(axes, tool, view, 0.75 * self.letters)
+        (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
+        self.wires = [WireDrawing(axes, tool, color=color, details=trail is not None) for _, color in wires]
+        (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
+        (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
+        self.moving = [self.trail, *(each for wire in self.wires for each in wire.artists), self.star, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires, trails, stars and rings to an instant of the film's clock, s."""
-        every, caption = [], phase_at(self.story, time).caption
-        for stage, drawings in zip(self.stages, self.wires, strict=True):
-            now = [motion(time) for motion, _ in stage.wires]
-            for drawing, each in zip(drawings, now, strict=True):
-                drawing.place(each.centre_line)
-            if stage.trail is not None:
-                past = stage.trail.tip[: np.searchsorted(stage.trail.time, time, side="right")]
-                self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
-            if stage.strike is not None:
-                self.star.set_data(*(MILLIMETRES * stage.strike[:, np.newaxis]))
-                self.star.set_visible(caption == "strike")
-            lines = [each.centre_line for each in now]
-            self.rings.set_data(*touch_places(lines, stage.tool.bristle.wire_diameter).T)
-            every += now
-        return caption, *self._readings(every)
+        """Move wires, trail, star and rings to an instant, s."""
+        now, caption = [motion(time) for motion in self._motions], phase_at(self.story, time).caption
+        lines = [each.centre_line for each in now]
+        for drawing, line in zip(self.wires, lines, strict=True):
+            drawing.place(line)
+        if self._past is not None:
+            past = self._past.tip[: np.searchsorted(self._past.time, time, side="right")]
+            self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
+        if self._place is not None:
+            self.star.set_data(*(MILLIMETRES * self._place[:, np.newaxis]))
+            self.star.set_visible(caption == "strike")
+        self.rings.set_data(*touch_places(lines, self.tool.bristle.wire_diameter).T)
+        return caption, *self._readings(now)
+
+
+def _view(tool: Tool, shown: Array, size: tuple[int, int], margin: float) -> View:
+    return close_up(shown, tool, size[0] / (size[1] * (1.0 - HEADER)), margin)
 
 
 def pass_film(
@@ -118,7 +105,6 @@ def pass_film(
     warp = slow_motion(float(run.time[0]), float(course.time[-1]), duration, focus, slower=slower)
     shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
     place = None if strike is None else motion(strike).tip
-    stage = Stage(tool, [(motion, BLUE)], course.centre_line, details=True, trail=course, strike=place)
     in_time = contact is not None and contact.history is not None
 
     def readings(now: Sequence[Motion]) -> tuple[str, str]:
@@ -126,7 +112,9 @@ def pass_film(
         force = f"{speed} {now[0].normal_force:5.1f} N" if in_time else f"tip speed {now[0].tip_speed:5.1f} m/s"
         return _retraction(now[0]), force
 
-    return ToolFilm([stage], warp, phases(run, shown), readings, (BLACK, BLACK), (width, height))
+    size = (width, height)
+    view, story = _view(tool, course.centre_line, size, 0.04), phases(run, shown)
+    return ToolFilm(tool, [(motion, BLUE)], view, warp, story, readings, size, trail=course, strike=place)
 
 
 def _retraction(motion: Motion, whose: str = "") -> str:
@@ -147,8 +135,8 @@ def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration
     def readings(now: Sequence[Motion]) -> tuple[str]:
         return (_retraction(now[-1], f"of bristle {len(now)} "),)
 
-    stage = Stage(row.tool, list(zip(motions, colors, strict=True)), shown)
-    return ToolFilm([stage], warp, _story(row), readings, colors[-1:], (width, height), margin=0.08)
+    wires, size = list(zip(motions, colors, strict=True)), (width, height)
+    return ToolFilm(row.tool, wires, _view(row.tool, shown, size, 0.08), warp, _story(row), readings, size)
 
 
 def _story(row: NeighbourRow) -> tuple[Phase, ...]:
@@ -165,41 +153,3 @@ def _story(row: NeighbourRow) -> tuple[Phase, ...]:
             captions[f"{name} strikes at {rate} rad/s relative to the hub"] = strike
         found += [Phase(time, caption) for caption, time in captions.items() if time is not None]
     return tuple(sorted(found))
-
-
-def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, duration: float = 8.0) -> ToolFilm:
-    """Return a film of the tool with its bar beside the same tool without, each up to its strike or radial instant, time 0.
-
-    Raises ValueError unless the bristle strikes with the bar, and becomes radial again without it.
-    """
-    contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
-    if contact is None or radial is None:
-        raise ValueError("film of both tools: the bristle must strike with the bar, and come back to radial without")
-    cued, thrown = Interpolation(driven.pass_with_bar), Interpolation(radial.trajectory)
-    # Without gravity the pulley may be entered anywhere: where the bristle is radial at the other one's strike.
-    touch, root = cued(contact.time).centre_line[0], thrown(radial.time).centre_line[0]
-    angle = math.atan2(touch[1], touch[0]) - math.atan2(root[1], root[0])
-    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-    entered = thrown(0.0).centre_line[0] @ turn
-    belt = driven.tool.hub.speed * np.array([-entered[1], entered[0]])
-
-    def with_bar(time: float) -> Motion:
-        return cued(min(max(time + contact.time, 0.0), contact.time), "before")
-
-    def without(time: float) -> Motion:
-        """Return the motion of the bristle without a bar; before it enters the pulley it moves straight with the belt."""
-        now, early = thrown(min(max(time + radial.time, 0.0), radial.time)), min(time + radial.time, 0.0)
-        velocity = now.centre_line_velocity @ turn if early == 0.0 else np.broadcast_to(belt, now.centre_line.shape)
-        return dataclasses.replace(
-            now, centre_line=now.centre_line @ turn + early * belt, centre_line_velocity=velocity
-        )
-
-    def readings(now: Sequence[Motion]) -> tuple[str, str]:
-        return f"bar-cued tip {now[0].tip_speed:5.1f} m/s", f"thrown by inertia {now[1].tip_speed:5.1f} m/s"
-
-    words = "with the bar, and without it, "
-    story = (Phase(-math.inf, f"{words}still on the straight belt"), Phase(-radial.time, f"{words}round the pulley"))
-    shown, bare = cued.course(contact.time).centre_line, dataclasses.replace(driven.tool, bar=None)
-    stages = [Stage(driven.tool, [(with_bar, BLUE)], shown, details=True), Stage(bare, [(without, VERMILION)], shown)]
-    warp = slow_motion(-contact.time, 0.0, duration)
-    return ToolFilm(stages, warp, story, readings, (BLUE, VERMILION), (width, height))
