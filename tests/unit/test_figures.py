@@ -168,7 +168,7 @@ def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_dr
 def test_the_words_above_a_panel_name_the_first_error_that_is_reached():
     coarse, failed = at("bristle_sim simulate", 1e-2, 2e-3), at("bristle_sim simulate", np.inf, np.nan)
     assert reached([coarse, failed]) == (1e-2, coarse)
-    assert verdict(*reached([coarse]), None) == "to $10^{-2}$: simulate 2 ms, no peer gets there"
+    assert verdict(*reached([coarse]), None) == "to $10^{-2}$: simulate 2 ms; no peer"
     assert verdict(*reached([failed]), None) == "none of our methods is within 1"
 
 
