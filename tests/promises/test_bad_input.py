@@ -31,7 +31,7 @@ def measured(name: str) -> bool:
 
 
 def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Range, "_checked", lambda self, number, _: int(number) if self.whole else number)
+    monkeypatch.setattr(Range, "check", lambda self, number, _=None: int(number) if self.whole else float(number))
     assert not measured("every value of Hub")
     assert not measured("every argument of EnergeticContact")
 
@@ -45,7 +45,7 @@ def test_a_refusal_that_is_not_clear_is_noticed(line: str, monkeypatch: pytest.M
 
 def test_a_number_of_another_kind_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """NumPy's numbers are kept as plain ones: a repr, a file or JSON would tell them apart."""
-    monkeypatch.setattr(Range, "check", lambda _, value: value)
+    monkeypatch.setattr(Range, "check", lambda _self, value, _typed=None: value)
     assert not measured("every value of Belt")
 
 

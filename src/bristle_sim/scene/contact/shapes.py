@@ -103,9 +103,8 @@ class ImpulseRecord:
     """
 
     def __init__(self, space: pymunk.Space, link: pymunk.Body, *, slips: bool) -> None:
-        points = lib.POINT_A_1 | lib.POINT_B_1 if slips else 0
-        self._size, self._slips, self._stale = 8 if slips else 4, slips, 0
-        self._impulses, impulses = _numbers(lib.TOTAL_IMPULSE | lib.NORMAL | points)
+        self._slips, self._stale = slips, 0
+        self._impulses, impulses = _numbers(lib.TOTAL_IMPULSE | lib.NORMAL | lib.POINT_A_1 | lib.POINT_B_1)
         self._motion, motion = _numbers(lib.POSITION | lib.VELOCITY | lib.ANGULAR_VELOCITY)
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
         note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, impulses)
@@ -132,8 +131,9 @@ class ImpulseRecord:
         self.note()
         found, numbers = [], ffi.unpack(self._impulses.arr, self._impulses.num)
         motion = ffi.unpack(self._motion.arr, self._motion.num)[10:] if self._slips else []
-        for step, at in enumerate(range(self._stale, len(numbers), self._size)):
-            p, q, x, y, *points = numbers[at : at + self._size]
+        records = (numbers[at : at + 8] for at in range(self._stale, len(numbers), 8))
+        # The engine remembers a pair of shapes that does not touch without its points.
+        for step, (p, q, x, y, *points) in enumerate(each for each in records if any(each[4:])):
             sense = 1.0 if x * normal[0] + y * normal[1] > 0.0 else -1.0
             push, rub, slip = p * x + q * y, sense * (p * y - q * x), 0.0
             if self._slips:
