@@ -30,7 +30,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     Raises:
         ValueError: for bad input, or if no point has a result.
     """
-    from bristle_sim.studies.sweep_scenario import sweep_scenario
+    from bristle_sim.studies.sweep import sweep_scenario
 
     keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)

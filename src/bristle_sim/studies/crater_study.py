@@ -22,12 +22,7 @@ from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
-from bristle_sim.theory.crater import (
-    constant_for_crater_depth,
-    energy_crater_depth,
-    merchant_crater_depth,
-    merchant_crater_depth_limit,
-)
+from bristle_sim.theory import crater as chapter_4
 from bristle_sim.theory.crater_cutting import (
     ContactCrater,
     crater_depth_from_contact,
@@ -89,10 +84,10 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
     cut, depths = cut_of(crater), dict[str, float]()
     if not study.no_chip:
-        depths["merchant_crater_depth"] = float(merchant_crater_depth(plies=crater.plies, **cut))
-        depths["merchant_crater_depth_limit"] = float(merchant_crater_depth_limit(**cut))
+        depths["merchant_crater_depth"] = float(chapter_4.merchant_crater_depth(plies=crater.plies, **cut))
+        depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
     of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
-    depths["energy_crater_depth"] = float(energy_crater_depth(int(crater.plies), **of_energy))
+    depths["energy_crater_depth"] = float(chapter_4.energy_crater_depth(int(crater.plies), **of_energy))
     simulated, theory = _contact_depths(study, bristle, speed)
     words, constant = "C for the measured depth", _constant_deg(crater)
     remarks = [
@@ -205,6 +200,8 @@ def energy_depth_course(crater: Crater) -> Array:
 def _constant_deg(crater: Crater) -> float | None:
     """Return C for the measured depth, degrees; None where there is none."""
     try:
-        return math.degrees(float(constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut_of(crater))))
+        return math.degrees(
+            float(chapter_4.constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut_of(crater)))
+        )
     except ValueError:
         return None

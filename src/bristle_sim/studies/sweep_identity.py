@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dis
 import functools
-import hashlib
 import sys
 import sysconfig
 import types
@@ -42,11 +41,10 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
     Raises ValueError if the function refers to an object whose changes cannot be seen, such as a lock or an open file.
     """
-    package, files = Path(bristle_sim.__file__).parent, hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        files.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
+    package = Path(bristle_sim.__file__).parent
+    files = [(path.relative_to(package).as_posix(), path.read_bytes()) for path in sorted(package.rglob("*.py"))]
     try:
-        parts = files.digest(), *map(_version, ("numpy", "pymunk", "scipy")), version, function
+        parts = files, *map(_version, ("numpy", "pymunk", "scipy")), version, function
         hasher = NumpyHasher(hash_name="sha256")
         hasher.reducer_override = _reduced
         return str(hasher.hash(parts))
