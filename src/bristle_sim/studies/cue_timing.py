@@ -124,8 +124,8 @@ def cue_timing(
         **ran(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
         remarks=(
-            "left out by the formulas: centrifugal stiffening of the rotating root, which the release includes, and the bar's"
-            " dynamics (first tap, swing beyond the last touch), which a full pass simulates",
+            "The formulas leave out the centrifugal stiffening of the rotating root, which the release includes, and the bar's"
+            " dynamics (first tap, swing after the last touch), which a whole pass includes.",
         ),
         tables=(_readings_table(timings),),
         subject=dataclasses.replace(own, readings=timings),

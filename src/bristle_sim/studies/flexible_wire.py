@@ -39,8 +39,8 @@ REFERENCE_FRICTION = 10.0
 """Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
 
 NO_REFERENCE = (
-    f"reference: none but for the frequencies; a friction of more than {REFERENCE_FRICTION:g}, or a wire as stiff as this,"
-    " takes it too many steps"
+    "There is a reference for the frequencies alone: with a friction of more than"
+    f" {REFERENCE_FRICTION:g}, or with a wire as stiff as this, it takes too many steps."
 )
 
 LONGEST_CONTACT = 10.0  # Longest duration of a contact, in durations of the rigid bristle's contact
@@ -145,12 +145,11 @@ def flexible_wire(
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
     units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
     remarks = [
-        "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
-        f" {struck.stiffness:.4g} N/m",
-        f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
+        f"theory: the beam for the frequencies, else the rigid bristle at the contact stiffness of {struck.stiffness:.4g} N/m",
+        f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression.",
     ]
     if outcome != "rebound":
-        remarks.append(f"the rigid bristle's outcome: {outcome}; its values are those up to the end of compression")
+        remarks.append(f"The rigid bristle's outcome is {outcome}; its values are those up to the end of compression.")
     if with_reference and not reference:
         remarks.append(NO_REFERENCE)
     return Report(

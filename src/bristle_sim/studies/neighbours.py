@@ -101,14 +101,14 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     last, reason = bristles[-1], unsearched(tool, lone)
     contact = last.first_contact("workpart")
     least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
-    stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
+    stops = f"The row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})."
     counted = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
     return Report(
         outcome=strike_point.outcome_of(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
         **strike_point.ran(last),
-        remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone; {stops}", f"least pitches: {counted}"),
+        remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}", f"least pitches: {counted}"),
         tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},
         subject=found,

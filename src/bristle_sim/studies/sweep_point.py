@@ -23,9 +23,7 @@ from bristle_sim.trajectory.records import ContactRecord
 
 Function = Callable[..., Any]
 Point = tuple[int, dict[str, Any]]  # number of a point in its grid, and its arguments
-Outcome = tuple[
-    dict[str, Array], str
-]  # results of a point by name, and the reason why there are none, empty where there are
+Outcome = tuple[dict[str, Array], str]  # results of a point by name, and the reason why there are none, or empty
 FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
 
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}

@@ -140,10 +140,10 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         return Report(None, rows(UNITS, {}), answer=f"There is no mean force: {reason}.")
     found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, run) for run in turn.runs))
     last, count = turn.changes[-1], len(turn.changes)
-    settled = f"turn {count} repeats the one before, but for {last:.0e} rad"
+    settled = f"Turn {count} repeats the one before, to within {last:.0e} rad."
     if not turn.repeats:
         settled = (
-            f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
+            f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad);"
             f" means over {len(turn.runs)} turns, without an energy balance"
         )
     quantities = _quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy))
@@ -151,8 +151,8 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     answer = (
         f"The hand presses with {value['mean_normal_force']:.3g} N and holds back"
         f" {abs(value['mean_tangential_force']):.3g} N along the workpart and"
-        f" {abs(value['mean_hand_torque']):.3g} N m; the drive gives {value['drive_power']:.4g} W; behind"
-        f" {assembly.bandwidth:g} Hz a load cell sees {value['force_envelope_low']:.3g} to"
+        f" {abs(value['mean_hand_torque']):.3g} N m; the drive gives {value['drive_power']:.4g} W; a load cell"
+        f" with a bandwidth of {assembly.bandwidth:g} Hz shows {value['force_envelope_low']:.3g} to"
         f" {value['force_envelope_high']:.3g} N for 90 % of the time."
     )
     return Report(
