@@ -163,7 +163,6 @@ PROMISES = {
         "bar_direction_for_radial_strike_deg bar_horizontal bar_vertical relative_speed_at_contact"
         " bar_direction_for_highest_tip_speed_deg",
         f"{PASS} accuracy map_points",
-        lists={"moves": "key value bar_direction_for_radial_strike_deg relative_speed_at_contact"},
         quick="map_points=3 reference=no accuracy=1e-2",
         slow=True,
         strikes=False,

@@ -67,6 +67,9 @@ class Scene:
         space = pymunk.Space()
         space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
         space.collision_slop, space.collision_bias = 10.0 * SHAPE_MARGIN, 1.0
+        space.collision_persistence = (
+            1  # steps that the engine keeps a contact that has ended, which a record would read again
+        )
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
         self.hub: pymunk.Body | None = None
