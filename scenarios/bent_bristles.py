@@ -24,7 +24,7 @@ def run(tool: Tool, settings: Settings) -> Report:
 
 def plot(report: Report) -> Picture:
     """Draw the three tips in touch."""
-    from bristle_sim.render.bent_figure import bent_figure
+    from bristle_sim.render.bristle_figures import bent_figure
 
     return bent_figure(report.subject)
 

@@ -34,7 +34,7 @@ def run(
 
 def plot(report: Report) -> Picture:
     """Draw the release, and the strikes that follow."""
-    from bristle_sim.render.cue_figure import cue_figure
+    from bristle_sim.render.release_figures import cue_figure
 
     return cue_figure(report.subject)
 

@@ -21,7 +21,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
 
 def plot(report: Report) -> Picture:
     """Draw the retraction over the hub's turn, and the rate relative to the hub over it."""
-    from bristle_sim.render.inertia_figure import inertia_figure
+    from bristle_sim.render.release_figures import inertia_figure
 
     return inertia_figure(report.subject)
 

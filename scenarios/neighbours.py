@@ -21,7 +21,7 @@ def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -
 
 def plot(report: Report) -> Picture:
     """Draw the row at its first touch, and the strike over the pitch with the least pitches."""
-    from bristle_sim.render.neighbours_figure import neighbours_figure, pitches_to_draw
+    from bristle_sim.render.bristle_figures import neighbours_figure, pitches_to_draw
     from bristle_sim.studies.neighbours import over_pitch
 
     pitches = pitches_to_draw(report.subject)

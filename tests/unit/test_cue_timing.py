@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.render.cue_figure import cue_figure
+from bristle_sim.render.release_figures import cue_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.theory.cueing import released_motion

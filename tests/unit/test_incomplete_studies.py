@@ -31,7 +31,7 @@ from bristle_sim.parameters import (
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.film import slow_motion
 from bristle_sim.render.force_figures import whole_tool_figure
-from bristle_sim.render.inertia_figure import inertia_figure
+from bristle_sim.render.release_figures import inertia_figure
 from bristle_sim.render.tool_films import pass_film, row_film
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings

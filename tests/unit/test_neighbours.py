@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.render.bristle_figures import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.drawing import touch_places
-from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.tool_films import row_film
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings

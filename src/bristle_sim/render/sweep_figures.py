@@ -12,18 +12,8 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
+from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
-from bristle_sim.render.style import (
-    QUANTITIES,
-    add_panel,
-    axes_at,
-    blank_figure,
-    draw_colours,
-    note,
-    signed,
-    styled,
-    write_key,
-)
 from bristle_sim.studies.tolerances import Study
 
 if TYPE_CHECKING:
@@ -33,7 +23,7 @@ COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2  # panels in a row, and their size with its
 TITLE_LETTERS = 32  # letters in a line of a panel's title
 
 
-@styled()
+@style.styled()
 def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     """Draw a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
 
@@ -45,17 +35,17 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     if not names:
         raise ValueError(f"--plot: must have results to draw; {found['failure'].values.ravel()[0]}")
     rows = math.ceil(len(names) / COLUMNS)
-    figure = blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 0.4)
+    figure = style.blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 0.4)
     (x, x_label), *others = (_shown(found, key) for key in keys)
     for number, name in enumerate(names):
         column, row = number % COLUMNS, rows - 1 - number // COLUMNS
-        axes = axes_at(figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4)
+        axes = style.axes_at(figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4)
         values, label = _shown(found, name)
         axes.set_title("\n".join(textwrap.wrap(label, TITLE_LETTERS)), loc="left", fontsize=7.5)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
         for y, y_label in others:
             axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
-            draw_colours(axes, x, y, values.T if found[name].dims[0] == keys[0] else values)
+            style.draw_colours(axes, x, y, values.T if found[name].dims[0] == keys[0] else values)
         if not others:
             axes.plot(x, values, ".-", color=BLUE, markersize=4.0)
             low, high = float(x.min()), float(x.max())  # also those without a result
@@ -84,15 +74,15 @@ KEY = {
 }
 
 
-@styled()
+@style.styled()
 def tolerance_figure(study: Study) -> Figure:
     """Draw a histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
     height = ROW * len(study.outputs) + 1.4
-    figure = blank_figure(16.0, height)
+    figure = style.blank_figure(16.0, height)
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
-        title, unit, factor = QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
-        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
+        title, unit, factor = style.QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
+        axes, values = style.add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
         axes.hist(values, bins="auto", color=SKY)
         axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
@@ -100,9 +90,9 @@ def tolerance_figure(study: Study) -> Figure:
         axes.set_xlabel(unit, labelpad=1.0)
         spread = float(values.std(ddof=1))
         digits = max(0, 1 - math.floor(math.log10(spread))) if spread > 0.0 else 3
-        words = f"{signed(values.mean(), digits)} ± {spread:.{digits}f} {unit}"
-        note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
-        axes, chosen = axes_at(figure, 10.3, bottom, 5.3, 2.4), np.argsort(-study.total[number])[:MOST]
+        words = f"{style.signed(values.mean(), digits)} ± {spread:.{digits}f} {unit}"
+        style.note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
+        axes, chosen = style.axes_at(figure, 10.3, bottom, 5.3, 2.4), np.argsort(-study.total[number])[:MOST]
         places = np.arange(chosen.size)
         axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7)
         axes.plot(study.first_order[number, chosen], places - 0.17, "o", color=BLUE, markersize=3.2)
@@ -114,5 +104,5 @@ def tolerance_figure(study: Study) -> Figure:
         axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
         axes.tick_params(axis="y", length=0.0)
         axes.set_xlabel("Sobol index", labelpad=1.0)
-    write_key(figure, KEY, ncols=3)
+    style.write_key(figure, KEY, ncols=3)
     return figure

@@ -10,22 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
+from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.render.style import (
-    MICROSECONDS,
-    MILLIMETRES,
-    Scale,
-    add_panel,
-    blank_figure,
-    note,
-    say,
-    scale_for,
-    signed,
-    styled,
-    write_key,
-)
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.theory.wire import hinge_stiffness
@@ -41,15 +29,15 @@ LOOKS = {
 LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
 
-@styled()
+@style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     """Draw the force of one strike, and how its measures depend on the contact's duration and the number of links."""
-    figure, size = blank_figure(16.0, 13.6), (6.3, 4.6)
+    figure, size = style.blank_figure(16.0, 13.6), (6.3, 4.6)
     _draw_force(figure, struck)
-    by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
-    impulse = add_panel(figure, (1.4, 1.2, *size), "impulse over the contact's duration")
-    others = add_panel(figure, (9.4, 1.2, *size), "measures over the contact's duration")
-    durations, most = study.durations * MICROSECONDS, max(study.by_duration)
+    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
+    impulse = style.add_panel(figure, (1.4, 1.2, *size), "impulse over the contact's duration")
+    others = style.add_panel(figure, (9.4, 1.2, *size), "measures over the contact's duration")
+    durations, most = study.durations * style.MICROSECONDS, max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
         look: dict[str, Any] = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
         by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
@@ -57,13 +45,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     for color, (links, found) in zip(LINK_COLOURS[-len(study.by_duration) :], study.by_duration.items(), strict=True):
         ratio = found["normal_final_impulse"]
         impulse.plot(durations, ratio, "o-", color=color, markersize=3.0, label=f"{links} links")
-    own = struck.strike.contact.duration * MICROSECONDS
+    own = struck.strike.contact.duration * style.MICROSECONDS
     for axes in (impulse, others):
         axes.set(xscale="log", xlabel="contact of the rigid bristle, $T$ (µs)")
         axes.xaxis.set_major_formatter("{x:g}")
         if axes.get_xlim()[0] < own < axes.get_xlim()[1]:
             axes.axvline(own, color=BLACK, linewidth=0.8, dashes=(2, 2), zorder=1)
-            note(axes, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
+            style.note(axes, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
     by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
     impulse.set_ylabel("impulse, wire / rigid bristle")
     others.set_ylabel(f"wire of {most} links / rigid bristle")
@@ -79,13 +67,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
 def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     times = rigid["peak_force"] / own["peak_force"]
-    axes = add_panel(figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard")
-    clock = scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
+    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard")
+    clock = style.scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
     names = ("rigid bristle", f"wire of {struck.strike.tool.bristle.links} links")
     for run, color, name, values in zip((struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True):
         history = run.contact.history
         assert history is not None
-        shown = scale_for(values["normal_final_impulse"], "N·s")
+        shown = style.scale_for(values["normal_final_impulse"], "N·s")
         label = f"{name}, {values['normal_final_impulse'] * shown.factor:.3g} {shown.unit}"
         time = (history.time - history.time[0]) * clock.factor
         force = cubics(time, history.normal_force)(shown_time := np.linspace(0.0, time[-1], 300))
@@ -108,17 +96,17 @@ class WireFilm(Film):
 
     size, letter_size = (960, 540), 15.0
 
-    @styled()
+    @style.styled()
     def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
         warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
-        super().__init__(warp, width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
+        super().__init__(warp, width, height, (BLUE, ORANGE), style.Scale(style.MICROSECONDS, "µs"))
         self.struck, small = struck, 0.62 * self.letters
         self._draw_wires(self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER)), small)
         force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * small)
         wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * small)
         for (touch, pushed), color in ((_force(struck.rigid), ORANGE), (_force(struck.wire), BLUE)):
-            force.fill_between(touch * MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
-            force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
+            force.fill_between(touch * style.MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
+            force.plot(touch * style.MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
         force.set_title("normal force (N)", loc="left", fontsize=small)
         wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
@@ -131,7 +119,7 @@ class WireFilm(Film):
         pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in runs)
         self.rigid.place(_centre_line(self.struck.rigid, time))
         self.wire.place(line := _centre_line(self.struck.wire, time))
-        x, y = (line[-1] * MILLIMETRES).tolist()
+        x, y = (line[-1] * style.MILLIMETRES).tolist()
         point_arrow(self.arrow, (x, y - self.longest * pushed / force.max()), (x, y), shortest=0.3)
         caption = "the wave is at the root"
         if time > touch[-1]:
@@ -140,13 +128,13 @@ class WireFilm(Film):
             caption = "the end is struck"
         elif time < self.arrival:
             caption = "the end is struck; the wave is on its way to the root"
-        return caption, f"wire {signed(pushed, 1, 5)} N", f"rigid {signed(rigid, 1, 5)} N"
+        return caption, f"wire {style.signed(pushed, 1, 5)} N", f"rigid {style.signed(rigid, 1, 5)} N"
 
     def _draw_wires(self, axes: Axes, letters: float) -> None:
         tool, box, runs = self.struck.strike.tool, axes.get_window_extent(), (self.struck.wire, self.struck.rigid)
         points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
         span, links = float(np.ptp(points[:, 1])), tool.bristle.links
-        self.longest = LONGEST_FORCE * span * MILLIMETRES
+        self.longest = LONGEST_FORCE * span * style.MILLIMETRES
         below = points.min(axis=0) - [0.0, LONGEST_FORCE * span]
         draw_film_tool(axes, tool, close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1), letters)
         self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
@@ -154,7 +142,7 @@ class WireFilm(Film):
         wire = f"wire of {links} link{'s' * (links > 1)}"
         named = {"rigid bristle": ORANGE, wire: BLUE, "normal force on its end": VERMILION}
         looks = {name: {"color": color, "linewidth": 2.5} for name, color in named.items()}
-        write_key(axes, looks, loc="upper left", ncols=1, fontsize=letters, borderaxespad=1.0)
+        style.write_key(axes, looks, loc="upper left", ncols=1, fontsize=letters, borderaxespad=1.0)
 
 
 def _force(run: Any) -> tuple[Array, Array]:
@@ -175,13 +163,13 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) ->
     time, bends = np.linspace(0.0, run.time[-1], GRID), np.diff(run.angles, axis=1).T
     scale.set_visible(bool(bends.size))
     if not bends.size:
-        say(axes, "a rigid bristle does not bend")
+        style.say(axes, "a rigid bristle does not bend")
         return 0.0
     stiffness = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links)
     moments = stiffness * np.array([np.interp(time, run.time, each) for each in bends])
-    length, most = bristle.length * MILLIMETRES, float(np.abs(moments).max())
+    length, most = bristle.length * style.MILLIMETRES, float(np.abs(moments).max())
     half = 0.5 * length / (len(moments) + 1)
-    sides = (0.0, float(time[-1]) * MICROSECONDS, length - half, half)
+    sides = (0.0, float(time[-1]) * style.MICROSECONDS, length - half, half)
     look: dict[str, Any] = {"cmap": "RdBu", "vmin": -1e3 * most, "vmax": 1e3 * most, "aspect": "auto"}
     picture = axes.imshow(1e3 * moments, extent=sides, interpolation="bilinear", **look)
     axes.set_ylim(length, 0.0)

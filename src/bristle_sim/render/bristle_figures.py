@@ -1,0 +1,169 @@
+"""Draw several bristles: reverse bent, straight and forward bent at their strike, and a row whose wires touch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bristle_sim.arrays import Array
+from bristle_sim.render import style
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.drawing import View, WireDrawing, close_up, draw_film_tool, touch_places
+from bristle_sim.studies.bent_bristles import BentBristles, against_film
+from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
+from bristle_sim.trajectory import ContactRecord
+
+SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
+NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
+
+BEFORE, AFTER = 0.6e-3, 1.1e-3  # time shown before the first touch and after the last, s
+MARKS: dict[str, dict[str, Any]] = {
+    "path before touch": {"linestyle": "--", "linewidth": 1.0},
+    "in touch": {"linewidth": 2.6},
+    "after touch": {"linewidth": 1.0},
+    "compression ends": {"linestyle": "none", "marker": "o", "markersize": 4.5, "zorder": 3},
+    "slip turns back": {"linestyle": "none", "marker": "D", "markersize": 5.5, "markerfacecolor": "none", "zorder": 4},
+}
+
+
+@style.styled()
+def bent_figure(bent: BentBristles) -> Figure:
+    """Draw wires at the strike and tip paths (mm), and displacement along the workpart in touch (mm, us)."""
+    figure, words = style.blank_figure(16.0, 17.2), "to scale, from the point of strike"
+    wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", words)
+    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), "the tips' paths before, in and after touch", words)
+    slides = style.add_panel(
+        figure, (1.4, 2.4, 14.2, 4.7), "displacement of the tips along the workpart while in touch"
+    )
+    struck = {shape: run.first_contact("workpart") for shape, run in bent.trajectories.items()}
+    for shape, contact in struck.items():
+        if contact is not None:
+            _draw_strike((wires, paths, slides), bent, shape, contact)
+    if any(struck.values()):
+        _finish(wires, paths, slides)
+    else:
+        for axes in (wires, paths, slides):
+            axes.set_axis_off()
+            style.say(axes, "no tip strikes the workpart")
+    tool, left = bent.tools["forward"], 1.4 / 16.0
+    assert tool.workpart is not None
+    what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
+    figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
+    figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
+    never = {shape: "" if contact is not None else " (never strikes)" for shape, contact in struck.items()}
+    shapes = {NAMES[shape] + never[shape]: {"color": color} for shape, color in SHAPES.items()}
+    marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
+    for height, looks in ((0.75, shapes), (0.25, marks)):
+        style.write_key(figure, looks, bbox_to_anchor=(0.5, height / 17.2), borderaxespad=0.0)
+    return figure
+
+
+def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord) -> None:
+    (wires, paths, slides), run, color = panels, bent.trajectories[shape], SHAPES[shape]
+    slide, history, end = bent.slides[shape], contact.history, contact.time + contact.duration
+    origin = run.tip[np.searchsorted(run.time, contact.time)]
+    wire = style.MILLIMETRES * (run.at(contact.time).centre_line - origin)
+    wires.plot(*wire.T, color=color, linewidth=1.8)
+    shown = {"path before touch": (contact.time - BEFORE, contact.time), "after touch": (end, end + AFTER)}
+    for mark, (first, last) in shown.items():
+        tips = run.at(np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)).tip
+        paths.plot(*(style.MILLIMETRES * (tips - origin)).T, color=color, **MARKS[mark])
+    if history is None:
+        return
+    time = np.linspace(contact.time, end, 400)
+    path, above = (style.MILLIMETRES * (run.at(time).tip - origin)).T
+    time = style.MICROSECONDS * (time - contact.time)
+    paths.plot(path, above, color=color, **MARKS["in touch"])
+    slides.plot(time, path, color=color)
+    compressed, turned = int(np.argmin(above)), int(np.argmax(path))
+    slides.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
+    if slide is not None and slide.ending == "turns":
+        slides.plot(time[turned], path[turned], color=color, **MARKS["slip turns back"])
+
+
+def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
+    after = [line for line in paths.lines if line.get_linestyle() != "--"]
+    for axes, lines, shape in ((wires, list(wires.lines), 4.6 / 5.6), (paths, after, 8.0 / 5.6)):
+        points = np.concatenate([np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))])
+        ground = [(0.0, -0.05 * float(np.ptp(points[:, 1])))]
+        View.around([points, ground], shape, 0.08).apply(axes)
+        axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
+        axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+        axes.set_xlabel("along the workpart (mm)")
+    wires.set_ylabel("above the workpart (mm)")
+    paths.annotate("workpart", (1.0, 0.0), (-3.0, 3.0), "axes fraction", "offset points", color=GREY, ha="right")
+    slides.axhline(0.0, color=GREY, linewidth=0.8)
+    slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
+
+
+BESIDE = 0.02  # how far beside a least pitch the strike is computed, deg
+STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
+
+LEAST = {
+    "least_pitch_to_strike_deg": ("no touch until the one in front strikes", (1, 1)),
+    "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
+    "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
+}
+"""Words for the pitches right of a line, and the line's dashes."""
+
+
+def pitches_to_draw(row: NeighbourRow) -> list[float]:
+    """Return pitches to simulate, deg, from close bristles to beyond the least pitch of the whole pass."""
+    least = [each.by_theory for each in row.least if each.by_theory is not None]
+    if not least:
+        return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
+    close = 2.5 * root_pitch(row.tool)
+    even = [*np.linspace(close, 1.2 * min(least), 17), *np.linspace(1.2 * min(least), 1.1 * max(least), 6)]
+    return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
+
+
+@style.styled()
+def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
+    """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
+    figure, last = style.blank_figure(16.0, 13.4), f"bristle {len(row.bristles)}"
+    for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
+        words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
+        axes = style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words)
+        lines = [run.at(time).centre_line for run in row.bristles]
+        draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
+        for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
+            WireDrawing(axes, row.tool, color=color).place(line)
+            look = {"ha": "center", "va": "center", "color": color}
+            style.note(axes, str(number), tuple(0.9 * style.MILLIMETRES * line[0]), (0.0, 0.0), **look)
+        places = touch_places(lines, row.tool.bristle.wire_diameter)
+        axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
+    alone = strike_values(row.tool, row.lone)
+    for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
+        title, unit, factor = style.QUANTITIES[name]
+        axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}")
+        if (value := alone[name]) is not None:
+            axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
+        axes.plot(pitches, factor * strikes[name], "o", label=f"{last} of the row", color=VERMILION, markersize=2.6)
+        for each in row.least:
+            words, dashes = LEAST[each.name]
+            if (least := each.by_theory) is not None:
+                axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=f"{least:.2f}°: {words}")
+        axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
+        if np.isnan(strikes[name]).all():
+            style.say(axes, "no strike at any pitch")
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
+    return figure
+
+
+def instants(row: NeighbourRow) -> list[tuple[str, float]]:
+    """Return names and times, s, of the first touch and of the last one before the last bristle's strike."""
+    front, strike = row.bristles[0].event_time("strike"), row.bristles[-1].event_time("strike")
+    until, name = float(row.bristles[-1].time[-1]) if strike is None else strike, f"bristle {len(row.bristles)}"
+    touches = [each for each in row.touches if each <= until]
+    first = ("start", 0.0) if front is None else ("bristle 1 strikes", front)
+    last = ("end of the pass" if strike is None else f"{name} strikes", until)
+    if touches:
+        first = ("first touch", touches[0])
+    if len(touches) > 1:
+        last = (f"last touch before {name} strikes" if strike else "last touch", touches[-1])
+    return [first, last]
