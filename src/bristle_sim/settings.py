@@ -30,17 +30,14 @@ class Settings(Declared):
 
     accuracy: float = quantity(
         1e-6,
-        "1e-11 <= accuracy <= 0.1",
-        "relative accuracy requested of the simulation",
-        "chosen; less than 1e-11 is more than double precision gives",
+        "1e-11 <= accuracy <= 0.1: relative accuracy requested of the simulation"
+        " [chosen; less than 1e-11 is more than double precision gives]",
         usual=ANY,
     )
     maximum_steps: int = MAXIMUM_STEPS
     hub_turn: float = quantity(
         4.71238898038469,
-        "1e-12 <= hub_turn <= 1e6 rad",
-        "turn of the hub after which the pass ends",
-        "three quarters of a turn",
+        "1e-12 <= hub_turn <= 1e6 rad: turn of the hub after which the pass ends [three quarters of a turn]",
         usual=ANY,
     )
     samples_per_period: int | None = None

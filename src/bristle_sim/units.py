@@ -174,29 +174,27 @@ def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
     return f"did you mean {likely[0]}?" if likely else otherwise or f"must be one of {', '.join(known)}"
 
 
-RULE = re.compile(r"(\S+) (<=?) (\w+) <= (\S+)(?: (.+))?")
-"""A declared range: ``0 <= hub_speed <= 1e6 rad/s``."""
+RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
+"""A declared range, unit, meaning and source: ``0 <= hub_radius <= 1e3 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
 
 
 def quantity(
     default: float | None,
     rule: str,
-    meaning: str = "",
-    source: str = "",
     *,
     usual: tuple[float, float] | None = None,
     needs: str = "",
     whole: bool = False,
 ) -> Any:
-    """Declare a dataclass field that holds a real number by its key's range and unit, ``0 <= hub_speed <= 1e6 rad/s``.
+    """Declare a dataclass field that holds a real number by its range, unit, meaning and source, as in :data:`RULE`.
 
     A default of None makes the parameter optional. The other arguments are the attributes of :class:`Range`.
     """
     found = RULE.fullmatch(rule)
     assert found is not None, rule
-    lowest, sign, key, highest, unit = found.groups("1")
+    lowest, sign, key, highest, unit, meaning, source = found.groups("")
     words = (source, default is None, meaning, usual, needs, whole)
-    return declared_field(default, Range(key, unit, float(lowest), float(highest), sign == "<=", *words))
+    return declared_field(default, Range(key, unit or "1", float(lowest), float(highest), sign == "<=", *words))
 
 
 count = functools.partial(quantity, usual=ANY, whole=True)

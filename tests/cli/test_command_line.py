@@ -34,9 +34,9 @@ from bristle_sim.units import choice, quantity, validate
 
 @dataclass(frozen=True)
 class Body:
-    mass: float = quantity(2.0, "0 < mass <= 1e3 kg", "how heavy it is", "a source")
-    speed: float = quantity(0.5, "-10 <= speed <= 10 m/s", "", "another source")
-    drag: float | None = quantity(None, "0 <= drag <= 1", "", "off", needs="law = plastic")
+    mass: float = quantity(2.0, "0 < mass <= 1e3 kg: how heavy it is [a source]")
+    speed: float = quantity(0.5, "-10 <= speed <= 10 m/s [another source]")
+    drag: float | None = quantity(None, "0 <= drag <= 1 [off]", needs="law = plastic")
     inner: object = None
 
     def __post_init__(self) -> None:
@@ -46,7 +46,7 @@ class Body:
 @dataclass(frozen=True)
 class Law:
     name: str = choice("elastic", "law", ("elastic", "plastic"), source="a source")
-    unused: float = quantity(1.0, "0 <= unused <= 1", "", "a source")
+    unused: float = quantity(1.0, "0 <= unused <= 1 [a source]")
 
     def __post_init__(self) -> None:
         validate(self)

@@ -25,10 +25,10 @@ FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")
 class Part(Declared):
     """A part."""
 
-    length: float = quantity(0.5, "0 < length <= 2e3 m", "how long it is", "a source")
-    extra: float | None = quantity(None, "-1 <= extra <= 1 s", "another one", "none")
+    length: float = quantity(0.5, "0 < length <= 2e3 m: how long it is [a source]")
+    extra: float | None = quantity(None, "-1 <= extra <= 1 s: another one [none]")
     word: str = choice("one", "word", ("one", "two"), "a word", "chosen")
-    links: int = count(1, "1 <= links <= 64", "how many", "a source")
+    links: int = count(1, "1 <= links <= 64: how many [a source]")
     undeclared: int = 3
 
 

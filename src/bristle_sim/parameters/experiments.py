@@ -15,12 +15,12 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 def speed_ratio_at_strike() -> Any:
     """Declare the bristle's rate over the hub's speed."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
-    return quantity(3.23, "0 <= speed_ratio <= 1e6", "bristle's rate over the hub's speed when it strikes, R", source)
+    return quantity(3.23, f"0 <= speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R [{source}]")
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
     """Declare the angle gamma of a strike, in degrees."""
-    return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg", meaning, source)
+    return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg: {meaning} [{source}]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,8 @@ class Release(Declared):
 
     retraction_deg: float = quantity(
         44.5,
-        "1e-6 <= retraction_deg <= 89.9 deg",
-        "angle by which the released bristle lags the radial direction",
-        "Zhang 2020, eq. 2.2: theta_p",
+        "1e-6 <= retraction_deg <= 89.9 deg: angle by which the released bristle lags the radial direction"
+        " [Zhang 2020, eq. 2.2: theta_p]",
     )
 
 
@@ -49,9 +48,8 @@ class ContactStiffness(Declared):
 
     duration: float = quantity(
         7.1e-5,
-        "1e-9 <= contact_duration <= 0.01 s",
-        "half periods of a frictionless spring on K at the touch, T; a rigid bristle is in touch some per cent longer",
-        "50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*",
+        "1e-9 <= contact_duration <= 0.01 s: half periods of a frictionless spring on K at the touch, T; a rigid"
+        " bristle is in touch some per cent longer [50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*]",
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:
@@ -60,16 +58,16 @@ class ContactStiffness(Declared):
 
 
 def _rod_rate(default: float, key: str, rod: str, figure: str) -> Any:
-    meaning = f"rate of the {rod} before the impact; negative approaches"
+    meaning, source = f"rate of the {rod} before the impact", f"Zhang 2020, fig. 2.{figure}"
     return quantity(
-        default, f"-1e9 <= {key} <= 1e9 rad/s", meaning, f"Zhang 2020, fig. 2.{figure}; negative approaches"
+        default, f"-1e9 <= {key} <= 1e9 rad/s: {meaning}; negative approaches [{source}; negative approaches]"
     )
 
 
 def _rod_angle(default: float, rod: str, number: int) -> Any:
-    key, meaning = f"angle_{number}_deg", f"angle of the {rod} rod to the surface's normal"
+    meaning, source = f"angle of the {rod} rod to the surface's normal", "Zhang 2020, fig. 2.28"
     return quantity(
-        default, f"-90 <= {key} <= 90 deg", meaning, f"Zhang 2020, fig. 2.28: theta_{number}, to the normal"
+        default, f"-90 <= angle_{number}_deg <= 90 deg: {meaning} [{source}: theta_{number}, to the normal]"
     )
 
 
@@ -77,12 +75,8 @@ def _rod_angle(default: float, rod: str, number: int) -> Any:
 class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
-    mass: float = quantity(
-        8.387e-5, "1e-30 <= rod_mass <= 1e6 kg", "mass of the rod", "the bristle's: Zhang 2020, 2.4.1"
-    )
-    length: float = quantity(
-        0.027, "1e-9 <= rod_length <= 1e3 m", "length of the rod", "the bristle's: Zhang 2020, 2.4.1"
-    )
+    mass: float = quantity(8.387e-5, "1e-30 <= rod_mass <= 1e6 kg: mass of the rod [the bristle's: Zhang 2020, 2.4.1]")
+    length: float = quantity(0.027, "1e-9 <= rod_length <= 1e3 m: length of the rod [the bristle's: Zhang 2020, 2.4.1]")
     impact_angle_deg: float = impact_angle_at_strike(
         "Zhang 2020, fig. 2.25: rod to the normal", meaning="angle between the rod and the surface's normal, gamma"
     )
@@ -94,21 +88,15 @@ class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
     mass: float = quantity(
-        5.0,
-        "1e-30 <= rod_mass <= 1e6 kg",
-        "mass of the second rod, whose end strikes, m_2",
-        "Zhang 2020, fig. 2.28: m_2",
+        5.0, "1e-30 <= rod_mass <= 1e6 kg: mass of the second rod, whose end strikes, m_2 [Zhang 2020, fig. 2.28: m_2]"
     )
     mass_ratio: float = quantity(
         1.0,
-        "1e-9 <= mass_ratio <= 1e12",
-        "mass of the first rod over the second's, n",
-        "Zhang 2020, sec. 2.4.2.1: n = m_1/m_2",
+        "1e-9 <= mass_ratio <= 1e12: mass of the first rod over the second's, n"
+        " [Zhang 2020, sec. 2.4.2.1: n = m_1/m_2]",
         usual=ANY,
     )
-    length: float = quantity(
-        1.0, "1e-9 <= rod_length <= 1e3 m", "length of each rod", "Zhang 2020, sec. 2.4.2: both rods"
-    )
+    length: float = quantity(1.0, "1e-9 <= rod_length <= 1e3 m: length of each rod [Zhang 2020, sec. 2.4.2: both rods]")
     angle_1_deg: float = _rod_angle(20.0, "first", 1)
     angle_2_deg: float = _rod_angle(30.0, "second", 2)
     rate_1: float = _rod_rate(-0.1, "rate_1", "first rod", "28")
@@ -121,24 +109,20 @@ class Neighbours(Declared):
 
     bristles: int = count(
         2,
-        "2 <= bristles <= 12",
-        "number of bristles in the row; the quantities at a pitch are those of the last one",
-        "chosen: one bristle and its follower",
+        "2 <= bristles <= 12: number of bristles in the row; the quantities at a pitch are those of the last one"
+        " [chosen: one bristle and its follower]",
     )
     pitch_deg: float = quantity(
         15.0,
-        "0 < pitch_deg <= 180 deg",
-        "angle about the hub from one bristle to the next",
-        "chosen: the wires touch at the bar, and again before the last one strikes",
+        "0 < pitch_deg <= 180 deg: angle about the hub from one bristle to the next"
+        " [chosen: the wires touch at the bar, and again before the last one strikes]",
     )
     friction: float = quantity(
-        0.31, "0 <= neighbour_friction <= 1e6", "coefficient of friction between two wires", STEEL_ON_STEEL
+        0.31, f"0 <= neighbour_friction <= 1e6: coefficient of friction between two wires [{STEEL_ON_STEEL}]"
     )
     restitution: float = quantity(
         0.42,
-        "0 <= neighbour_restitution <= 1",
-        "energetic coefficient of restitution between two wires",
-        STEEL_ON_STEEL,
+        f"0 <= neighbour_restitution <= 1: energetic coefficient of restitution between two wires [{STEEL_ON_STEEL}]",
     )
     search: str = choice(
         "yes",
@@ -174,11 +158,11 @@ FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 class MapGrid(Declared):
     """Resolution of the maps, and the processes that compute them."""
 
-    points: int = count(25, "2 <= map_points <= 2000", "points of each axis of the maps", "chosen")
+    points: int = count(25, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
     half_width: float = quantity(
-        0.008, "0 < map_half_width <= 1e3 m", "half-width of the maps about the bar's position", "chosen"
+        0.008, "0 < map_half_width <= 1e3 m: half-width of the maps about the bar's position [chosen]"
     )
-    workers: int = count(1, "1 <= workers <= 64", "processes for the maps", "chosen")
+    workers: int = count(1, "1 <= workers <= 64: processes for the maps [chosen]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,22 +171,20 @@ class Assembly(Declared):
 
     bristles: int = count(
         42,
-        "1 <= bristles <= 10000",
-        "number of bristles, evenly spaced about the hub",
-        "chosen: six staggered rows of seven, which do not touch each other",
+        "1 <= bristles <= 10000: number of bristles, evenly spaced about the hub"
+        " [chosen: six staggered rows of seven, which do not touch each other]",
         usual=None,
     )
     bandwidth: float = quantity(
         1000.0,
-        "0.001 <= load_cell_bandwidth <= 100000 Hz",
-        "bandwidth of the load cell under the workpart, a low-pass of second order",
-        "chosen: a stiff load cell with a workpart on it",
+        "0.001 <= load_cell_bandwidth <= 100000 Hz: bandwidth of the load cell under the workpart, a low-pass of"
+        " second order [chosen: a stiff load cell with a workpart on it]",
     )
 
 
 def _spread(default: float, key: str, unit: str, source: str) -> Any:
     meaning = f"half-width of the interval of {key}"
-    return quantity(default, f"0 <= spread_{key} <= 1e6 {unit}", meaning, source, usual=ANY)
+    return quantity(default, f"0 <= spread_{key} <= 1e6 {unit}: {meaning} [{source}]", usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,10 +216,10 @@ class Sampling(Declared):
     """
 
     samples: int = count(
-        256, f"2 <= samples <= {2**24}", "points of the Sobol sequence, a power of 2", "chosen; fewer give poor indices"
+        256, f"2 <= samples <= {2**24}: points of the Sobol sequence, a power of 2 [chosen; fewer give poor indices]"
     )
-    seed: int = count(1, f"0 <= seed <= {2**32 - 1}", "of the sequence's scrambling", "chosen")
-    workers: int = count(1, "1 <= workers <= 64", "processes that simulate the passes", "chosen")
+    seed: int = count(1, f"0 <= seed <= {2**32 - 1}: of the sequence's scrambling [chosen]")
+    workers: int = count(1, "1 <= workers <= 64: processes that simulate the passes [chosen]")
 
     def __post_init__(self) -> None:
         Declared.__post_init__(self)

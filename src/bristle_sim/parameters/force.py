@@ -72,9 +72,8 @@ class Measurement(Declared):
     )
     force_per_volt: float | None = quantity(
         None,
-        "-1e12 <= force_per_volt <= 1e12 N/V",
-        "calibration of a force that was recorded as a voltage",
-        "none: the file holds a force, not a voltage",
+        "-1e12 <= force_per_volt <= 1e12 N/V: calibration of a force that was recorded as a voltage"
+        " [none: the file holds a force, not a voltage]",
     )
 
     def __post_init__(self) -> None:
@@ -97,16 +96,14 @@ class ForceHistory(Declared):
 
     speed_ratio: float | None = quantity(
         None,
-        "0 < speed_ratio <= 1e6",
-        "bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
-        "the one that gives the curve's compressive impulse",
+        "0 < speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R; none: from the curve's"
+        " impulse [the one that gives the curve's compressive impulse]",
     )
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
     compression_time: float | None = quantity(
         None,
-        "1e-9 <= compression_time <= 1 s",
-        "time from first touch to the highest force; none: the curve's",
-        "the curve's: Zhang 2020, eq. 3.20, 5e-5",
+        "1e-9 <= compression_time <= 1 s: time from first touch to the highest force; none: the curve's"
+        " [the curve's: Zhang 2020, eq. 3.20, 5e-5]",
     )
 
 
@@ -118,27 +115,23 @@ class Crater(Declared):
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
     friction: float = quantity(
         0.5,
-        "1e-6 <= friction <= 1e9",
-        "coefficient of friction between tip and workpart while it cuts",
-        "Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+        "1e-6 <= friction <= 1e9: coefficient of friction between tip and workpart while it cuts"
+        " [Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31]",
     )
     shear_yield_stress: float = quantity(
         1.2e8,
-        "1 <= shear_yield_stress <= 1e15 Pa",
-        "shear yield stress of the workpart's steel",
-        "Zhang 2020, eq. 4.53: steel API 5L",
+        "1 <= shear_yield_stress <= 1e15 Pa: shear yield stress of the workpart's steel"
+        " [Zhang 2020, eq. 4.53: steel API 5L]",
     )
     plies: int = count(
         300,
-        "1 <= plies <= 1e5",
-        "number of layers into which the cut is divided",
-        "Zhang 2020, below fig. 4.13: n, of equal time",
+        "1 <= plies <= 1e5: number of layers into which the cut is divided"
+        " [Zhang 2020, below fig. 4.13: n, of equal time]",
     )
     compression_time: float = quantity(
         5e-5,
-        "1e-8 <= compression_time <= 0.0001 s",
-        "time from first touch to deepest penetration, t_c",
-        "Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+        "1e-8 <= compression_time <= 0.0001 s: time from first touch to deepest penetration, t_c"
+        " [Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4]",
     )
 
 
@@ -148,9 +141,8 @@ class Measured(Declared):
 
     tangential_compliance: float = quantity(
         1.15,
-        "0 <= tangential_compliance <= 1e4",
-        "stiffness of the contact along its normal over that along the surface, eta^2",
-        "(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)",
+        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over that along the surface,"
+        " eta^2 [(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)]",
     )
     data: str | None = _text(
         "data",
@@ -164,28 +156,25 @@ class Measured(Declared):
 class FilmGrid(Declared):
     """The map over contact stiffness and wire damping, the camera of the nearest pass, and the folder of finished cases."""
 
-    durations: int = count(8, "2 <= map_durations <= 200", "contact durations of the map, in equal ratios", "chosen")
+    durations: int = count(8, "2 <= map_durations <= 200: contact durations of the map, in equal ratios [chosen]")
     shortest: float = quantity(
-        5e-5, "1e-6 <= shortest_duration <= 0.001 s", "shortest contact of a rigid bristle on the map", "chosen"
+        5e-5, "1e-6 <= shortest_duration <= 0.001 s: shortest contact of a rigid bristle on the map [chosen]"
     )
     longest: float = quantity(
         3e-4,
-        "1e-6 <= longest_duration <= 0.001 s",
-        "longest contact of a rigid bristle on the map",
-        "chosen: a period of the wire's first bending mode",
+        "1e-6 <= longest_duration <= 0.001 s: longest contact of a rigid bristle on the map"
+        " [chosen: a period of the wire's first bending mode]",
     )
-    dampings: int = count(6, "2 <= map_dampings <= 200", "wire damping ratios of the map, closest at 0", "chosen")
+    dampings: int = count(6, "2 <= map_dampings <= 200: wire damping ratios of the map, closest at 0 [chosen]")
     largest_damping: float = quantity(
-        0.4, "0 < largest_damping <= 10", "largest damping ratio of the wire's first bending mode on the map", "chosen"
+        0.4, "0 < largest_damping <= 10: largest damping ratio of the wire's first bending mode on the map [chosen]"
     )
     frame_rate: float = quantity(
         2e4,
-        "2000 <= frame_rate <= 1e6 1/s",
-        "frames a second of the camera",
-        "chosen: one in the printed compression time",
+        "2000 <= frame_rate <= 1e6 1/s: frames a second of the camera [chosen: one in the printed compression time]",
     )
-    exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s", "time that the camera's shutter is open", "chosen")
-    workers: int = count(2, "1 <= workers <= 64", "processes for the map", "chosen: a small computer's")
+    exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s: time that the camera's shutter is open [chosen]")
+    workers: int = count(2, "1 <= workers <= 64: processes for the map [chosen: a small computer's]")
     store: str | None = _text(
         "store",
         "folder",

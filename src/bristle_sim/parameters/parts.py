@@ -25,17 +25,12 @@ class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
     speed: float = quantity(
-        261.8,
-        "0 <= hub_speed <= 1e6 rad/s",
-        "speed of the hub's rotation",
-        "Zhang 2020, eq. 2.2",
-        usual=USUAL_HUB_SPEEDS,
+        261.8, "0 <= hub_speed <= 1e6 rad/s: speed of the hub's rotation [Zhang 2020, eq. 2.2]", usual=USUAL_HUB_SPEEDS
     )
     radius: float = quantity(
         0.0275,
-        "0 <= hub_radius <= 1e3 m",
-        "distance of the bristle's root from the hub's centre",
-        "Zhang 2020, eq. 2.2: root circle",
+        "0 <= hub_radius <= 1e3 m: distance of the bristle's root from the hub's centre"
+        " [Zhang 2020, eq. 2.2: root circle]",
     )
 
 
@@ -45,16 +40,14 @@ class Belt(Declared):
 
     stiffness: float = quantity(
         math.degrees(PRINTED_BELT_STIFFNESS),
-        "0 <= belt_stiffness <= 1e9 N m/rad",
-        "torsional stiffness of the belt at the bristle's root",
-        "Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
+        "0 <= belt_stiffness <= 1e9 N m/rad: torsional stiffness of the belt at the bristle's root"
+        " [Zhang 2020, eq. 2.2: 0.00041 N m read per degree]",
         usual=USUAL_BELT_STIFFNESSES,
     )
     damping_ratio: float = quantity(
         0.0,
-        "0 <= belt_damping_ratio <= 1e3",
-        "damping ratio of the bristle on its belt; 1 is critical",
-        "undamped as in Zhang 2020",
+        "0 <= belt_damping_ratio <= 1e3: damping ratio of the bristle on its belt; 1 is critical"
+        " [undamped as in Zhang 2020]",
     )
 
 
@@ -64,50 +57,42 @@ class Bristle(Declared):
 
     length: float = quantity(
         0.027,
-        "1e-9 <= bristle_length <= 1e3 m",
-        "length of the wire from root to tip, along its centre line",
-        "Zhang 2020, eq. 2.2",
+        "1e-9 <= bristle_length <= 1e3 m: length of the wire from root to tip, along its centre line"
+        " [Zhang 2020, eq. 2.2]",
     )
     mass: float = quantity(
-        8.387e-5, "1e-30 <= bristle_mass <= 1e6 kg", "mass of one bristle", "Zhang 2020, caption of fig. 2.7"
+        8.387e-5, "1e-30 <= bristle_mass <= 1e6 kg: mass of one bristle [Zhang 2020, caption of fig. 2.7]"
     )
     wire_diameter: float = quantity(
         7.1e-4,
-        "0 <= wire_diameter <= 100 m",
-        "thickness of the wire, half of which touches the bar",
-        "Zhang 2020, sec. 4.1: tip ellipse",
+        "0 <= wire_diameter <= 100 m: thickness of the wire, half of which touches the bar"
+        " [Zhang 2020, sec. 4.1: tip ellipse]",
     )
     knee_position: float = quantity(
         0.75,
-        "0.01 <= knee_position <= 0.99",
-        "distance of the knee from the root, as a fraction of the length",
-        "assumed: fraction of the length; Zhang 2020, fig. 1.3",
+        "0.01 <= knee_position <= 0.99: distance of the knee from the root, as a fraction of the length"
+        " [assumed: fraction of the length; Zhang 2020, fig. 1.3]",
         needs="knee_angle_deg != 0",
     )
     knee_angle_deg: float = quantity(
         0.0,
-        "-90 <= knee_angle_deg <= 90 deg",
-        "bend at the knee; positive bends the tip forward, in the hub's sense",
-        "straight as in Zhang 2020, fig. 2.5",
+        "-90 <= knee_angle_deg <= 90 deg: bend at the knee; positive bends the tip forward, in the hub's sense"
+        " [straight as in Zhang 2020, fig. 2.5]",
     )
     links: int = count(
         1,
-        "1 <= wire_links <= 64",
-        "number of equal rigid links of the wire; 1 is a rigid bristle",
-        "rigid as in Zhang 2020, sec. 2.3",
+        "1 <= wire_links <= 64: number of equal rigid links of the wire; 1 is a rigid bristle"
+        " [rigid as in Zhang 2020, sec. 2.3]",
     )
     modulus: float = quantity(
         2e11,
-        "0 < wire_modulus <= 1e15 Pa",
-        "Young's modulus of the wire, which stiffens the hinges between its links",
-        "steel: E = 2e11 Pa",
+        "0 < wire_modulus <= 1e15 Pa: Young's modulus of the wire, which stiffens the hinges between its links"
+        " [steel: E = 2e11 Pa]",
         needs="wire_links != 1",
     )
     bending_damping_ratio: float = quantity(
         0.0,
-        "0 <= wire_damping_ratio <= 1e3",
-        "damping ratio of the wire's first bending mode",
-        "undamped as in Zhang 2020",
+        "0 <= wire_damping_ratio <= 1e3: damping ratio of the wire's first bending mode [undamped as in Zhang 2020]",
         needs="wire_links != 1",
     )
 
@@ -164,33 +149,27 @@ class Bar(Declared):
 
     radius: float = quantity(
         _bar_radius(),
-        "0 < bar_radius <= 1e3 m",
-        "radius of the accelerator bar",
-        "from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
+        "0 < bar_radius <= 1e3 m: radius of the accelerator bar"
+        " [from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg]",
     )
     horizontal: float = quantity(
         0.05037,
-        "0 <= bar_horizontal <= 1e3 m",
-        "distance of the bar's centre from the hub's, along the workpart, on the incoming side",
-        "Zhang 2020, eq. 2.3: S_H",
+        "0 <= bar_horizontal <= 1e3 m: distance of the bar's centre from the hub's, along the workpart, on the"
+        " incoming side [Zhang 2020, eq. 2.3: S_H]",
     )
     vertical: float = quantity(
         0.0225,
-        "-1000 <= bar_vertical <= 1e3 m",
-        "distance of the bar's centre below the hub's",
-        "Zhang 2020, eq. 2.3: S_V",
+        "-1000 <= bar_vertical <= 1e3 m: distance of the bar's centre below the hub's [Zhang 2020, eq. 2.3: S_V]",
     )
     friction: float = quantity(
         0.0,
-        "0 <= bar_friction <= 1e6",
-        "coefficient of friction between wire and bar",
-        "frictionless as in Zhang 2020, sec. 2.2",
+        "0 <= bar_friction <= 1e6: coefficient of friction between wire and bar"
+        " [frictionless as in Zhang 2020, sec. 2.2]",
     )
     restitution: float = quantity(
         0.0,
-        "0 <= bar_restitution <= 1",
-        "energetic coefficient of restitution between wire and bar",
-        "assumed: the bar does not throw the wire back",
+        "0 <= bar_restitution <= 1: energetic coefficient of restitution between wire and bar"
+        " [assumed: the bar does not throw the wire back]",
     )
 
     @property
@@ -205,21 +184,18 @@ class Surface(Declared):
 
     friction: float = quantity(
         0.31,
-        "0 <= friction <= 1e9",
-        "coefficient of friction between tip and workpart during compression, mu_1",
-        "Zhang 2020, caption of fig. 2.8: mu_1",
+        "0 <= friction <= 1e9: coefficient of friction between tip and workpart during compression, mu_1"
+        " [Zhang 2020, caption of fig. 2.8: mu_1]",
     )
     restitution_friction: float | None = quantity(
         None,
-        "0 <= restitution_friction <= 1e9",
-        "coefficient of friction during restitution, mu_2; none: equal to friction",
-        "Zhang 2020, case II: equal to friction",
+        "0 <= restitution_friction <= 1e9: coefficient of friction during restitution, mu_2; none: equal to friction"
+        " [Zhang 2020, case II: equal to friction]",
     )
     restitution: float = quantity(
         0.42,
-        "0 <= restitution <= 1",
-        "energetic coefficient of restitution between tip and workpart, e*",
-        "Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
+        "0 <= restitution <= 1: energetic coefficient of restitution between tip and workpart, e*"
+        " [Zhang 2020, caption of fig. 2.13: energetic coefficient e*]",
     )
 
     @property
@@ -234,9 +210,8 @@ class Workpart(Surface):
 
     penetration: float = quantity(
         0.0045,
-        "-1000 <= penetration <= 1e3 m",
-        "depth by which the workpart cuts into the circle of undeflected tips, Delta",
-        "Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
+        "-1000 <= penetration <= 1e3 m: depth by which the workpart cuts into the circle of undeflected tips, Delta"
+        " [Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre]",
     )
 
 
@@ -253,16 +228,14 @@ class Contact(Declared):
     )
     duration: float | None = quantity(
         None,
-        "1e-18 <= contact_duration <= 1 s",
-        "half periods of a frictionless spring on K at the touch; none: short enough for the rigid-body limit",
-        "short enough for the rigid-body limit",
+        "1e-18 <= contact_duration <= 1 s: half periods of a frictionless spring on K at the touch; none: short"
+        " enough for the rigid-body limit [short enough for the rigid-body limit]",
         needs="contact = compliant",
     )
     tangential_compliance: float = quantity(
         0.0,
-        "0 <= tangential_compliance <= 1e4",
-        "stiffness of the contact along its normal over that along the surface, eta^2; 1.21: steel",
-        "chosen: rigid along the surface",
+        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over that along the surface,"
+        " eta^2; 1.21: steel [chosen: rigid along the surface]",
         usual=ANY,
     )
 

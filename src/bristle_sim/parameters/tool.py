@@ -26,9 +26,8 @@ class Tool(Declared):
     contact: Contact = field(default_factory=Contact)
     gravity: float = quantity(
         0.0,
-        "0 <= gravity <= 1e6 m/s^2",
-        "acceleration of gravity, towards the workpart",
-        "off: 1e-4 of the centrifugal acceleration",
+        "0 <= gravity <= 1e6 m/s^2: acceleration of gravity, towards the workpart"
+        " [off: 1e-4 of the centrifugal acceleration]",
     )
 
     def __post_init__(self) -> None:

@@ -32,7 +32,7 @@ FINEST = 1e-13  # least relative tolerance of the integrator: five hundred round
 SAMPLES_OF_STRIKE = 200  # in the longest time of a contact
 MOST_RADIANS = 1e5  # radians of the fastest motion that a run may last
 
-requested = functools.partial(quantity, source="requested", usual=ANY)
+requested = functools.partial(quantity, usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)

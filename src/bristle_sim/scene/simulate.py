@@ -32,11 +32,11 @@ PLACE_KEYS = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetrati
 class StartRelativeToHub(Declared):
     """A start at which every wire has the same angle and rate relative to its root; the numbers are checked."""
 
-    hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad", "", "requested")
+    hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad [requested]")
     relative_angle: float = quantity(
-        0.0, f"{-RETRACTION_LIMIT} <= start_relative_angle <= {RETRACTION_LIMIT} rad", "", "requested"
+        0.0, f"{-RETRACTION_LIMIT} <= start_relative_angle <= {RETRACTION_LIMIT} rad [requested]"
     )
-    relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s", "", "requested")
+    relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s [requested]")
 
 
 def simulate(

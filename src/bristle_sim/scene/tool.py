@@ -43,10 +43,10 @@ class Units:
 class Row(Declared):
     """Bristles in one plane on one hub, each a pitch behind the one before it; their mutual friction and restitution."""
 
-    bristles: int = count(1, "1 <= bristles <= 100", "number of bristles", "requested")
-    pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad", "", "requested")
-    friction: float = quantity(0.0, "0 <= neighbour_friction <= 1e6", "", "requested")
-    restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1", "", "requested")
+    bristles: int = count(1, "1 <= bristles <= 100: number of bristles [requested]")
+    pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad [requested]")
+    friction: float = quantity(0.0, "0 <= neighbour_friction <= 1e6 [requested]")
+    restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1 [requested]")
 
 
 LONE = Row()  # one bristle
