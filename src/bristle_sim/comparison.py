@@ -127,8 +127,8 @@ class Report:
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
     """
 
-    outcome: str | None
-    quantities: tuple[Quantity, ...]
+    outcome: str | None = None
+    quantities: tuple[Quantity, ...] = ()
     phases: tuple[str, ...] = ()
     events: tuple[tuple[str, float], ...] = ()
     wall_s: float = 0.0

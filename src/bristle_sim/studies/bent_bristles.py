@@ -107,15 +107,14 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     runs = {shape: simulate(each, settings) for shape, each in tools.items()}
     slides, quantities, events = dict[str, Slide | None](), list[Quantity](), list[tuple[str, float]]()
     for shape, run in runs.items():
-        contact = run.first_contact("workpart")
+        contact, slides[shape] = run.first_contact("workpart"), None
         if contact is None:
             require_result(run, settings)
         else:
             events.append((f"{shape} strike", contact.time))
-        slides[shape] = None if contact is None else slide_of(contact)
+            slides[shape] = slide_of(contact)
         quantities += _rows(shape, contact, slides[shape])
     return Report(
-        outcome=None,
         quantities=tuple(quantities),
         events=tuple(sorted(events, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
@@ -132,8 +131,8 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
     struck = {shape: slide for shape, slide in slides.items() if slide is not None}
     if not struck:
         return "None slides: no tip strikes the workpart."
-    farthest = max(slide.forward for slide in struck.values())
-    sliding = {shape: slide for shape, slide in struck.items() if slide.forward > RETRACTS * farthest}
+    least = RETRACTS * max(slide.forward for slide in struck.values())
+    sliding = {shape: slide for shape, slide in struck.items() if slide.forward > least}
     parts = [f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm" for shape, slide in sliding.items()]
     parts += [f"the {NAMES[shape]} tip retracts at once" for shape in struck if shape not in sliding]
     parts += [f"the {NAMES[shape]} one never strikes" for shape in slides if shape not in struck]

@@ -85,7 +85,6 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         place = bar_search.Place(cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
         theory = _named(tool, place, place)
     return Report(
-        outcome=None,
         quantities=rows(QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None),
         remarks=(
             f"the formula with centrifugal stiffening: {math.degrees(bar_search.stiffened_direction(tool)):.3f} deg",

@@ -119,7 +119,6 @@ def cue_timing(
     timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
     passes = [row for each in timings.values() for row in each.passes]
     return Report(
-        outcome=None,
         quantities=found,
         **ran(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},

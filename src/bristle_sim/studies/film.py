@@ -91,7 +91,6 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     axes = {"wire_damping_ratio": found.dampings, "contact_duration": found.durations}
     plain = {name: [[finite(value) for value in row] for row in each.tolist()] for name, each in found.results.items()}
     return Report(
-        outcome=None,
         quantities=(
             Quantity("nearest_contact_duration", "s", duration, label="nearest: contact of a rigid bristle"),
             Quantity("nearest_wire_damping_ratio", "1", damping, label="nearest: damping ratio of the wire"),
@@ -192,11 +191,10 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
 
 def _table(variants: list[dict[str, Any]]) -> Table:
     head = ("the nearest pair, but", "touches", "compression, us", "crater, um", "slide forward, mm")
-    cells = []
+    factors, cells = dict(zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True)), []
     for each in variants:
-        values = zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True)
-        shown = ("-" if each[name] is None else f"{factor * each[name]:.4g}" for name, factor in values)
-        cells.append((": ".join(filter(None, (each["variant"], each["failure"])))[:40], *shown))
+        shown = ("-" if each[name] is None else f"{factor * each[name]:.4g}" for name, factor in factors.items())
+        cells.append((f"{each['variant']}: {each['failure']}".removesuffix(": ")[:40], *shown))
     return Table("the nearest pair with other wires", head, tuple(cells))
 
 

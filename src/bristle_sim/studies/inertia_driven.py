@@ -98,7 +98,6 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
     reference = _reference(tool) if with_reference else {}
     return Report(
-        outcome=None,
         quantities=rows(QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerance=within.get),
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,

@@ -93,7 +93,6 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         quantities.append(Quantity(f"{name}_mean", unit, row["mean"]))
         quantities.append(Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]))
     return Report(
-        outcome=None,
         quantities=tuple(quantities),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(rows),

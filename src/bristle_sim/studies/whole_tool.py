@@ -156,7 +156,6 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         f" {value['force_envelope_high']:.3g} N for 90 % of the time."
     )
     return Report(
-        outcome=None,
         quantities=quantities,
         **ran(turn.runs[-1]),
         remarks=(settled, "theory: the energy that a turn loses"),
