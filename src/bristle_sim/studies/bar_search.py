@@ -67,10 +67,10 @@ def _bar_of(tool: Tool) -> Bar:
 
 
 def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Place:
-    """Return the direction of the bar for which the bristle strikes radially, by toms748 between directions that enclose it.
+    """Return the direction of the bar for a radial strike, by toms748 between two directions that enclose it.
 
     Raises:
-        NotCuedError: if there is none, with what happens instead.
+        NotCuedError: if there is none, with the lags that were found.
         GivenUpError: if the first passes are given up.
     """
 
@@ -115,13 +115,13 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
-    """Return the direction of the bar for which the tip strikes fastest, by Brent's method about a start, rad.
+    """Return the direction of the bar for the fastest tip, by Brent's method about a start, rad.
 
     Raises NotCuedError if the bar cues no strike at the start.
     """
 
     def slowness(direction: float) -> float:
-        """Return the tip's speed at the strike, negative, for a minimizer; 0 without a strike."""
+        """Return the negative tip speed at the strike, m/s; 0 without a strike."""
         try:
             return -(strike(placed(tool, direction))["tip_speed_at_contact"] or 0.0)
         except ValueError:  # no strike there
@@ -141,12 +141,12 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
 
 
 def simulation(settings: Settings) -> Strike:
-    """Return the strike by the simulation."""
+    """Return the function that simulates the strike of a tool."""
     return functools.partial(strike_point.strike_of_keys, settings)
 
 
 def reference_solution(settings: Settings) -> Strike:
-    """Return the strike by the independent solution."""
+    """Return the function that computes the strike of a tool by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
     options: dict[str, Any] = {"accuracy": strike_point.reference_accuracy(settings), "stop_after": "strike"}

@@ -66,13 +66,13 @@ class BentBristles:
 
 
 def slide_path(history: ContactHistory) -> Array:
-    """Displacement of the tip along the workpart since the first touch, m, by the trapezoidal rule; shape (n,)."""
+    """Return the tip's displacement along the workpart since the first touch by the trapezoidal rule, m, shape (n,)."""
     steps = 0.5 * np.diff(history.time) * (history.tangential_velocity[1:] + history.tangential_velocity[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def slide_of(contact: ContactRecord) -> Slide:
-    """The slide of a tip in a strike that was resolved in time.
+    """Return how a tip slides in a strike that was resolved in time.
 
     Raises ValueError for a contact without a history.
     """

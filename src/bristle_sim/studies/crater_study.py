@@ -173,7 +173,7 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:
-    """Return arguments of the theory's functions of the crater by their names; SI and rad."""
+    """Return the keyword arguments of the crater's formulas, in SI units and rad."""
     names = ("friction", "shear_yield_stress", "compression_time")
     return {name: getattr(crater, name) for name in names} | {"impact_angle": math.radians(crater.impact_angle_deg)}
 

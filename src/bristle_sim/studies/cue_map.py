@@ -41,7 +41,7 @@ USUAL_PASSES = 12  # Passes that a search usually takes
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, and the formula's direction, rad; None for a belt without stiffness."""
+    """The tool, its best places, and the formula's direction, rad, which is None for a belt without stiffness."""
 
     tool: Tool
     settings: Settings
@@ -119,7 +119,7 @@ def _where_it_stands(tool: Tool, strike: bar_search.Strike) -> str:
 
 
 def _logged(strike: bar_search.Strike, usual: int) -> bar_search.Strike:
-    """Wrap the strike so that each pass is logged, with the time left if the usual number of passes take the mean so far."""
+    """Log each pass, with the time left by the mean duration so far and the usual number of passes."""
     started, counter = clock.perf_counter(), itertools.count(1)
 
     def logged(tool: Tool) -> bar_search.Measures:

@@ -203,11 +203,11 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 def _rows(
     timing: CueTiming, settings: Settings, units: Mapping[str, tuple[str, str]], printed: Values
 ) -> tuple[Quantity, ...]:
-    """Compare the bars that a release needs with those of formula and reference, which judges them.
+    """Compare the bar that a release needs with those of the formula and of the reference.
 
     The speed is highest where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
     error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
-    of the bar magnifies what turns the bar, some delta of its direction, by the other coordinate over this one.
+    of the bar magnifies an error of its direction by the other coordinate over this one.
     """
     tool, cue = timing.tool, timing.reference
     magnified = dict.fromkeys(units, 1.0)
@@ -223,7 +223,7 @@ def _rows(
 
 
 def _tolerance(settings: Settings) -> float:
-    """Return the relative difference from the reference that a release may have."""
+    """Return the largest relative difference of a release from the reference."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 

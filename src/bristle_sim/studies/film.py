@@ -55,7 +55,7 @@ ANY_DURATION = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class FilmMap:
-    """The map, of shape (damping ratios, durations), NaN without a strike; the nearest case's place, tool and whole pass."""
+    """The map over damping ratios and durations, NaN without a strike, and place, tool and whole pass of the nearest case."""
 
     grid: FilmGrid
     dampings: Array
@@ -67,7 +67,7 @@ class FilmMap:
 
     @property
     def frames(self) -> Array:
-        """Return the instants at which the camera's shutter opens about the strike, s, the strike between two of them."""
+        """Return the instants about the strike at which the camera's shutter opens, s; the strike is midway between two."""
         strike, step = self.run.event_time("strike") or 0.0, 1.0 / self.grid.frame_rate
         return np.asarray(strike + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5))
 
@@ -144,7 +144,7 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
 
 
 def followed(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
-    """Return a strike's measures, by the names and in the units of MEASURES, of a tool at other values of its keys.
+    """Return the MEASURES of the strike of a tool at other values of its keys.
 
     The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
     Raises ValueError for a pass without a strike, or one that is given up.

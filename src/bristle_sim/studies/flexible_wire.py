@@ -36,7 +36,7 @@ MEASURES = {
 
 REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
-"""Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
+"""Largest friction for which the independent solution is computed: its steps shrink with the duration of slip."""
 
 NO_REFERENCE = (
     "There is a reference for the frequencies alone: with a friction of more than"
@@ -53,10 +53,9 @@ STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 @dataclass(frozen=True, slots=True)
 class FlexibleStrike:
-    """A wire that strikes, and the same of other numbers of links at other contact stiffnesses.
+    """A strike of a wire's end at a contact stiffness.
 
-    The tool's workpart is where the wire's end is when it stands radially at the impact angle, rad; the rate of the wire when it
-    strikes is in rad/s.
+    The tool's workpart is at the end of the wire that stands radially at the impact angle, rad. The rate, rad/s, is that of all links.
     """
 
     tool: Tool
@@ -95,9 +94,9 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of strikes by name, each over that of the rigid bristle: over contact stiffness, and over numbers of links.
+    """Measures of strikes by name, divided by the rigid bristle's, over the contact stiffness and over the number of links.
 
-    Durations are times for which the rigid bristle would be in touch, s; by number of links there are arrays over them.
+    The stiffness is given as the duration of the rigid bristle's contact, s.
     """
 
     durations: Array
@@ -187,7 +186,7 @@ def again(wire: WireStrike) -> float | None:
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures by the independent solution; none where it takes too long, no ratio where the rigid one sticks."""
+    """Return the measures by the independent solution; empty where it takes too long, without the ratio where the rigid bristle sticks."""
     from bristle_sim.reference import TooStiffError
 
     try:
@@ -211,13 +210,13 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
-    """Strike at several contact stiffnesses, and with several numbers of links up to the wire's own or 8 at the requested one."""
+    """Strike at several contact stiffnesses with 2, 4 and 8 links, and at the requested one with every number of links."""
     most, durations = strike.tool.bristle.links, strike.contact.duration * np.array(stiffnesses)
 
     numbers, coarse = np.arange(1, max(2, most) + 1), dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures of strikes over those of the rigid bristle; NaN where the contact comes to no end."""
+        """Return the measures of strikes divided by the rigid bristle's; NaN where the contact does not end."""
         found = []
         for each in strikes:
             try:
@@ -253,7 +252,7 @@ def tool_at_surface(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, im
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
-    """Compare the frequencies of bending in the scene with the beam's and the chain's, which are found apart from the scene."""
+    """Compare the scene's bending frequencies with those of the beam and of the chain of links."""
     bristle, rows = tool.bristle, []
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
     found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)

@@ -51,9 +51,9 @@ CERTAIN = 5.0  # Standard deviations of noise that a difference may have
 
 @dataclass(frozen=True, slots=True)
 class MeasuredForce:
-    """Points of a contact and the curve fitted to them, whose start is on the file's clock; arrays of shape (n,).
+    """Measured points of a contact and the curve fitted to them; arrays of shape (n,).
 
-    Times in s since that start reach from half a duration before it to half a duration after the contact's end; forces in N are
+    Times since the fitted start, s, reach from half a duration before the contact to half a duration after it. Forces, N, are
     those above the baseline. ``reading`` says from which columns and in which units they were read.
     """
 

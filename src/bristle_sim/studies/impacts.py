@@ -156,7 +156,7 @@ def _coefficients(surface: Surface) -> tuple[float, float, float]:
 def _row(
     name: str, words: tuple[str, str], sides: Iterable[float | None], within: float | None, least: float
 ) -> Quantity:
-    """Return a quantity of a label and unit, either side of which is zero where it is no more than the least."""
+    """Return a quantity, with 0 for a side that does not exceed ``least``."""
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
     return Quantity(name, words[1], first, second, tolerance=within, label=words[0])
 
@@ -164,7 +164,7 @@ def _row(
 def _tolerance(
     contact: Contact, settings: Settings, surface: Surface, jam: float | None, rounding: float
 ) -> float | None:
-    """Return the relative difference from theory that a law may have; None for one that does not follow it.
+    """Return the largest relative difference of a law from theory; None for a law that does not follow it.
 
     Near the jam, mu = tan gamma, results magnify the rounding of K by the inverse of the distance. ``rounding`` is
     its magnification by geometry: a bristle short compared with its hub or nearly upright, stick under a huge first mass.
@@ -228,7 +228,7 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
-    """Return a law's results for the JSON, in SI units; no works where the law has none."""
+    """Return a law's results for the JSON, in SI units."""
     first, second = one.contact.compressive_work, one.contact.restitutive_work
     works = (None, None) if first is None or second is None else (first[0] + second[0], first[1] + second[1])
     return {

@@ -42,7 +42,7 @@ def contact_inverse_mass(chain: Chain) -> Array:
 
 
 def tip_response(chain: Chain) -> tuple[Array, Array]:
-    """Return J of shape (2, rods) and M^-1 J^T of shape (rods, 2), what an impulse at the tip does to the rods, 1/kg.
+    """Return J, shape (2, rods), and the rods' response to an impulse at the tip, M^-1 J^T, shape (rods, 2), 1/kg.
 
     In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of u_i cos theta_i) = J u, and
     the kinetic energy is u^T M u/2 with M_ii = m_i/3 + the masses beyond i and, for i < j, M_ij = (m_j/2 + the masses beyond j)

@@ -48,8 +48,10 @@ BareRun = Callable[[Tool, float], Trajectory]
 
 @dataclass(frozen=True, slots=True)
 class Radial:
-    """The bristle when it is radial again: time since it entered the pulley, s, its rate relative to the pulley, rad/s, its
-    largest retraction until then, rad, the speed of its tip, m/s, and the run until then.
+    """The bristle when it is radial again.
+
+    Time since it entered the pulley, s, its rate relative to the pulley, rad/s, its largest retraction until then, rad, the speed
+    of its tip, m/s, and the run until then.
     """
 
     time: float
@@ -69,7 +71,7 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate the bristle that its inertia throws, and find the pulley speed at which its tip is as fast as the bar-cued tool's.
+    """Simulate the bristle that its inertia throws, and find the pulley speed for the bar-cued tool's tip speed.
 
     Raises ValueError if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
     """
@@ -156,7 +158,7 @@ def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float
 
 
 def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
-    """Return the pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over."""
+    """Return the pulley speed for a tip speed by the secant method; None where the bristle leans over."""
 
     def missing(speed: float) -> float:
         """Return the tip's speed less the bar-cued tip's, m/s."""

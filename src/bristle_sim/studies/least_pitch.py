@@ -149,7 +149,7 @@ def least_pitch(
 
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches, from the narrowest; none where ``unsearched`` says why."""
+    """Return the theoretical least pitches, the narrowest first; without a value where ``unsearched`` gives a reason."""
     contact, found, largest = lone.first_contact("workpart"), list[LeastPitch](), LARGEST_PITCH
     strike, searched = None if contact is None else contact.time, not unsearched(tool, lone)
     instants = (

@@ -74,7 +74,7 @@ class Ellipse:
         return law(self.inverse_mass, approach, friction, restitution, **compliance)
 
     def misfit(self, hit: Impact | Array) -> Array:
-        """Return |v predicted - v measured|/|v measured| of each impact, or impulse, in the norm of the kinetic energy."""
+        """Return |v predicted - v measured|/|v measured| by impacts or impulses, in the norm of the kinetic energy."""
         impulse = (
             hit if isinstance(hit, np.ndarray) else np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
         )
@@ -120,7 +120,7 @@ def read_ellipse(path: str) -> Ellipse:
     The angle runs clockwise: a body turned by it has its point of contact at x = (a^2 - b^2) sin cos/h from the centre, a height
     h = sqrt(a^2 sin^2 + b^2 cos^2) below it, and there v_n = v_y - x w and v_t = v_x - h w.
 
-    Raises ValueError if there is no such file, or it holds no such impacts.
+    Raises ValueError if the file does not exist or has no such impacts.
     """
     from scipy.io import loadmat
 

@@ -52,7 +52,7 @@ LEAST_PITCHES = {
 
 @dataclass(frozen=True, slots=True)
 class NeighbourRow:
-    """A row of bristles that were simulated together, the foremost first, and the pass of a bristle without neighbours."""
+    """A row of bristles simulated together, the foremost first, and the pass of a bristle without neighbours."""
 
     tool: Tool
     neighbours: Neighbours
@@ -178,7 +178,7 @@ def root_pitch(tool: Tool) -> float:
 
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
-    """Search near the theoretical pitch for the one from which two simulated wires touch; the reference uses its lone pass."""
+    """Search near the theoretical pitch for the largest one at which two simulated wires touch."""
     compared = Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
         return compared
@@ -217,7 +217,7 @@ def _touches(run: Trajectory) -> list[float]:
 
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
-    """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
+    """Return the last bristle's touches and its strike, with the lone bristle's strike as theory."""
     tool, last = row.tool, row.bristles[-1]
     touched, ended = bool(_touches(last)), last.stop_reason is StopReason.END
     simulated = {"wire_contacts": float(len(_touches(last))), **strike_values(tool, last)}

@@ -76,14 +76,14 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
-    """Return the sentence that says to what the invariants hold, by the largest error of those that hold and apply."""
+    """Return a sentence with the invariants that hold and the largest of their errors."""
     kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
     *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
     return f"{' and '.join(filter(None, [', '.join(others), last]))} hold to {max(kept.values()):.0e}"
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
-    """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it, J.
+    """Return the largest energy imbalance of a flight or an impact, and the error of its quadrature, J.
 
     The balance is that of Jacobi's integral, the energy in the frame that turns with the hub: kinetic, belt, centrifugal
     and gravity. In flight it falls at the rate c alpha'^2 - omega m g x; an impact changes it by its impulse's work less
@@ -102,7 +102,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope = 2.0 * damping * relative * acceleration - omega * weight * forward
 
     def lost(at: Array) -> float:
-        """Integrate the power over samples by the trapezoidal rule, which slopes make one of fourth order, J."""
+        """Integrate the power over samples by the trapezoidal rule with end slopes, of fourth order, J."""
         step = np.diff(run.time[at])
         return float((0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])).sum())
 
@@ -158,7 +158,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the first strike's violations of the impact law; none where that law does not apply."""
+    """Return the first strike's violations of the impact law; empty where that law does not apply."""
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
         return {}

@@ -85,14 +85,14 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
 
 
 def outcome_of(contact: ContactRecord | None) -> str:
-    """Return the report's word for how a contact ended; a jam is a stiction that no law resolves."""
+    """Return the report's word for the end of a contact; a jam is a stiction that no law resolves."""
     if contact is None:
         return "no contact"
     return "stiction" if contact.outcome == "jam" else contact.outcome
 
 
 def ran(run: Trajectory) -> dict[str, Any]:
-    """Return a run's events and cost, as a report has them."""
+    """Return a run's events and cost as fields of a report."""
     events = tuple((event.name, event.time) for event in run.events)
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
@@ -104,7 +104,7 @@ def stopped(run: Trajectory) -> dict[str, Any]:
 
 
 def reference_accuracy(settings: Settings) -> float:
-    """Accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
+    """Return the accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
     return max(1e-10, 0.1 * settings.accuracy)
 
 
@@ -134,7 +134,7 @@ def require_result(run: Trajectory, settings: Settings) -> None:
 def strike_of_keys(
     settings: Settings | None = None, tool: Tool | None = None, /, **values: float
 ) -> dict[str, float | None]:
-    """Return lag, speeds, impulse, work and crater depth of a tool's strike at other values of its keys, as STRIKE_UNITS has them.
+    """Return the measures of the strike of a tool at other values of its keys, in the units of STRIKE_UNITS.
 
     The pass begins 90 degrees before the workpart, or earlier if the bar stands there.
 
@@ -160,7 +160,7 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
 
 
 def start_angle(tool: Tool) -> float:
-    """Angle of the hub at which a radial bristle is clear of the bar, at most -pi/2, rad."""
+    """Return an angle of the hub at which a radial bristle is clear of the bar, at most -pi/2, rad."""
     if tool.bar is None:
         raise ValueError("bar = None: must be a Bar, or nothing cues the bristle")
     direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
@@ -169,7 +169,7 @@ def start_angle(tool: Tool) -> float:
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return lag, speeds, impulse, work and crater depth of the strike of a bristle that the bar has cued; None if unknown.
+    """Return the measures of the strike of a bristle that the bar has cued; None for those that are unknown.
 
     Raises NotCuedError if the bristle does not strike, or strikes before it has touched the bar or while it does.
     """
@@ -190,7 +190,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_depth(compressive_work: tuple[float, float], friction: float, entry: float) -> float:
-    """Return the depth of the crater whose chip takes the energy that the tip gives up in compression, m.
+    """Return the crater's depth if its chip takes the energy that the tip gives up in compression, m.
 
     The tip cuts straight along its velocity, at an angle to the surface, rad, into API 5L steel, the shear plane ending at the
     inclined surface (theory/crater_cutting.py).

@@ -155,7 +155,7 @@ def sweep_scenario(
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Return the values of a report, those by formula of quantities that are not simulated, and why some may be missing."""
+    """Return a report's simulated values, the formula's for the others, and the reason why some may be missing."""
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
     formulas = {each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None}
@@ -163,7 +163,7 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
 
 
 def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:
-    """Raise ValueError for a function that does not take these keyword arguments, and for invalid workers or store."""
+    """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
     whole = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0 and workers <= MOST_WORKERS
     if not whole and not isinstance(workers, Executor | None):
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor or None"
@@ -220,7 +220,7 @@ def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
 
 
 def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write outcomes to the store at intervals, and the finished ones also when an error ends the sweep."""
+    """Write outcomes to the store at intervals, and at the end, even if it is an error."""
     finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
     options = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}
     options["mininterval"] = 0.1 if sys.stderr is not None and sys.stderr.isatty() else PATIENCE

@@ -56,13 +56,13 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
 
 def _reduced(value: Any) -> Any:
-    """Reduce a value for pickle to a call that makes nothing, with the parts as its state, which may refer back."""
+    """Reduce a value for pickle to an empty tuple whose state is the value's parts, which may refer back to it."""
     parts = None if value is tuple else _parts(value)
     return NotImplemented if parts is None else (tuple, (), parts)
 
 
 def _parts(value: Any) -> Any:
-    """Return the parts of a value that decide what it is; None where pickle knows them."""
+    """Return the parts that identify a value; None where pickle knows them."""
     module = value.__name__ if isinstance(value, types.ModuleType) else getattr(value, "__module__", "")
     found: Any = None
     if isinstance(value, types.ModuleType | types.FunctionType | type) and _is_library(module or "__main__"):
@@ -98,7 +98,7 @@ def _named(function: types.FunctionType) -> Iterator[Any]:
 
 
 def _is_own(name: str, value: Any) -> bool:
-    """Whether an attribute of a class says what it does, unlike those that Python adds."""
+    """Whether the user has written this attribute of a class, and not Python."""
     hidden = name.startswith("__") and not isinstance(value, (types.FunctionType, *ACCESSORS))
     return not (
         hidden or name == "_abc_impl" or isinstance(value, types.MemberDescriptorType | types.GetSetDescriptorType)
@@ -112,7 +112,7 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
 
 
 def _used(value: Any, names: set[str]) -> Any:
-    """Return a value; of a module of the user the values in it that have one of the names."""
+    """Return a value; for a user's module return its values that have one of the names."""
     if not isinstance(value, types.ModuleType) or _is_library(value.__name__):
         return value
     return {name: _used(vars(value)[name], names - {name}) for name in sorted(names & vars(value).keys())}

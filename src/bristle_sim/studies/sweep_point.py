@@ -48,7 +48,7 @@ def evaluate_points(function: Function, points: list[Point]) -> list[tuple[Point
 
 
 def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
-    """Return the results of a function, or why it raised: a ValueError in its own words, others with their type."""
+    """Return the results of a function, or the reason why it raised: a ValueError's message, other errors with their type."""
     try:
         result = function(**arguments)
         named = dict(result) if isinstance(result, Mapping) else {"result": result}
@@ -64,7 +64,7 @@ def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
 def evaluated(
     function: Function, points: Iterator[Point], workers: int | Executor | None
 ) -> Generator[tuple[Point, Outcome], None, None]:
-    """Yield every point with its outcome, as they are finished; at last, one by one, those during which a worker was lost.
+    """Yield points with their outcomes as they are finished. Points during which a worker was lost come last, one by one.
 
     Until a point has results one batch is under way at a time, so that their shapes do not depend on the workers.
 
@@ -113,7 +113,7 @@ def evaluated(
 
 
 def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callable[..., Any]]:
-    """Return joblib's scheduler for processes, for the active backend or for threads that wait for an executor, and their call."""
+    """Return joblib's scheduler and the function that it calls: in its own workers, or in threads that wait for an executor."""
     # joblib's own backend for Dask would wait for ever for points that the cluster has given up.
     client = getattr(get_active_backend()[0], "client", None) if workers is None else getattr(workers, "_client", None)
     executor = client.get_executor(pure=False) if client and workers is None else workers
@@ -124,7 +124,7 @@ def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callabl
     pure: dict[str, Any] = {"pure": False} if client else {}
 
     def call(*arguments: Any) -> Any:
-        """Wait for the points that an executor evaluates; Dask must not take points as known that have cost it a worker."""
+        """Wait for the points that an executor evaluates. Pure functions are off: Dask would recall points that lost a worker."""
         return executor.submit(evaluate_points, *arguments, **pure).result()
 
     return joblib.Parallel(2 * int(number or 1), backend="threading", **options), call

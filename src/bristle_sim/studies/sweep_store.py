@@ -32,7 +32,7 @@ BLOCK = 4096  # Most points of a chunk, which is a file
 
 
 class SweepStore:
-    """The arrays of a sweep in a folder or in memory; its results and their shapes stand in its attributes as well."""
+    """The arrays of a sweep in a folder or in memory, with the names and shapes of its results as attributes."""
 
     def __init__(self, target: Any, grid: xr.Dataset, units: Mapping[str, str]) -> None:
         self.target, self.grid, self.units, self.shape = target, grid, units, tuple(grid.sizes.values())
@@ -133,7 +133,7 @@ class SweepStore:
             array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
 
     def dataset(self) -> xr.Dataset:
-        """Return the results in the order of their names, read when they are used; without chunks Dask has no part in it."""
+        """Return the results in the order of their names, loaded lazily by xarray without Dask."""
         found: xr.Dataset = xr.open_zarr(self.target, chunks=None, consolidated=False)
         found = found[sorted(map(str, found.data_vars))].assign_coords(self.grid.coords)
         for name, each in found.variables.items():

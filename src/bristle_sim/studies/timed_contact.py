@@ -83,7 +83,7 @@ class TimedContact:
 
     @cached_property
     def time(self) -> Array:
-        """s since the first touch."""
+        """Time since the first touch, s."""
         return np.asarray(self.history.time - self.history.time[0])
 
     @property
@@ -203,7 +203,7 @@ def timed_contact(
 
 
 def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
-    """Return outcome, phases, cost and events of a report on a contact, and later events by name, s."""
+    """Return a report's fields on a contact, with later events by name, s."""
     if contact is None:
         return {"outcome": "no contact"}
     return {
@@ -245,7 +245,7 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
 def _adjusted(
     struck: Callable[..., tuple[Result, tuple[float, ...]]], given: Array, wanted: Array, tolerance: float
 ) -> Result:
-    """Return the result whose values are those wanted, by Broyden's method in the logarithms of as many numbers given."""
+    """Adjust the given numbers until the result has the wanted values, by Broyden's method in the logarithms."""
     free, slopes = len(wanted), np.eye(len(wanted))
     step = before = np.zeros(free)
     for _ in range(MOST_ROUNDS):

@@ -43,7 +43,7 @@ RESAMPLES = 200  # Bootstrap resamples; the ends of a 95 % interval then rest on
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Outputs of all samples, shape (outputs, 2 samples), their indices, (outputs, inputs), and intervals, with a last axis of 2."""
+    """Outputs of all samples, shape (outputs, 2 samples), their indices, (outputs, inputs), and intervals, (outputs, inputs, 2)."""
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -67,7 +67,7 @@ class Study:
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Spread the inputs of a pass and report how its strike spreads, and which input causes it.
+    """Spread the inputs of a pass, and report the spread of its strike and the inputs that cause it.
 
     Raises:
         ValueError: if somewhere in the intervals the bar cues no strike, or the extra ``sweep`` is not installed.
@@ -103,7 +103,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 
 
 def _unfinished(results: Mapping[str, Any], total: int) -> Report:
-    """Return mean and standard deviation of the outputs at the points that are finished, each drawn as all of them are."""
+    """Return mean and standard deviation of the outputs at the points that are finished."""
     known = {name: results[name].values for name in OUTPUTS if name in results}
     finished = np.isfinite(list(known.values())).all(axis=0)
     number, found = int(finished.sum()) if known else 0, list[Quantity]()
@@ -213,7 +213,7 @@ def sobol_study(
 def _swept(
     function: Callable[..., Measures], inputs: Mapping[str, Array], outputs: Sequence[str], workers: int | None
 ) -> Array:
-    """Outputs of shape (outputs, points) for inputs of shape (points)."""
+    """Return the outputs, shape (outputs, points), for inputs of shape (points)."""
     try:
         from bristle_sim.studies.sweep import sweep
     except ImportError as error:

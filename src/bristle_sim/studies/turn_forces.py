@@ -35,7 +35,7 @@ spline through them would follow their rounding."""
 class Force:
     """A force of an obstacle: an impact at an instant, or a smooth interval of a sustained contact; times in s.
 
-    ``integral`` holds the impulses of normal and tangential force, N s, and of their moment, N m s. In a sustained contact
+    ``integral`` is the impulses of normal and tangential force, N s, and of their moment, N m s. In a sustained contact
     ``course`` gives the three over time, N and N m; it is None for an impact.
     """
 
@@ -114,7 +114,7 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
-    The sample at such an instant holds the force before it, so that each spline begins one sample later and is
+    The sample at such an instant has the force before it, so that each spline begins one sample later and is
     extrapolated to its beginning.
     """
     # But for the rounding of the sum, by which the sample at the end could be missed.
@@ -145,7 +145,7 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
 
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
-    """Return the samples after the first up to the last, without those that are too close to the next that is kept."""
+    """Return the samples after the first up to the last, thinned out where they are too close for a spline."""
     kept, closest = [last], CLOSEST_NODES * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
         if time[kept[-1]] - time[row] >= closest:
