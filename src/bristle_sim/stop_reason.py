@@ -62,7 +62,6 @@ class StopReason(StrEnum):
         "another contact_duration, or a larger accuracy, may do",
         True,
     )
-    MOST_CONTACTS = "too many contacts", "less restitution, or a shorter hub_turn, makes fewer contacts", True
 
     def advice(self, obstacle: str | None = None) -> str:
         """Return the remedy with the key of the named obstacle's friction."""

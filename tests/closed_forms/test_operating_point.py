@@ -97,6 +97,12 @@ def test_numbers_of_two_integrations(check: Callable[[Trajectory], None], cued: 
     check(cued)
 
 
+def test_a_run_ends_where_retraction_is_largest(solve: Callable[..., Trajectory]) -> None:
+    run = solve(Tool(), stop_after="largest retraction")
+    assert run.time[-1] == run.event_time("largest retraction")
+    assert (run.stop_reason, run.relative_rate[-1]) == ("requested event", pytest.approx(0.0, abs=1e-3))
+
+
 def test_first_touch_is_where_geometry_puts_it(cued: Trajectory) -> None:
     """Triangle of hub, tip and bar's centre with sides R, S and reach (law of cosines)."""
     bar, tip, reach = Tool().bar, 0.0545, Tool().bar_reach

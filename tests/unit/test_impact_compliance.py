@@ -299,4 +299,6 @@ def test_ends_of_the_ranges(e: float, squared: float, coupling: float, friction:
             found = energetic_impact(matrix * unit, [-unit, slip * unit], friction, e, tangential_compliance=squared)
             values = impulse_and_velocity(found)
             assert np.all(np.isfinite(values))
+            terms = np.array([1.0, abs(slip)]) * unit + np.abs(matrix * unit) @ np.abs(values[:2])
+            assert np.all(np.abs(values[2:] - [-unit, slip * unit] - matrix * unit @ values[:2]) <= 1e-9 * terms.max())
             assert found.energy_change <= 1e-12 * (1.0 + abs(slip)) * np.abs(values[:2]).sum() * unit

@@ -346,6 +346,7 @@ BAD = [
     ("velocity", [-math.inf, 0.0], r" = \(-inf, 0\): must be finite \(m/s\)"),
     ("velocity", ("-1", "0"), r" = \('-1', '0'\): must be real numbers"),
     ("velocity", (-1e200, 1e200), r" = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite"),
+    ("velocity", (-1e160, 0.0), r" = \(-1e\+160, 0\) with inverse_mass .* v\^2/K are finite"),
     ("velocity", [(-1.0, 1.0), (-1e160, 0.0)], r" = \(-1e\+160, 0\) with inverse_mass"),
     ("friction", -0.1, r" = -0.1: must be from 0 to 1e\+150"),
     ("friction", [0.1, math.nan], r" = nan: must be from 0 to 1e\+150"),

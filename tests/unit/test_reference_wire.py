@@ -1,4 +1,4 @@
-"""The reference's wire of links: the power of its hub, and compliant strikes."""
+"""The reference's wire of links: the power of its hub, contacts at the edge of what they can bear, compliant strikes."""
 
 import math
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from bristle_sim.parameters import Bristle, Contact, Tool, Workpart
+from bristle_sim.parameters import Bristle, Contact, Surface, Tool, Workpart
 from bristle_sim.reference import simulate_reference, strike_reference
-from bristle_sim.reference.contacts import Point, obstacles_of
+from bristle_sim.reference.contacts import Point, Touch, WirePairs, obstacles_of
+from bristle_sim.reference.forces import Acting, acting
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.theory.impact import energetic_impact
 
@@ -31,7 +32,7 @@ class TestFreeWire:
         assert np.ptp(balance) < 1e-10 * np.ptp(run.kinetic_energy)
 
 
-def strike(links, duration, friction=0.0, accuracy=1e-9):
+def strike(links, duration, friction=0.0, accuracy=1e-9, longest=None):
     """The radial wire that turns as one when it strikes, model of the rigid bristle's contact of a given duration."""
     depth = 0.0545 * math.cos(GAMMA)
     workpart = Workpart(friction=friction, restitution=RESTITUTION, penetration=0.0545 - depth)
@@ -39,7 +40,9 @@ def strike(links, duration, friction=0.0, accuracy=1e-9):
     inverse_mass = 3.0 * math.sin(GAMMA) ** 2 / tool.bristle.mass
     stiffness = (math.pi * (1.0 + RESTITUTION) / (2.0 * duration)) ** 2 / inverse_mass
     angles, rates = [-GAMMA] * links, [RATIO * SPEED] * links
-    return strike_reference(tool, -GAMMA, angles, rates, stiffness, longest=3.0 * duration, accuracy=accuracy)
+    return strike_reference(
+        tool, -GAMMA, angles, rates, stiffness, longest=longest or 3.0 * duration, accuracy=accuracy
+    )
 
 
 class TestCompliantStrike:
@@ -64,6 +67,37 @@ class TestCompliantStrike:
         assert trapezoid(history.normal_force, history.time) == pytest.approx(contact.impulse[0], rel=1e-3)
         assert history.penetration[0] == pytest.approx(0.0, abs=1e-16)
         assert contact.restitutive_work[0] == pytest.approx(-(RESTITUTION**2) * contact.compressive_work[0], rel=1e-8)
+
+    def test_a_contact_that_does_not_end_is_refused(self):
+        with pytest.raises(ValueError, match=r"^longest = .*: must be a time in which the contact ends"):
+            strike(1, 71e-6, longest=1e-6)
+
+
+class TestContacts:
+    def test_an_end_on_an_end(self):
+        """The normal turns with the line from end to end: central differences over 1e-7 s of a contact that does not open."""
+        chain, angles = Chain(Tool(), -1.0, -1.3), np.array([-1.3, -1.05])
+        wires, point = WirePairs(2, Tool().bristle.wire_diameter, Surface()), Point("wire", 0, False)
+        at_rest = wires.touch(chain, chain.kinematics(1e-3, angles, np.array([400.0, 250.0])), point)
+        row = at_rest.normal_row
+        rates = np.array([400.0, 250.0]) - row * at_rest.velocity[0] / (row @ row)
+        wires.diameter += at_rest.gap
+        before, touch, after = (
+            wires.touch(chain, chain.kinematics(1e-3 + step, angles + rates * step, rates), point)
+            for step in (-1e-7, 0.0, 1e-7)
+        )
+        changes = [(later - earlier) / 2e-7 for earlier, later in zip(before.velocity, after.velocity, strict=True)]
+        assert changes == pytest.approx(touch.bias, rel=1e-6, abs=0.1)
+
+    def test_one_of_two_contacts_at_one_place_bears(self):
+        """Both together would have no unique forces."""
+        touch = Touch(0.0, np.array([1.0]), np.array([0.0]), (0.0, 1.0), (0.0, 0.0))
+        assert len(acting(np.eye(1), np.array([-1.0]), [Acting(touch, 0.0, 1)] * 2, 1e-9)) == 1
+
+    def test_friction_that_locks_a_contact_leaves_no_force(self):
+        """Pushed on with 1 N, slip presses it on by 2 - 3 < 0 per newton of normal force; it can neither bear nor open."""
+        touch = Touch(0.0, np.array([1.0, 0.0]), np.array([0.5, 1.0]), (0.0, 1.0), (0.0, 0.0))
+        assert acting(np.eye(2), np.array([-1.0, 0.0]), [Acting(touch, 3.0, 1)], 1e-9) is None
 
 
 class TestTangentialSpring:

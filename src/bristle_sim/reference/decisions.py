@@ -8,12 +8,10 @@ import numpy as np
 
 from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
 from bristle_sim.reference.forces import EDGE, acting, closed, resolve
-from bristle_sim.reference.log import Finished, Log
+from bristle_sim.reference.log import Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
-from bristle_sim.stop_reason import StopReason
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
-MOST_IMPACTS = 20_000  # impacts of a run after which it gives up
 MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
 AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
@@ -156,8 +154,6 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))
     if hit.outcome_name == "jam" or (len(recent) == most and recent[-1] - recent[0] < moment):
         raise log.jam(after)
-    if len(log.impacts) > MOST_IMPACTS:
-        raise Finished(StopReason.MOST_CONTACTS, after)
     return after
 
 
