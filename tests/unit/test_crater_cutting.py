@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
 from bristle_sim.theory.crater_cutting import (
     crater_depth_from_contact,
-    cutting_stroke,
     depth_from_energy,
     depth_from_force,
     swept_volume,
@@ -76,33 +75,6 @@ def test_depths_invert_force_and_energy(depth, gamma_deg):
     assert depth_from_force(force, u, gamma) == pytest.approx(depth, rel=1e-9)
     energy = u * swept_volume(depth / math.sin(gamma), gamma)
     assert depth_from_energy(energy, u, gamma) == pytest.approx(depth, rel=1e-9)
-
-
-def stroke_by_integration(u):
-    """The tip's motion integrated in time until it stops."""
-
-    def slopes(_, state):
-        path, speed = state
-        return [speed, -u * width(path * math.sin(GAMMA)) * path * math.tan(GAMMA) / MASS]
-
-    def stopped(_, state):
-        return state[1]
-
-    stopped.terminal = True
-    run = solve_ivp(slopes, (0.0, 1e-3), [0.0, SPEED], events=stopped, rtol=1e-10, atol=1e-14)
-    return run.t_events[0][0], run.y_events[0][0][0]
-
-
-@pytest.mark.parametrize("surface", ["parallel", "inclined"])
-def test_cutting_stroke_is_the_motion_it_says(surface):
-    u = float(specific_cutting_energy(0.5, surface=surface))
-    stroke = cutting_stroke(SPEED, MASS, u)
-    duration, path = stroke_by_integration(u)
-    # The integrator is requested to reach 1e-10 a step.
-    assert stroke.path == pytest.approx(path, rel=1e-7)
-    assert stroke.duration == pytest.approx(duration, rel=1e-7)
-    # The resistance grows along the whole path, so the last force is the largest, and it gives the same depth.
-    assert depth_from_force(stroke.peak_cutting_force, u) == pytest.approx(stroke.depth, rel=1e-9)
 
 
 def contact(duration=2e-5, samples=20_001, mu=0.31):

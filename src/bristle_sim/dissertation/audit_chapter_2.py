@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from bristle_sim.dissertation.printed import Figure, Figures, above, grows, linear, printed_number, within
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, RETRACTION_AT_RELEASE, Bar, Belt, operating_point
@@ -59,6 +60,11 @@ def simulated_pass() -> SimulatedPass:
     return SimulatedPass(math.degrees(lag), -math.degrees(largest), -math.degrees(release), rate, second)
 
 
+def damping_ratio(fraction: float) -> float:
+    """Return zeta for which the highest speed is this fraction, 1/e to 1, of the undamped one."""
+    return float(brentq(lambda zeta: cueing.damped_highest_speed(1.0, 1.0, zeta) - fraction, 0.0, 1.0, xtol=1e-14))
+
+
 def cue_figures() -> Figures:
     """Return the figures of the tool and its cue, section 2.2."""
     plain, stiff = cueing.cue(tool), cueing.stiffened_cue(tool)
@@ -85,7 +91,7 @@ def cue_figures() -> Figures:
         "fig. 2.7: mass of the bristle": Figure(None, steel),
         "eq. 2.33: speed ratio R": Figure(
             plain.highest_relative_speed / tool.hub.speed,
-            *(plain.highest_relative_speed, fastest, cueing.damping_ratio(PRINTED_RATE / fastest), simulated.rate),
+            *(plain.highest_relative_speed, fastest, damping_ratio(PRINTED_RATE / fastest), simulated.rate),
         ),
         "sec. 2.3.1: the bristle is radial when it strikes": within(simulated.lag, 0.05),
         "eq. 2.2: belt stiffness k_T": Figure(

@@ -16,7 +16,7 @@ from bristle_sim.dissertation.printed import (
     within,
 )
 from bristle_sim.theory import crater
-from bristle_sim.theory.crater_cutting import cutting_stroke, depth_from_energy
+from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -173,9 +173,7 @@ def energy_figures() -> Figures:
     few, many = (float(crater.energy_crater_depth(plies)) for plies in (300, 3000))
     ratios = (1e6 * crater.energy_crater_depth_ratio(plies) for plies in (5, 300))
     work, braking = 1e3 * crater.work_along_path(), path_force(0)
-    stroke = cutting_stroke(
-        exact.tip_speed, 2.0 * unrounded[0] / exact.tip_speed**2, float(specific_cutting_energy(0.5))
-    )
+    cut = depth_from_energy(unrounded[0], specific_cutting_energy(0.5))
     inclined = depth_from_energy(unrounded[0], specific_cutting_energy(0.5, surface="inclined"))
     return {
         "eq. 4.59: coefficient of exp(-2 lambda t)": Figure(printed[0]),
@@ -195,8 +193,6 @@ def energy_figures() -> Figures:
             holds=abs(braking - BRISTLE(0)) < 1,
         ),
         "sec. 4.3: energy is not suitable for the crater's depth": Figure(
-            1e6 * stroke.depth,
-            *(1e3 * unrounded[0], 1e6 * inclined, 1e6 * stroke.duration),
-            holds=not 6.5e-5 < stroke.depth < 2.6e-4,
+            1e6 * cut, 1e3 * unrounded[0], 1e6 * inclined, holds=not 6.5e-5 < cut < 2.6e-4
         ),
     }

@@ -8,9 +8,8 @@ b(S sin(gamma)). So
 
     F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),    V: volume swept.
 
-``depth_from_force`` solves the first for a force, ``depth_from_energy`` the second for an energy, and ``cutting_stroke``
-lets cutting alone stop the tip. The sum over plies of (4.50) differs from the first: it adds up dF_c/b with the width at
-the time, although (4.31) ties the whole force to the width that is there last.
+``depth_from_force`` solves the first for a force, ``depth_from_energy`` the second for an energy. The sum over plies of (4.50)
+differs from the first: it adds up dF_c/b with the width at the time, although (4.31) ties the whole force to the last width.
 
 A contact resolved in time gives both: up to its deepest penetration the force along the path, N sin(gamma) + |T| cos(gamma),
 is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is as stiff as the chip is: the
@@ -39,16 +38,6 @@ NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
 NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
-
-
-@dataclass(frozen=True, slots=True)
-class CuttingStroke:
-    """A tip stopped by cutting alone: crater depth and path in m, duration in s, largest force along the path in N."""
-
-    depth: float
-    path: float
-    duration: float
-    peak_cutting_force: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,24 +106,6 @@ def depth_from_force(
 
     narrow = PRINTED_FACE.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
     return np.where(wide >= PRINTED_FACE.full_depth, wide, narrow)[()]
-
-
-def cutting_stroke(
-    speed: float, effective_mass: float, specific_energy: float, impact_angle: float = IMPACT_ANGLE
-) -> CuttingStroke:
-    """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
-
-    v in m/s is the tip's speed along its path when it touches; the effective mass at the tip along the path, kg, is m/3 for
-    a bristle on a hub that keeps its speed; u in J/m^3.
-    """
-    depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle))
-    path = depth / math.sin(impact_angle)
-    # v = speed sqrt(1 - V/V_end) vanishes like a root at the end: S = path (1 - w^2) takes it away.
-    places = path * (1.0 - NODES**2)
-    left = 1.0 - swept_volume(places, impact_angle) / swept_volume(path, impact_angle)
-    duration = float(np.sum(WEIGHTS * 2.0 * NODES * path / (speed * np.sqrt(left))))
-    force = specific_energy * float(PRINTED_FACE.width(depth)) * depth / math.cos(impact_angle)
-    return CuttingStroke(depth, path, duration, force)
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:

@@ -133,21 +133,6 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
     return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real
 
 
-def damping_ratio(speed_share: Number) -> Number:
-    """Return zeta for which the highest speed is this fraction of the undamped one, from 0.368 (1/e at zeta = 1) to 1.
-
-    With zeta = x/sqrt(1 + x^2) the fraction is e^(-x (pi/2 - arctan x)); Newton's method for x is monotone from 0.
-    """
-    inside = (speed_share >= 0.368) & (speed_share <= 1.0)
-    require("speed_share", speed_share, inside, "must be 0.368 to 1 (dimensionless)")
-    loss = -np.log(speed_share)
-    x = np.zeros_like(loss)
-    for _ in range(60):
-        slope = np.pi / 2.0 - (np.arctan(x) + x / (1.0 + x**2))
-        x = x - (x * (np.pi / 2.0 - np.arctan(x)) - loss) / slope
-    return x / np.sqrt(1.0 + x**2)
-
-
 def _phase(damping_ratio: Number) -> Number:
     """Return f(zeta); 1 at zeta = 1."""
     zeta = damping_ratio

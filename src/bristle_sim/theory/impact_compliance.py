@@ -173,19 +173,21 @@ class _Contacts:
 
     def note(self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]) -> Number:
         """Add a phase, or a part of one, of the contacts ``at`` an index; return which of them it ends."""
-        row, loading = self.row[at], before.loading > 0.0
-        place = 4 * at + row
+        place, loading = 4 * at + self.row[at], before.loading > 0.0
         for total, part in zip(self.totals, done, strict=True):
             total[place] += part
-        self.slips[at, row] = np.where(done[0] > 0.0, before.slip, self.slips[at, row])
+        moved = done[0] > 0.0
+        self.slips.ravel()[place[moved]] = before.slip[moved]
         counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
-        parts, never = event == APART, event == NEVER
-        parted = np.where(parts & (after.normal > 0.0), REBOUND, NO_REBOUND)
-        pressed = loading | (after.normal < -KNIFE_EDGE * before.approach)
-        self.outcome[at] = np.where(never, np.where(pressed, JAM, STICTION), parted)
-        return parts | never | ((event == LINE) & loading & (before.restitution == 0.0))
+        over = (event == APART) | (event == NEVER) | ((event == LINE) & loading & (before.restitution == 0.0))
+        ends = np.flatnonzero(over)
+        event, speed, approach = event[ends], after.normal[ends], before.approach[ends]
+        pressed = loading[ends] | (speed < -KNIFE_EDGE * approach)
+        parted = np.where((event == APART) & (speed > 0.0), REBOUND, NO_REBOUND)
+        self.outcome[at[ends]] = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
+        return over
 
     def turn(self, at: Number, before: Contact, after: Contact, event: Number, over: Number) -> None:
         """Go on to the phase after an event, and to its row."""

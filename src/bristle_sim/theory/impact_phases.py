@@ -96,8 +96,8 @@ def walk(
     state = _State(select(approaching, normal, 0.0), tangential, none, none)
     initial = sign(tangential)
 
-    first = _compress(state, mass, mu_1, initial, approaching & (initial != 0.0))
-    second = _compress(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
+    first = _phase(state, mass, mu_1, initial, approaching & (initial != 0.0))
+    second = _phase(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
     jammed = approaching & (state.normal < KNIFE_EDGE * normal)
     compressive, compressive_tangential = state.impulse, state.impulse_tangential
 
@@ -106,10 +106,10 @@ def walk(
     target = Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
     opens = approaching & negated(jammed) & (e > 0.0)
     slip = sign(state.tangential)
-    third = _restitute(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
+    third = _phase(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
     left = Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
     still_open = opens & ((slip == 0.0) | third.unfinished)
-    fourth = _restitute(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
+    fourth = _phase(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
     rows = (first, second, third, fourth)
     # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
@@ -148,46 +148,37 @@ def _settled(mass: InverseMass, mu: Number) -> Number:
     return select(holds, 0.0, sign(mass.coupling))
 
 
-def _slip_rates(mass: InverseMass, mu: Number, slip: Number) -> tuple[Number, Number]:
-    """Return the gains of v_n and v_t per normal impulse in slip, K_nn - mu sign(v_t) K_nt and K_nt - mu sign(v_t) K_tt.
-
-    The first by way of the second: where rounding decides both, they are still those of one mu, and no energy is gained.
-    """
-    tangential = mass.coupling - mu * slip * mass.tangential
-    return mass.stick - mass.stick_ratio * tangential, tangential
-
-
-def _compress(state: _State, mass: InverseMass, mu: Number, slip: Number, active: Number) -> _Phase:
-    """Advance to the end of compression or of slip, whichever comes first."""
-    if active is False:
-        return _NOTHING
-    sticks = slip == 0.0
-    slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
-    ratio = select(sticks, mass.stick_ratio, -mu * slip)
-    normal_rate = select(sticks, mass.stick, slip_rate)
-    tangential_rate = select(sticks, 0.0, slip_tangential_rate)
-    end = quotient(-state.normal, normal_rate)
-    return _advance(state, active, slip, ratio, normal_rate, tangential_rate, end)
-
-
-def _restitute(
-    state: _State, mass: InverseMass, mu: Number, slip: Number, active: Number, target: Target, end: End
+def _phase(
+    state: _State,
+    mass: InverseMass,
+    mu: Number,
+    slip: Number,
+    active: Number,
+    target: Target | None = None,
+    end: End | None = None,
 ) -> _Phase:
-    """Advance to the end of restitution or of slip; slip that would turn v_n back keeps it at rest."""
+    """Advance to the end of slip, or of compression or restitution; slip that would turn restitution's v_n back keeps it at rest."""
     if active is False:
         return _NOTHING
-    sticks = slip == 0.0
-    drive = slip * mass.coupling
-    slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
-    at_rest = (drive > 0.0) & (slip_rate <= 0.0)
-    ratio = select(at_rest, -mass.normal * inverse(mass.coupling), -mu * slip)
-    # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
-    slowing = -mass.stick * mass.tangential * inverse(mass.coupling)
+    sticks, ratio = slip == 0.0, -mu * slip
+    # The normal gain by way of the tangential one: where rounding decides both, they are still those of one mu.
+    tangential_rate = mass.coupling - mu * slip * mass.tangential
+    normal_rate = mass.stick - mass.stick_ratio * tangential_rate
+    if target is not None:
+        at_rest = (slip * mass.coupling > 0.0) & (normal_rate <= 0.0)
+        # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
+        slowing = -mass.stick * mass.tangential * inverse(mass.coupling)
+        ratio = select(at_rest, -mass.normal * inverse(mass.coupling), ratio)
+        normal_rate = select(at_rest, 0.0, normal_rate)
+        tangential_rate = select(at_rest, slowing, tangential_rate)
     ratio = select(sticks, mass.stick_ratio, ratio)
-    normal_rate = select(sticks, mass.stick, select(at_rest, 0.0, slip_rate))
-    tangential_rate = select(sticks, 0.0, select(at_rest, slowing, slip_tangential_rate))
-    rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
-    finish = select(rests, INFINITE, end(state.normal, normal_rate, target))
+    normal_rate = select(sticks, mass.stick, normal_rate)
+    tangential_rate = select(sticks, 0.0, tangential_rate)
+    if target is None or end is None:
+        finish = quotient(-state.normal, normal_rate)
+    else:
+        rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
+        finish = select(rests, INFINITE, end(state.normal, normal_rate, target))
     return _advance(state, active, slip, ratio, normal_rate, tangential_rate, finish)
 
 
