@@ -39,7 +39,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
     ``program`` is the name of the command in messages; by default the script's.
     """
-    arguments, remarks = sys.argv[1:] if arguments is None else arguments, list[str]()
+    arguments, remarks, status = sys.argv[1:] if arguments is None else arguments, list[str](), 0
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
     program = program or f"{scenario.name}.py"
     with ending_in_order(), progress(program), catch_warnings():
@@ -51,16 +51,20 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
             if options.list_keys:
                 say(scenario.key_list())
                 return 0
-            if options.parameters is not None:
-                from_file, remarks = scenario.assignments_from(options.parameters)
-                options.set = [*from_file, *options.set]
-            for key in () if options.sweep else {"workers", "store"} & scenario.keys().keys():
-                if (given := getattr(options, key)) is not None:
-                    options.set = [*options.set, f"{key}={given}"]
-                    setattr(options, key, None)
-            values = scenario.values_of(options.set)
-            remarks += scenario.warnings_of(options.set, values)
-            status = Work(scenario, options, values, _targets(scenario, options, values), command).run()
+            values = _values(scenario, options, remarks)
+            work = Work(scenario, options, values, _targets(scenario, options, values), command)
+            if options.sweep:
+                work.sweep()
+            else:
+                try:
+                    report = scenario.answer(values)
+                except Unfinished as interruption:
+                    report, status = interruption.report, INTERRUPTED
+                except ArithmeticError as error:
+                    if not options.set:
+                        raise
+                    raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
+                status = work.deliver(report, status)
         except (ValueError, OSError) as error:
             tell(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
@@ -73,6 +77,21 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
     return status
 
 
+def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str]) -> Values:
+    """Return the key values by file and options, and add warnings to the remarks."""
+    if options.parameters is not None:
+        from_file, idle = scenario.assignments_from(options.parameters)
+        options.set = [*from_file, *options.set]
+        remarks += idle
+    for key in () if options.sweep else {"workers", "store"} & scenario.keys().keys():
+        if (given := getattr(options, key)) is not None:
+            options.set = [*options.set, f"{key}={given}"]
+            setattr(options, key, None)
+    values = scenario.values_of(options.set)
+    remarks += scenario.warnings_of(options.set, values)
+    return values
+
+
 @dataclass
 class Work:
     """A requested run of a scenario: key values, the files to write, and the command that repeats it."""
@@ -83,22 +102,13 @@ class Work:
     targets: Mapping[str, Path]
     command: str
 
-    def run(self) -> int:
-        """Run the scenario, write the requested files, print the answer; return the exit status."""
-        if self.options.sweep:
-            return self._sweep()
-        try:
-            report, status = self.scenario.answer(self.values), 0
-        except Unfinished as interruption:
-            report, status = interruption.report, INTERRUPTED
-            self.targets = {name: path for name, path in self.targets.items() if name == "json"}
-        except ArithmeticError as error:
-            if not self.options.set:
-                raise
-            raise ValueError(f"{', '.join(self.options.set)}: must be less extreme ({error})") from error
+    def deliver(self, report: Report, status: int) -> int:
+        """Write the requested files, of an interrupted run the JSON alone, and print the answer; return the exit status."""
         texts = self._texts(report, finished=not status)
         for option in sorted(self.targets, key=texts.__contains__):
             target = self.targets[option]
+            if status and option != "json":
+                continue
             try:
                 if option in texts:
                     write_text(target, texts[option])
@@ -109,9 +119,7 @@ class Work:
             if option != "json":
                 tell(f"{_flag(option)}: wrote {target}")
         say(texts.get("-") or in_words(report))
-        if status == 0 and False in [row.ok for row in report.quantities]:
-            return MISSED
-        return status
+        return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
 
     def _texts(self, report: Report, *, finished: bool) -> dict[str, str]:
         """Return the requested CSV, which may be refused, and JSON; also as "-" the text for standard output."""
@@ -125,14 +133,13 @@ class Work:
                 texts["-"] = texts[option]
         return texts
 
-    def _sweep(self) -> int:
+    def sweep(self) -> None:
         """Run the scenario over one or two keys."""
         try:
             from bristle_sim.cli.sweep import run_sweep
         except ImportError as error:
             raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
         run_sweep(self.scenario, self.options, self.targets)
-        return 0
 
 
 def _write(work: Work, option: str, target: Path, report: Report) -> None:
