@@ -100,27 +100,6 @@ def test_the_table(figures):
     assert float(last[5]) == pytest.approx(16.1157, abs=0.003)
 
 
-def test_motion_and_width(figures):
-    by_name = {panel.y.name: panel.curves[0] for panel in figures["4.2"].panels}
-    ends = {
-        "force": (0.0195, 56.88),
-        "tip's path": (0.0, 3.218e-4),
-        "tip's speed": (30.0, 0.2958),
-        "bristle's rate": (844.35, -255.69),
-        "centre's speed": (18.615, 3.763),
-        "depth of the tip": (0.0, 1.2872e-4),
-    }
-    left = math.exp(-92400.0 * 5e-5)
-    assert left == pytest.approx(0.00985, abs=2e-5)
-    for name, (first, last) in ends.items():
-        # (3.19) and (4.4)-(4.8) at 0 and 50 us by hand, to four digits.
-        assert by_name[name].theory[0] == pytest.approx(first, rel=5e-3, abs=1e-12)
-        assert by_name[name].theory[-1] == pytest.approx(last, rel=1e-3)
-    width = figures["4.6"].panels[0]
-    assert width.marks[0].y == pytest.approx(6.515e-4, abs=1e-7)
-    assert width.levels[0].value == 6.51e-4
-
-
 def test_a_point_off_its_curve_is_seen():
     x = np.linspace(0.0, 1.0, 5)
     curve = curve_of("line", lambda grid: 2.0 * grid, x, {"printed": ([0.3, 0.5], [0.6, 1.01])})

@@ -75,13 +75,6 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
     assert read_force_csv(written(tmp_path, rows()), force_per_volt=2.0).force.tolist() == (2.0 * FORCE).tolist()
 
 
-def test_the_reading_is_stated(tmp_path):
-    plain = read_force_csv(written(tmp_path, "TIME,CH1\n" + rows())).reading
-    assert plain == "time from column 1 (TIME), no unit: taken as s; force from column 2 (CH1), no unit: taken as N"
-    scaled = read_force_csv(written(tmp_path, "t (ms),CH1\n" + rows(1e3)), force_per_volt=2.0).reading
-    assert scaled == "time from column 1 (t), ms; force from column 2 (CH1), no unit: taken as V"
-
-
 @pytest.mark.parametrize(
     ("text", "settings", "message"),
     [

@@ -8,12 +8,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from matplotlib.text import Text
 
 from bristle_sim import Bristle, Tool, Trajectory, simulate, simulate_reference
-from bristle_sim.render.pass_figure import pass_figure, spread
+from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.story import key_events, phase_at, phases, story_end
 from bristle_sim.render.tool_films import pass_film
 from bristle_sim.trajectory import Event
@@ -113,13 +111,6 @@ def test_a_run_without_a_strike_or_obstacles_is_drawn():
     written = {each.get_text() for each in pass_figure(bare, Tool(bar=None, workpart=None)).findobj(Text)}
     assert any(each.startswith("no strike; the run ended:") for each in written)
     assert not {"bar", "workpart"} & written
-
-
-@given(st.lists(st.floats(0.0, 1.0), max_size=8).map(sorted))
-def test_spread_keeps_gap_order_and_bounds(positions):
-    moved = spread(positions, 0.1, 0.0, 1.0)
-    assert (np.diff(moved) >= 0.1 - 1e-12).all()
-    assert ((moved >= -1e-12) & (moved <= 1.0 + 1e-12)).all()
 
 
 @pytest.mark.parametrize("knee_angle_deg", [-30.0, 0.0, 45.0])
