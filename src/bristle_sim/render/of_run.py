@@ -18,6 +18,7 @@ from bristle_sim.render.report import filled
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.pictures import Html
 
+POINTS = 300  # points of the tip's path in a summary's drawing, besides the samples
 MARGIN = 0.05  # free border of a summary's drawing, as a fraction of its larger extent
 
 
@@ -46,4 +47,6 @@ def summary_page(run: Trajectory) -> str:
     wire = run.centre_line[-1 if contact is None else int(np.abs(run.time - contact.time).argmin())]
     with contextlib.suppress(ValueError):  # a run of something else has no tool to draw
         tool = run.tool
-    return filled("summary.html.jinja", run=run, wire=wire, view=View.around([run.tip, wire], None, MARGIN), tool=tool)
+    path = run.course(points=POINTS).tip if run.time[-1] > run.time[0] else run.tip
+    view = View.around([path, wire], None, MARGIN)
+    return filled("summary.html.jinja", run=run, path=path, wire=wire, view=view, tool=tool)
