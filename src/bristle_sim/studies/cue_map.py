@@ -119,14 +119,12 @@ def _where_it_stands(tool: Tool, strike: bar_search.Strike) -> str:
 
 
 def _logged(strike: bar_search.Strike, usual: int) -> bar_search.Strike:
-    """Log each pass, with the time left by the mean duration so far and the usual number of passes."""
-    started, counter = clock.perf_counter(), itertools.count(1)
+    """Log each pass that is finished, and the usual number of passes."""
+    counter = itertools.count(1)
 
     def logged(tool: Tool) -> bar_search.Measures:
-        measures, finished = strike(tool), next(counter)
-        left = (clock.perf_counter() - started) / finished * max(usual - finished, 1)
-        words = "pass %d of some %d finished, about %.0f s left"
-        logging.getLogger(__name__).info(words, finished, max(usual, finished), left)
+        measures = strike(tool)
+        logging.getLogger(__name__).info("pass %d of some %d finished", next(counter), usual)
         return measures
 
     return logged

@@ -20,7 +20,7 @@ from bristle_sim.comparison import Quantity, Report, amount, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import crater_depth, outcome_of
+from bristle_sim.studies.strike_point import crater_depth, resolved
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord
@@ -152,12 +152,8 @@ def flexible_wire(
     if with_reference and not reference:
         remarks.append(NO_REFERENCE)
     return Report(
-        outcome=outcome_of(wire.contact),
+        **resolved(wire.contact, wire, strike=0.0, release=wire.contact.duration),
         quantities=(*_frequencies(tool, with_reference), *rows(units, simulated, stiff, reference, tolerance=allowed)),
-        phases=wire.contact.phases,
-        events=(("strike", 0.0), ("release", wire.contact.duration)),
-        wall_s=wire.wall_s,
-        steps=wire.steps,
         remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),
         answer=_answer(bristle.links, own, stiff, again(wire)),
@@ -212,7 +208,6 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Strike at several contact stiffnesses with 2, 4 and 8 links, and at the requested one with every number of links."""
     most, durations = strike.tool.bristle.links, strike.contact.duration * np.array(stiffnesses)
-
     numbers, coarse = np.arange(1, max(2, most) + 1), dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:

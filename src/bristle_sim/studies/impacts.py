@@ -15,7 +15,7 @@ from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import IMPACT, contact_quantities, outcome_of
+from bristle_sim.studies.strike_point import IMPACT, contact_quantities, resolved
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -213,12 +213,8 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
     if impacts.elastic:
         remarks.append("theory: of a contact that is rigid along the surface")
     return Report(
-        outcome=outcome_of(one),
+        **resolved(one, requested, strike=one.time),
         quantities=tuple(rows),
-        phases=one.phases,
-        events=(("strike", one.time),),
-        steps=requested.steps,
-        wall_s=requested.wall_s,
         remarks=tuple(remarks),
         tables=(Table("the contact laws compared", head, cells),),
         extra={"laws": laws},

@@ -97,6 +97,12 @@ def ran(run: Trajectory) -> dict[str, Any]:
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
 
+def resolved(contact: ContactRecord, strike: Any, **events: float) -> dict[str, Any]:
+    """Return outcome and phases of a single contact, its strike's cost, and events by name, s, as fields of a report."""
+    fields = {"outcome": outcome_of(contact), "phases": contact.phases, "events": tuple(events.items())}
+    return {**fields, "wall_s": strike.wall_s, "steps": strike.steps}
+
+
 def stopped(run: Trajectory) -> dict[str, Any]:
     """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
     reason, time = run.stop_reason, float(run.time[-1])

@@ -57,7 +57,8 @@ def sweep(
 
     Args:
         function: takes keyword arguments and returns a number, a small array, or a mapping of names to these. None means NaN;
-            ``failure`` in a mapping is the reason for missing results. Bind constant arguments by ``functools.partial``. For use in other processes it must be picklable.
+            ``failure`` in a mapping is the reason for missing results. ``functools.partial`` binds constant arguments; other
+            processes need a function that can be pickled.
         space: parameters as xarray takes coordinates. ``{"friction": [0.1, 0.2]}`` is an axis of its own;
             ``{"friction": ("sample", [...]), "restitution": ("sample", [...])}`` vary together, and an array with
             several dimensions, ``(("sample", "hub_speed"), array)``, varies along all of them. A number is one value for
