@@ -97,10 +97,10 @@ def ran(run: Trajectory) -> dict[str, Any]:
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
 
-def resolved(contact: ContactRecord, strike: Any, **events: float) -> dict[str, Any]:
-    """Return outcome and phases of a single contact, its strike's cost, and events by name, s, as fields of a report."""
+def resolved(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
+    """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
     fields = {"outcome": outcome_of(contact), "phases": contact.phases, "events": tuple(events.items())}
-    return {**fields, "wall_s": strike.wall_s, "steps": strike.steps}
+    return {**fields, "wall_s": cost.wall_s, "steps": cost.steps}
 
 
 def stopped(run: Trajectory) -> dict[str, Any]:
