@@ -50,7 +50,6 @@ class ContactPair:
     """Two collision types, their coefficients and their law. All values are checked: a bad one can abort the engine's process.
 
     Attributes:
-        types: the two types in any order.
         friction: Coulomb's mu in compression and at rest.
         chained: the user's own ``pre_solve`` of these types.
 
@@ -60,17 +59,16 @@ class ContactPair:
 
     def __init__(
         self,
-        types: dict[str, Any],
+        types: tuple[Any, Any],
         friction: float,
         restitution: float,
         restitution_friction: float | None = None,
         tangential_compliance: float = 0.0,
         law: Callable[..., Impact] = energetic_impact,
     ) -> None:
-        for name, kind in types.items():
+        for name, kind in zip(("collision_type_a", "collision_type_b"), types, strict=True):
             if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
                 raise refusal(name, kind, f"must be a whole number from 0 to {MOST_TYPES - 1}")
-        self.types = frozenset(types.values())
         later = friction if restitution_friction is None else restitution_friction
         self.friction, self.restitution, self.restitution_friction, compliance = checked_numbers(
             friction=friction,

@@ -29,8 +29,7 @@ class EnergeticContact:
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
         restitution_friction: mu in restitution; equal to ``friction`` by default.
-        tangential_compliance: eta^2 of a contact that is elastic along the surface, as in ``energetic_impact``. Impacts
-            that are resolved all at once (see below) ignore it.
+        tangential_compliance: eta^2 as in ``energetic_impact``; impacts that are resolved at once (see below) ignore it.
         resting_speed: contacts that approach more slowly are left to the engine, with ``friction`` and no restitution,
             so that bodies come to rest. So are those slower than the speed gravity adds in two steps.
         report: called with a :class:`~bristle_sim.contact_space.contact_pair.LocatedImpact` for each faster impact.
@@ -39,21 +38,17 @@ class EnergeticContact:
         ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
             EnergeticContact already.
 
-    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration, as the
-    engine's solver needs. An impact acts at the instant of touch within the step. Impacts of bodies that touch each other are
-    resolved one by one: the earliest first, of simultaneous ones the fastest. After ``sequence.MOST`` of them the rest are
-    resolved at once. For a copied or unpickled space :meth:`of` returns its object, without ``report``.
+    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration. Impacts
+    of bodies that touch each other are resolved one by one at the instants of touch, the earliest first, of simultaneous ones
+    the fastest; after ``sequence.MOST`` of them the rest at once. For a copied or unpickled space :meth:`of` returns its object,
+    without ``report``.
 
-    Energy: just before an impact, velocities are projected onto the joint constraints, which can only lose energy. The
-    impact itself changes the energy by the works in its record; for ``energetic_impact`` their sum is never positive
-    (moving kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain
-    energy: it solves joints iteratively, adds velocity to correct their positions (``error_bias``; none at 1), and
-    separates overlapping bodies (``collision_bias``). Its velocities are half a step ahead of its positions.
+    Just before an impact, velocities are projected onto the joints, which only loses energy, as ``energetic_impact`` does (moving
+    kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain energy: it solves
+    joints iteratively, and corrects positions by velocities (``error_bias``, ``collision_bias``; none at 1).
 
-    Every kind of joint takes part through its Jacobian, a limit only if it pushes throughout the impact. Springs, joints with a
-    finite ``max_force`` and joints outside the space take no part. Sensors, filters and ``process_collision`` are respected.
-    Your callbacks for the same types are kept: your ``pre_solve`` is called first, whether registered before or after. One
-    registered for any type (with None) is called after ours, and its friction and restitution are used.
+    Every kind of joint takes part, a limit only if it pushes; springs, joints with a finite ``max_force`` and joints outside the
+    space do not. Your ``pre_solve`` for the same types is called first, one for any type (None) last.
     """
 
     def __init__(
@@ -106,13 +101,9 @@ class EnergeticContact:
             friction, restitution, restitution_friction, tangential_compliance: as for the class; ``law`` interprets them.
             law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it
                 accepts that, and with ``tangential_compliance`` unless it is 0.
-
-        Raises:
-            ValueError: as for the class, and for a pair that was added before.
         """
-        types = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
-        pair = ContactPair(types, friction, restitution, restitution_friction, tangential_compliance, law)
         given = (collision_type_a, collision_type_b)
+        pair = ContactPair(given, friction, restitution, restitution_friction, tangential_compliance, law)
         if given in self.pairs or given[::-1] in self.pairs:
             raise ValueError(f"collision_type_a, collision_type_b = {given}: must be a pair that is not added yet")
         self.pairs[given] = pair
@@ -120,11 +111,7 @@ class EnergeticContact:
         self._attach()
 
     def step(self, duration: float) -> None:
-        """Advance the space by one step and resolve the impacts in it.
-
-        Raises:
-            ValueError: for a duration that is negative or not finite.
-        """
+        """Advance the space by one step of a duration >= 0 and resolve the impacts in it."""
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
         self._attach()
@@ -168,7 +155,6 @@ class EnergeticContact:
     def _attach(self) -> None:
         """Make sure that the callbacks of all pairs run before any that users have registered since."""
         for types, pair in self.pairs.items():
-            # pymunk 7 has no public way to list existing handlers.
             handler = self.space._handlers[types]
             if types not in self._callbacks or handler.pre_solve is not self._callbacks[types]:
                 if _owner(handler.pre_solve) is not self:

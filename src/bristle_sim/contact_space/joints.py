@@ -81,9 +81,13 @@ def mass_centre(body: pymunk.Body) -> Vector:
 
 def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
     """Return the row entry for the velocity of a body's world point along a direction."""
-    (x, y), centre = direction, mass_centre(body)
-    lever = (point[0] - centre[0]) * y - (point[1] - centre[1]) * x
-    return body, sign * x, sign * y, sign * lever
+    (x, y), (arm_x, arm_y) = direction, _arm(body, point)
+    return body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)
+
+
+def _arm(body: pymunk.Body, point: Vector) -> Vector:
+    centre = mass_centre(body)
+    return point[0] - centre[0], point[1] - centre[1]
 
 
 def joined(ends: Sequence[pymunk.Body]) -> Connected:
@@ -147,7 +151,9 @@ def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) ->
     """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
-        return [_across(joint, ends, direction) for direction in ((1.0, 0.0), (0.0, 1.0))]
+        (a_x, a_y), (b_x, b_y) = _arm(joint.a, ends[0]), _arm(joint.b, ends[1])
+        first = JointRow(joint, ((joint.a, 1.0, 0.0, -a_y), (joint.b, -1.0, 0.0, b_y)))
+        return [first, JointRow(joint, ((joint.a, 0.0, 1.0, a_x), (joint.b, 0.0, -1.0, -b_x)))]
     distance, (x, y) = _between(*ends)
     if distance == 0.0:
         return []

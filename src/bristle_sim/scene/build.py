@@ -163,7 +163,7 @@ def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
     damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
     wires = functools.partial(WireVelocities, space, mechanism, damping, scene.hub, scene.links)
-    return WireSteps(space, *bodies, wires, bending=bool(effects.hinges))
+    return WireSteps(wires, bool(effects.hinges), space, *bodies)
 
 
 def _add_links(

@@ -2,7 +2,7 @@
 
 The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations. Whatever it has done adds
 M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic energy, are the same
-without them. So an engine step with one iteration is enough, and the nearest velocities are those of
+without them. So one iteration is enough, and the nearest velocities are
 
     v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 hub speed,
 
@@ -121,8 +121,7 @@ class _Chains:
             if link is not None:
                 turn, rate = complex(self.turn[link]), float(self.rates[link])
                 to_centre = complex(self.wires.centres[link]) * turn
-                joint = complex(self._places[link]) - to_centre
-                carried = complex(self.velocities[link]) - 1j * rate * to_centre
+                joint, carried = self._places[link] - to_centre, self.velocities[link] - 1j * rate * to_centre
                 corners = [joint + complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
                 start, moving, *knees, tip = [(each.real, each.imag) for each in (joint, carried, *corners)]
                 # The velocities of centre and tip are not looked at.
@@ -162,8 +161,9 @@ class WireVelocities:
         self.symmetric = self.correct = False
         self.contacts: Sequence[Held] = ()
         self.impulses: list[tuple[float, float, float]] = []
-        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
-        self._springs = [(spring, spring.damping) for spring in springs]
+        self._springs = [
+            (each, each.damping) for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
+        ]
         has_hub = hub is not None
         self._bodies = Placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
@@ -200,20 +200,23 @@ class WireVelocities:
 
     def _push(self) -> None:
         """Add the impulses of the contacts."""
-        chains = self._chains
-        touches = [chains.closest(each.obstacle, each.piece) for each in self.contacts]
-        pairs = list(zip(self.contacts, touches, strict=True))
-        rows = [chains.row(each.obstacle, touch, touch.normal) for each, touch in pairs]
-        pushes, speeds, along = list(rows), [touch.velocity[0] for touch in touches], {}
-        for index, (held, touch) in enumerate(pairs):
-            if held.obstacle.friction:
-                along[index] = chains.row(held.obstacle, touch, touch.tangent)
-                if held.slip:
-                    pushes[index] = rows[index] - held.obstacle.friction * held.slip * along[index]
-        stuck = [index for index in along if self.contacts[index].slip == 0]
-        response = chains.solve(chains.matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
-        rigid = np.array([*rows, *(along[index] for index in stuck)]) @ response
-        stopped = -np.array(speeds + [touches[index].velocity[1] for index in stuck])
+        chains, contacts = self._chains, self.contacts
+        touches = [chains.closest(each.obstacle, each.piece) for each in contacts]
+        pairs = list(enumerate(zip(contacts, touches, strict=True)))
+        across = [chains.row(each.obstacle, touch, touch.normal) for _, (each, touch) in pairs]
+        along = {
+            at: chains.row(each.obstacle, touch, touch.tangent) for at, (each, touch) in pairs if each.obstacle.friction
+        }
+        ratios = [-each.obstacle.friction * (each.slip or 0) for each in contacts]
+        pushes = [
+            row + ratio * along[at] if ratio else row
+            for at, (row, ratio) in enumerate(zip(across, ratios, strict=True))
+        ]
+        stuck = [at for at in along if contacts[at].slip == 0]
+        sticking = [along[at] for at in stuck]
+        response = chains.solve(chains.matrix, np.array([*pushes, *sticking]).T)[1]
+        rigid = np.array([*across, *sticking]) @ response
+        stopped = -np.array([touch.velocity[0] for touch in touches] + [touches[at].velocity[1] for at in stuck])
         if len(stopped) == 1:  # a contact without lever bears nothing
             impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
         else:
@@ -222,32 +225,23 @@ class WireVelocities:
         chains.rates += change
         chains.velocities += chains.each(1j * chains.turn * change, chains.wires.arms)
         # A mean of old and new velocities takes half of an impulse.
-        impulses = impulses * (2.0 if self.symmetric else 1.0)
-        rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
-        self.impulses = []
-        for index, (held, touch) in enumerate(pairs):
-            push = float(impulses[index])
-            rub = float(rubs.get(index, -held.obstacle.friction * (held.slip or 0) * push))
-            slip = float(touch.velocity[1] + along[index] @ change) if index in along else 0.0
-            self.impulses.append((push, rub, slip))
+        whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
+        rubs, self.impulses = dict(zip(stuck, whole[len(across) :], strict=True)), []
+        for at, (push, touch) in enumerate(zip(whole, touches, strict=False)):
+            slip = float(touch.velocity[1] + along[at] @ change) if at in along else 0.0
+            self.impulses.append((push, rubs.get(at, ratios[at] * push), slip))
 
 
 class WireSteps(EngineSteps):
-    """Engine steps, each followed by a linear solve: for wires that bend always, for rigid links only in sustained contact."""
+    """Engine steps, each followed by a linear solve: for wires that bend always, for rigid links only in sustained contact.
+
+    ``engine`` are the arguments of :class:`EngineSteps`; ``wires`` makes the solver when it is first needed.
+    """
 
     solves_contacts = True
 
-    def __init__(
-        self,
-        space: pymunk.Space,
-        hub: pymunk.Body | None,
-        links: Sequence[pymunk.Body],
-        joints: Sequence[pymunk.Constraint],
-        wires: Callable[[], WireVelocities],
-        *,
-        bending: bool,
-    ) -> None:
-        super().__init__(space, hub, links, joints)
+    def __init__(self, wires: Callable[[], WireVelocities], bending: bool, *engine: Any) -> None:
+        super().__init__(*engine)
         self._make, self._bending, self._engine_step = wires, bending, self._step
 
     @cached_property
