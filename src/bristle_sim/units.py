@@ -201,9 +201,20 @@ count = functools.partial(quantity, usual=ANY, whole=True)
 """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
 
 
-def choice(default: str, key: str, options: tuple[str, ...], meaning: str = "", source: str = "") -> Any:
-    """Declare a dataclass field that holds one word out of a few."""
-    return declared_field(default, Choice(key, options, source, meaning=meaning))
+WORDS = re.compile(r"(\w+)(?:: (.+?))?(?: \[(.+)\])?")
+"""A declared key, meaning and source: ``contact: law of impact [Stronge 1990]``."""
+
+
+def words_of(rule: str) -> dict[str, Any]:
+    """Return key, meaning and source of a declared word or text, as in :data:`WORDS`."""
+    found = WORDS.fullmatch(rule)
+    assert found is not None, rule
+    return dict(zip(("key", "meaning", "source"), found.groups(""), strict=True))
+
+
+def choice(rule: str, *options: str) -> Any:
+    """Declare a dataclass field that holds one word out of a few, by default the first, by key, meaning and source."""
+    return declared_field(options[0], Choice(options=options, **words_of(rule)))
 
 
 def declared_field(default: Any, declared: Any) -> Any:

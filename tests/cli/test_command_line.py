@@ -45,7 +45,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Law:
-    name: str = choice("elastic", "law", ("elastic", "plastic"), source="a source")
+    name: str = choice("law [a source]", "elastic", "plastic")
     unused: float = quantity(1.0, "0 <= unused <= 1 [a source]")
 
     def __post_init__(self) -> None:

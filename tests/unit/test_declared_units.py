@@ -27,7 +27,7 @@ class Part(Declared):
 
     length: float = quantity(0.5, "0 < length <= 2e3 m: how long it is [a source]")
     extra: float | None = quantity(None, "-1 <= extra <= 1 s: another one [none]")
-    word: str = choice("one", "word", ("one", "two"), "a word", "chosen")
+    word: str = choice("word: a word [chosen]", "one", "two")
     links: int = count(1, "1 <= links <= 64: how many [a source]")
     undeclared: int = 3
 

@@ -60,11 +60,8 @@ class AuditView(Declared):
     """Which rows the table shows; the JSON always has them all."""
 
     show: str = choice(
-        "all",
-        "show",
-        ("all", REPRODUCED, DIFFERS, NOT_COMPUTABLE),
-        source="chosen: rows of the table on the terminal",
-        meaning="which rows the table shows; the JSON has all",
+        "show: which rows the table shows; the JSON has all [chosen: rows of the table on the terminal]",
+        *("all", REPRODUCED, DIFFERS, NOT_COMPUTABLE),
     )
 
 

@@ -39,9 +39,7 @@ def redrawn(number: str) -> Redrawn:
 class Selection(Declared):
     """Which figures to redraw."""
 
-    only: str = choice(
-        "all", "only", ("all", *NUMBERS), source="chosen: one figure alone", meaning="figure or table that is redrawn"
-    )
+    only: str = choice("only: figure or table that is redrawn [chosen: one figure alone]", "all", *NUMBERS)
 
 
 def figures_report(selection: Selection) -> Report:

@@ -125,11 +125,9 @@ class Neighbours(Declared):
         f"0 <= neighbour_restitution <= 1: energetic coefficient of restitution between two wires [{STEEL_ON_STEEL}]",
     )
     search: str = choice(
-        "yes",
-        "search",
-        ("yes", "no"),
-        "whether the least pitches are also searched on simulated rows",
-        "chosen: it takes some twenty rows of two bristles",
+        "search: whether the least pitches are also searched on simulated rows"
+        " [chosen: it takes some twenty rows of two bristles]",
+        *("yes", "no"),
     )
 
 
@@ -138,11 +136,9 @@ class Comparison(Declared):
     """Whether a run is also compared with the independent solution."""
 
     reference: str = choice(
-        "no",
-        "reference",
-        ("no", "yes"),
-        "whether the independent solution is computed too and judges the result",
-        "chosen: the independent solution takes longer",
+        "reference: whether the independent solution is computed too and judges the result"
+        " [chosen: the independent solution takes longer]",
+        *("no", "yes"),
     )
 
     @property

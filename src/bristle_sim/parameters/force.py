@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.units import Declared, count, declared_field, quantity, shown
+from bristle_sim.units import Declared, count, declared_field, quantity, shown, words_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +44,8 @@ def _is_file(name: str) -> bool:
         return False
 
 
-def _text(key: str, unit: str, meaning: str, source: str) -> Any:
-    return declared_field(None, Text(key, source, unit, meaning))
+def _text(rule: str, unit: str) -> Any:
+    return declared_field(None, Text(unit=unit, **words_of(rule)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,22 +53,18 @@ class Measurement(Declared):
     """A measured force history that takes the place of the published curve."""
 
     force_csv: str | None = _text(
-        "force_csv",
+        "force_csv: measured force history: columns of time and force, perhaps with headings"
+        " [none: the measured points are not in print]",
         "file",
-        "measured force history: columns of time and force, perhaps with headings",
-        "none: the measured points are not in print",
     )
     time_column: str | None = _text(
-        "time_column",
+        "time_column: column of the time in the file [the one whose heading has a unit of time, else the first]",
         "column",
-        "column of the time in the file",
-        "the one whose heading has a unit of time, else the first",
     )
     force_column: str | None = _text(
-        "force_column",
+        "force_column: column of the force in the file"
+        " [the one whose heading has a unit of force, or the only other one]",
         "column",
-        "column of the force in the file",
-        "the one whose heading has a unit of force, or the only other one",
     )
     force_per_volt: float | None = quantity(
         None,
@@ -145,10 +141,8 @@ class Measured(Declared):
         " eta^2 [(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)]",
     )
     data: str | None = _text(
-        "data",
+        "data: measured impacts of an ellipse: MATLAB file with an array bounce_array [none: the file is its authors']",
         "file",
-        "measured impacts of an ellipse: MATLAB file with an array bounce_array",
-        "none: the file is its authors'",
     )
 
 
@@ -176,10 +170,8 @@ class FilmGrid(Declared):
     exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s: time that the camera's shutter is open [chosen]")
     workers: int = count(2, "1 <= workers <= 64: processes for the map [chosen: a small computer's]")
     store: str | None = _text(
-        "store",
+        "store: folder that keeps finished cases, from which an interrupted map goes on [none: nothing is kept]",
         "folder",
-        "folder that keeps finished cases, from which an interrupted map goes on",
-        "none: nothing is kept",
     )
 
     def __post_init__(self) -> None:

@@ -220,11 +220,9 @@ class Contact(Declared):
     """Contact law: energetic impact, a compliance resolved in time, or the engine's own."""
 
     law: str = choice(
-        "energetic",
-        "contact",
-        ("energetic", "compliant", "engine"),
-        "law of impact: by energy, resolved in time on a spring, or the engine's own",
-        "Stronge 1990: energetic restitution",
+        "contact: law of impact: by energy, resolved in time on a spring, or the engine's own"
+        " [Stronge 1990: energetic restitution]",
+        *("energetic", "compliant", "engine"),
     )
     duration: float | None = quantity(
         None,

@@ -16,10 +16,10 @@ class Effort(Declared):
     """The extent of the measurement."""
 
     effort: str = choice(
-        *("full", "effort", ("full", "quick"), "how many settings are timed and how often"),
-        source="chosen: quick measures too little to compare",
+        "effort: how many settings are timed and how often [chosen: quick measures too little to compare]",
+        "full",
+        "quick",
     )
     peers: str = choice(
-        *("all", "peers", ("all", "none"), "whether other packages are timed too"),
-        source="chosen: every installed peer takes part",
+        "peers: whether other packages are timed too [chosen: every installed peer takes part]", "all", "none"
     )

@@ -20,7 +20,5 @@ THEMES = (
 class HardCaseChoice(Declared):
     """The cases to try."""
 
-    theme: str = choice("all", "theme", ("all", *THEMES), "kind of hard case that is tried", "chosen: every theme")
-    effort: str = choice(
-        "full", "effort", ("full", "quick"), "how much is tried: quick leaves out long cases", "chosen: all cases"
-    )
+    theme: str = choice("theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES)
+    effort: str = choice("effort: how much is tried: quick leaves out long cases [chosen: all cases]", "full", "quick")
