@@ -1,4 +1,4 @@
-"""The pymunk scene against closed forms: harmonic and damped flight, Jacobi's integral, pendulums."""
+"""The pymunk scene against closed forms: harmonic and damped flight, pendulums."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,6 @@ from scipy.special import ellipj
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.trajectory import Trajectory
 
 FREE = Tool(bar=None, workpart=None)
 ON_AXIS = replace(FREE, hub=Hub(radius=0.0))
@@ -47,31 +46,3 @@ class TestFlight:
         swing, start = (run.relative_angle, -1.3) if speed else (run.angles[:, 0], -1.0)
         _, cosine, delta, _ = ellipj(rate * run.time, math.sin(0.5 * start) ** 2)
         np.testing.assert_allclose(swing, 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta), rtol=0.0, atol=1e-8)
-
-    @pytest.mark.parametrize("accuracy", ACCURACIES)
-    def test_jacobi_integral(self, accuracy: float) -> None:
-        """I u^2/2 + k a^2/2 - m r_h (L/2) w^2 cos a stays; its parts vary by as much as the kinetic one's swing."""
-        run = simulate(FREE, Settings(accuracy=accuracy), start_relative_angle=-math.radians(44.5))
-        integral, swing = jacobi(FREE, run)
-        # Relative errors of angle and rate count twice in their squares.
-        assert np.ptp(integral) < 4.0 * accuracy * swing
-
-    @pytest.mark.parametrize("damping", [0.02, 0.3])
-    def test_power_of_damping(self, damping: float) -> None:
-        """Jacobi's integral falls by c u^2: integrated over the samples by parts of a parabola."""
-        tool = replace(FREE, belt=Belt(damping_ratio=damping))
-        run = simulate(tool, Settings(samples_per_period=400), start_relative_angle=-0.7)
-        integral, swing = jacobi(tool, run)
-        power = tool.belt_damping * run.relative_rate**2
-        lost = float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(run.time)))
-        # Trapezoids of 1/400 of a period: (2 pi/400)^2/12 = 2e-5 of what is lost.
-        assert integral[0] - integral[-1] == pytest.approx(lost, rel=1e-4)
-        assert lost > 0.1 * swing
-
-
-def jacobi(tool: Tool, run: Trajectory) -> tuple[np.ndarray, float]:
-    """Energy in the frame of the hub, and how much of it swings to and fro."""
-    kinetic = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
-    moment = 0.5 * tool.bristle.mass * tool.bristle.length * tool.hub.radius * tool.hub.speed**2
-    potential = 0.5 * tool.belt.stiffness * run.relative_angle**2 - moment * np.cos(run.relative_angle)
-    return kinetic + potential, float(np.ptp(kinetic))

@@ -1,6 +1,6 @@
-"""Extrapolation of engine steps: its error against estimate and tolerance, its next interval, and what it refuses.
+"""Extrapolation of engine steps: its weights, and its error against estimate and tolerance.
 
-Free flights are referred to closed forms, or to scipy's integrator at a tolerance of 3e-14 on the equation
+Free flights are compared with scipy's integrator at a tolerance of 3e-14 on the equation
 
     a'' = -3 (k a + c a' + (r/2) w^2 sin a + (g/2) sin(psi + a))
 
@@ -11,62 +11,27 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import pytest
 from scipy.integrate import solve_ivp
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.integrate import extrapolation as repetitions
-from bristle_sim.scene.integrate.extrapolation import Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run
-
-
-def oscillator(damping: float = 0.0) -> tuple[Scene, State, Callable[[float], np.ndarray]]:
-    """A rod whose root stands on the hub's axis: harmonic, of natural rate 1, released at 0.7 rad and -0.2."""
-    scene = Scene(Mechanism((Link.rod(1.0, 1.0),)), Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * damping))
-    exponent = complex(-damping, math.sqrt(1.0 - damping**2))
-    amplitude = complex(0.7, (exponent.real * 0.7 + 0.2) / exponent.imag)
-
-    def exact(time: float) -> np.ndarray:
-        motion = amplitude * np.exp(exponent * time)
-        return np.array([motion.real, (exponent * motion).real])
-
-    return scene, State(0.0, (0.7,), (-0.2,)), exact
-
-
-def carried(stepper: Stepper, scene: Scene, state: State, duration: float) -> np.ndarray:
-    """Angle and rate at the end, interval by interval."""
-    while duration - state.time > 1e-12:
-        length = stepper.propose(duration - state.time)
-        result = stepper.advance(scene, state, length)
-        if stepper.accepts(result, length):
-            state = result.state
-    return np.array([state.angles[0], state.rates[0]])
-
-
-@pytest.mark.parametrize("damping", [0.0, 0.3])
-def test_plain_steps_are_of_first_order(damping: float) -> None:
-    """The next power of the step is 1/100 of the first at the coarsest step here: a few 0.01."""
-    scene, start, exact = oscillator(damping)
-    counts = np.array([256, 512, 1024, 2048])
-    errors = [np.abs(carried(PlainSteps(2.0 / count), scene, start, 2.0) - exact(2.0)).max() for count in counts]
-    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.03)
-
 
 REFEREE = 1e-13
 """Error of scipy's integration over a few radians."""
 
 
-class TestAccuracy:
-    def test_repetitions_remove_one_power_of_the_step_each(self) -> None:
-        """Weights add up to 1 and annihilate n^-j, j = 1 ... rows - 1; they magnify rounding by their own size."""
-        for table in (repetitions.CLOSE, repetitions.WIDE):
-            for row, weights in enumerate(table.weights):
-                counts = np.array(table.counts[: row + 1], dtype=float)
-                for power in range(row + 1):
-                    scale = np.abs(weights) @ counts**-power
-                    assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
+def test_repetitions_remove_one_power_of_the_step_each() -> None:
+    """Weights add up to 1 and annihilate n^-j, j = 1 ... rows - 1; they magnify rounding by their own size."""
+    for table in (repetitions.CLOSE, repetitions.WIDE):
+        for row, weights in enumerate(table.weights):
+            counts = np.array(table.counts[: row + 1], dtype=float)
+            for power in range(row + 1):
+                scale = np.abs(weights) @ counts**-power
+                assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
 
 
 def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:
