@@ -27,20 +27,6 @@ def require(name: str, value: Any, holds: Any, rule: str) -> None:
         raise ValueError(f"{name} = {values[~passed][0]:g}: {rule}")
 
 
-def finite(name: str, value: Any, unit: str) -> None:
-    """Refuse infinities and NaN."""
-    rule = f"must be finite ({_in(unit)})"
-    array = numbers(name, value, rule)
-    require(name, array, np.isfinite(array), rule)
-
-
-def positive(name: str, value: Any, unit: str) -> None:
-    """Refuse a number that is not finite and above zero."""
-    rule = f"must be a finite number with {name} > 0 ({_in(unit)})"
-    array = numbers(name, value, rule)
-    require(name, array, np.isfinite(array) & (array > 0.0), rule)
-
-
 def _floats(value: Any) -> Array | None:
     """Convert to a float array, or return None if an entry is not a real number (text, truth value, complex) or rows differ."""
     if _has_truth_value(value):
@@ -61,12 +47,6 @@ def _has_truth_value(value: Any) -> bool:
         return any(map(_has_truth_value, value))
     return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")
 
-
-def _in(unit: str) -> str:
-    return "dimensionless" if unit == "1" else f"in {unit}"
-
-
-RIGHT, TURN = 0.5 * math.pi, 2.0 * math.pi
 
 RANGES: dict[str, Range] = {
     key: Range(key, unit, low, high, True, why)

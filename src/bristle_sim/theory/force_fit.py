@@ -169,7 +169,7 @@ def _fitted(
             warnings.simplefilter("error", OptimizeWarning)  # unknowns that the points do not tell apart
             first = [begin[name] for name in sizes]
             found, covariance = curve_fit(forces, since, force, first, ftol=1e-14, xtol=1e-14, gtol=0.0)
-    except (RuntimeError, ValueError, OptimizeWarning):
+    except (RuntimeError, ValueError, ZeroDivisionError, OptimizeWarning):
         return None
     curve, begins, level = model(found)
     outside = (length * since < begins) | (length * since > begins + curve.duration)

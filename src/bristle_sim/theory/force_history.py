@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import finite, positive
 
 LEAD_RATIO = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 
@@ -30,13 +29,8 @@ LEAD_RATIO = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 class ForceCurve:
     """F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N (Zhang 2020, eq. 3.3).
 
-    Attributes:
-        amplitude, decay: c, dimensionless, and lambda, 1/s.
-        offset, swing: N; of one impact as (3.3) has it, offset = swing cos(2 pi lead/period).
-        lead, period: t_o and T, s.
-
-    Raises:
-        ValueError: if a value is not finite, swing or period is not positive, or lead is not within 0 <= lead < period/2.
+    The amplitude c is dimensionless, the decay lambda in 1/s, offset and swing in N, lead t_o < T/2 and period T in s; of one
+    impact as (3.3) has it, offset = swing cos(2 pi lead/period).
     """
 
     amplitude: float
@@ -46,19 +40,9 @@ class ForceCurve:
     lead: float
     period: float
 
-    def __post_init__(self) -> None:
-        for name, unit in (("amplitude", "1"), ("decay", "1/s"), ("offset", "N"), ("lead", "s")):
-            finite(name, getattr(self, name), unit)
-        positive("swing", self.swing, "N")
-        positive("period", self.period, "s")
-        if not 0.0 <= self.lead < self.period / 2.0:
-            raise ValueError(f"lead = {self.lead:g}: must be 0 <= lead < period/2 = {self.period / 2.0:g} (in s)")
-
     @classmethod
     def of_impact(cls, amplitude: float, decay: float, peak_force: float, duration: float) -> ForceCurve:
         """Return the curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
-        positive("peak_force", peak_force, "N")
-        positive("duration", duration, "s")
         lead, swing = LEAD_RATIO * duration, 0.5 * peak_force
         period = duration + 2.0 * lead
         return cls(amplitude, decay, swing * math.cos(2.0 * math.pi * lead / period), swing, lead, period)

@@ -117,9 +117,7 @@ def double_pendulum_impact(
     speeds = np.array([length * first, length * second / 2.0])
     rods = _Rods(mass, ratio, angles)
     impact = _RodImpact(rods, speeds)
-    outcome = "no contact"
-    if impact.tip[1] < 0.0:
-        outcome = impact.restitute(later, e) if impact.compress(mu) else "jam"
+    outcome = impact.resolve(mu, e, later)
     before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(impact.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(impact.speeds[0]) / length,
@@ -207,16 +205,6 @@ class _RodImpact:
         """Return v_C without its rounding."""
         return [each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)]
 
-    def motion(self, mu: float, *, slips: bool) -> tuple[str, Array]:
-        """Return the name of C's motion, slipping or once slip has stopped, as the normal impulse drives it; and the change of q per dp_y."""
-        driven = self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
-        if not slips and mu >= stick_friction(self.rods.ratio, *self.rods.angles):
-            return "stick", self.rods.sticking()
-        direction = math.copysign(1.0, driven)
-        self.first_slip = self.first_slip or direction
-        name = "slip" if direction == self.first_slip else "reverse slip"
-        return name, self.rods.response(-mu * direction, 1.0)
-
     def until_zero(self, axis: int, change: Array) -> float:
         """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
         value, slope = self.tip[axis], self.rods.tip_velocity(change)[axis]
@@ -230,48 +218,43 @@ class _RodImpact:
         final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
         return 2.0 * work / (speed + final) if final > 0.0 else 0.0
 
-    def follow(self, phase: str, change: Array, impulse: float) -> float:
-        """Apply the normal impulse, with q changing at the rate ``change``, and return its normal work."""
-        work = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * impulse) * impulse
-        self.speeds = self.speeds + change * impulse
-        self.work += work
-        self.impulse += impulse
-        self.phases.append(phase)
-        if math.isinf(self.slip_stop) and not self.tip[0]:
-            self.slip_stop = self.impulse
-        return work
+    def follow(self, part: str, mu: float, work: float | None = None) -> bool:
+        """Slip until slip or the part of the impact ends, then stick or slip on until that ends; return whether it can.
 
-    def compress(self, mu: float) -> bool:
-        """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests; return whether it can."""
-        if self.tip[0]:
-            motion, change = self.motion(mu, slips=True)
-            self.follow(f"compression {motion}", change, min(self.until_zero(0, change), self.until_zero(1, change)))
-        if self.tip[1] < 0.0:
-            motion, change = self.motion(mu, slips=False)
-            end = self.until_zero(1, change)
-            if math.isinf(end):
-                return False
-            self.follow(f"compression {motion}", change, end)
-        self.compressive_impulse = self.impulse
-        return True
-
-    def restitute(self, mu: float, restitution: float) -> str:
-        """Continue until the work of restitution is -e*^2 that of compression (2.87), and return the outcome."""
-        if restitution == 0.0:
-            return "no rebound"
-        wanted = -(restitution**2) * self.work
-        if self.tip[0]:
-            motion, change = self.motion(mu, slips=True)
-            if self.rods.tip_velocity(change)[1] <= 0.0:
+        Compression ends where C rests, restitution with the normal work that remains to do (2.87).
+        """
+        for slips in (True, False) if self.tip[0] else (False,):
+            driven = self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
+            direction, motion = math.copysign(1.0, driven), "stick"
+            if slips or mu < stick_friction(self.rods.ratio, *self.rods.angles):
+                self.first_slip = self.first_slip or direction
+                motion = "slip" if direction == self.first_slip else "reverse slip"
+            change = self.rods.sticking() if motion == "stick" else self.rods.response(-mu * direction, 1.0)
+            if slips and work is not None and self.rods.tip_velocity(change)[1] <= 0.0:
                 # More friction than in compression: it would drive C back as soon as C leaves.
                 change = self.rods.sliding_at_rest()
-            stop, end = self.until_zero(0, change), self.until_work(change, wanted)
-            wanted -= self.follow(f"restitution {motion}", change, min(stop, end))
-            if end <= stop:
-                return "rebound"
-        motion, change = self.motion(mu, slips=False)
-        end = self.until_work(change, wanted)
-        if math.isinf(end):
-            return "stiction"
-        self.follow(f"restitution {motion}", change, end)
-        return "rebound"
+            end = self.until_zero(1, change) if work is None else self.until_work(change, work)
+            stop = self.until_zero(0, change) if slips else math.inf
+            if math.isinf(step := min(stop, end)):
+                return False
+            done = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * step) * step
+            self.speeds = self.speeds + change * step
+            self.work, self.impulse = self.work + done, self.impulse + step
+            self.phases.append(f"{part} {motion}")
+            if math.isinf(self.slip_stop) and not self.tip[0]:
+                self.slip_stop = self.impulse
+            if end <= stop or (work is None and not self.tip[1] < 0.0):
+                return True
+            work = None if work is None else work - done
+        return False
+
+    def resolve(self, mu: float, restitution: float, later: float) -> str:
+        """Compress and restitute, and return the outcome."""
+        if not self.tip[1] < 0.0:
+            return "no contact"
+        if not self.follow("compression", mu):
+            return "jam"
+        self.compressive_impulse = self.impulse
+        if restitution == 0.0:
+            return "no rebound"
+        return "rebound" if self.follow("restitution", later, -(restitution**2) * self.work) else "stiction"
