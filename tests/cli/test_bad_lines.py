@@ -71,6 +71,10 @@ REFUSED = [
 ]  # fmt: skip
 
 REFUSED_BY_THE_RUN = [
+    ("force_history --set force_csv=points.csv", "force_csv = points.csv: "),
+    ("force_history --set force_csv=tool.toml", "force_csv = tool.toml: must have columns of time and force"),
+    ("measured_impacts --set data=points.csv", "data = points.csv: must"),
+    ("measured_impacts --set data=none.mat", "data = 'none.mat': must be a readable file"),
     ("single_pendulum --set contact=compliant --set restitution=5e-4", "restitution = 0.0005: must be 0, or at least"),
     ("oblique_impact --csv a.csv", "contact = energetic: must be compliant"),
     ("crater_depth --set hub_radius=4e-5 --plot a.png", "compression_time = 5e-05: must be shorter"),

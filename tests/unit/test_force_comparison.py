@@ -158,16 +158,3 @@ def test_a_force_of_another_form_is_distinguished_from_the_curves(tmp_path, form
         # 2/pi of the peak times the duration for a half sine; noise of 1 N of 57.
         whole = np.trapezoid(shape(np.linspace(0.0, 1.0, 10001)), dx=1e-8) * 57.0
         assert row(found, "fitted_impulse").reference == pytest.approx(whole, rel=0.03)
-
-
-@pytest.mark.parametrize("text", ["no numbers", "0,0\n1,0\n2,0\n3,0\n4,0\n"])
-def test_a_file_without_a_contact_is_refused_by_its_name(tmp_path, text):
-    (tmp_path / "points.csv").write_text(text)
-    with pytest.raises(ValueError, match=r"^force_csv = .*points\.csv"):
-        report(measurement=Measurement(str(tmp_path / "points.csv")))
-
-
-@pytest.mark.parametrize("key", ["time_column", "force_column", "force_per_volt"])
-def test_what_describes_a_file_needs_one(key):
-    with pytest.raises(ValueError, match=f"^{key} = .*: must be given with force_csv"):
-        Measurement(**{key: 2.0 if key == "force_per_volt" else "2"})

@@ -57,15 +57,6 @@ def test_ratio_of_stiffnesses() -> None:
     assert (elastic_compliance(0.0), elastic_compliance(0.5)) == (1.0, 1.5)
 
 
-def test_what_is_no_file_of_impacts_is_refused_in_one_line(tmp_path: Path) -> None:
-    other = tmp_path / "other.mat"
-    other.write_bytes(b"no matrix")
-    for path in (other, tmp_path / "none.mat"):
-        with pytest.raises(ValueError, match=r"^data = ") as refusal:
-            read_ellipse(str(path))
-        assert "\n" not in str(refusal.value)
-
-
 @measured
 def test_the_arms_are_those_of_the_file_but_for_the_sense_of_the_tangential_one() -> None:
     """The file gives them to fractions of a millimetre; the angle runs clockwise."""

@@ -129,3 +129,10 @@ def test_named_files_and_headings_exist() -> None:
     pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
     pictures = {link for link in links if link.startswith("media/")} | set(re.findall(r"media/[\w.]+", pages))
     assert pictures == {word for line in SHELL for word in line.split() if re.match(r"media/.*(?<!\.py)$", word)}
+
+
+def test_files_of_the_package_that_pages_name_exist() -> None:
+    known = {path.relative_to(ROOT).as_posix() for path in (ROOT / "src").rglob("*")}
+    for page in (*(ROOT / "docs").rglob("*.md"), ROOT / "CONTRIBUTING.md"):
+        for named in re.findall(r"`((?:\w+/)*\w+\.py)`", page.read_text(encoding="utf-8")):
+            assert any(f"/{path}".endswith(f"/{named}") for path in known) or (ROOT / named).exists(), (page, named)
