@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +14,8 @@ from bristle_sim.cli import Scenario, command
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, reached, verdict
-from bristle_sim.render.crater_figure import MEASURED, MICRO
 from bristle_sim.render.dissertation_figures import contact_sheet, draw
 from bristle_sim.render.style import add_panel, blank_figure
-from bristle_sim.render.wire_pictures import wire_figure
 from figure_faults import faults
 
 PASSES = (
@@ -96,39 +92,6 @@ def test_the_dissertations_figures_can_be_read(number: str):
 @pytest.mark.nightly
 def test_the_sheet_of_the_dissertations_figures_can_be_read():
     assert faults(contact_sheet(redrawn(number) for number in NUMBERS)) == []
-
-
-def titles(figure: Figure) -> str:
-    return "\n".join(
-        [*(text.get_text() for text in figure.texts), *(axes.get_title(loc="left") for axes in figure.axes)]
-    )
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("friction", ["0", "0.6"])
-def test_titles_of_the_wire_state_what_their_data_give(friction: str, monkeypatch: pytest.MonkeyPatch):
-    """At a friction of 0.6 the wire pushes longer and harder than the rigid bristle in a soft contact: 2.1 times."""
-    seen: list[Any] = []
-    monkeypatch.setattr(
-        "bristle_sim.render.wire_pictures.wire_figure", lambda *args: seen.append(args) or wire_figure(*args)
-    )
-    figure = drawn("flexible_wire", f"wire_links=2 friction={friction}")
-    assert faults(figure) == []
-    struck = seen[0][0]
-    peaks = [float(each.contact.history.normal_force.max()) for each in (struck.rigid, struck.wire)]
-    stated = re.search(r"pushes ([\d.]+) times", titles(figure))
-    assert stated is not None
-    assert float(stated[1]) == pytest.approx(peaks[0] / peaks[1], rel=0.05)  # two digits
-    assert not re.search(r"as if rigid|settles|feels less", titles(figure))
-
-
-def test_the_crater_says_first_which_estimate_is_nearest():
-    """Printed: 140 um by Merchant's plies and 130 um measured, 7 % more."""
-    figure = drawn("crater_depth", "")
-    assert faults(figure) == []
-    assert "Nearest to the measured depth: Merchant, 300 plies, 7 % deeper" in titles(figure)
-    bars = [float(each.get_width()) for each in figure.axes[0].patches[1:]]  # the first is the shaded band
-    assert bars[0] == pytest.approx(MICRO * MEASURED * 139.4 / 130.0, rel=1e-3)  # model.md: 139.40 um
 
 
 def at(method: str, error: float, cpu_s: float) -> Point:

@@ -151,7 +151,7 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
         scenario.film(report, **(options.size or {})).write(target, **({"fps": options.fps} if options.fps else {}))
     elif option == "write_tool":
         write_tool(built(Tool, work.values) if scenario.tool is None else scenario.tool(report), target)
-    elif option == "report":
+    else:
         from bristle_sim.render.report import write_report
 
         write_report(
