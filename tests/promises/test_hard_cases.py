@@ -158,7 +158,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["size: 0.82 um, 1.2e-12 kg: whole pass"],
     ),
     "touches that are not located": (
-        (touches, "settle", lambda _value, _interval, _near, last, _tolerance: last),
+        (touches, "settle", lambda _progress, _value, interval, _near, _tolerance: interval.end),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
     "another restitution": ((laws, "energetic_impact", livelier), ["jam: default pass, friction 0.001 off the jam"]),

@@ -52,7 +52,7 @@ class Scene:
 
     Attributes:
         hub, links, joints: the kinematic body that carries the roots, or None; the links' bodies from the root; their pivots.
-        engine: takes the steps; ``step`` is its way to take steps of one length.
+        engine: takes the steps; ``step`` takes some of one length, ``angles`` and ``rates`` read the links' (less ``turned``).
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
         placed: the state and drift of the last call of ``place``.
         turned: whole turns subtracted from the angles before they are given to the engine, rad.
@@ -84,7 +84,7 @@ class Scene:
         self.engine.set_iterations(self.contacts.in_flight)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
-        self.step = self.engine.take
+        self.step, self.angles, self.rates = self.engine.take, self.engine.angles, self.engine.rates
 
     def place(self, state: State, drift: float = 0.0) -> None:
         """Place every body where the state puts it, moved on at its velocity for the time ``drift``."""
@@ -104,24 +104,6 @@ class Scene:
             (x, y), (u, v) = pose.centre, pose.centre_velocity
             values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
         self.engine.place(values)
-
-    @property
-    def space(self) -> pymunk.Space:
-        """The pymunk space."""
-        return self.engine.space
-
-    @property
-    def steps(self) -> int:
-        """Engine steps taken so far."""
-        return self.engine.steps
-
-    def angles(self) -> list[float]:
-        """Return the links' angles as they are in the engine, rad, less ``turned``."""
-        return self.engine.angles()
-
-    def rates(self) -> list[float]:
-        """Return the links' rates as they are in the engine."""
-        return self.engine.rates()
 
     @property
     def connected(self) -> Connected:

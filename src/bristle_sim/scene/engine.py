@@ -82,7 +82,7 @@ class EngineSteps:
 
         ``act`` is called before each of them.
         """
-        if length > (LONGEST_WARM_RATIO if count > 2 else LONGEST_SINGLE_RATIO) * self._last_length:
+        if length > (LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO) * self._last_length:
             self._start_cold(length)
         self._last_length = length
         self.steps += count

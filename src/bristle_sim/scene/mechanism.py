@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -106,24 +107,22 @@ class Mechanism:
         for known, poses in self._known:
             if known is state:
                 return poses
-        poses, speed = [], self.hub_speed
+        poses, speed, hub = [], self.hub_speed, self.hub_start + self.hub_speed * state.time
         for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
             if number % self.wire_links == 0:
-                root = self.root_angle(number, state.time)
-                x, y = self.hub_radius * math.sin(root), -self.hub_radius * math.cos(root)
-                joint, joint_velocity = (x, y), (-speed * y, speed * x)
-            (x, y), (u, v) = joint, joint_velocity
+                root = hub - number // self.wire_links * self.pitch
+                x, y = joint = self.hub_radius * math.sin(root), -self.hub_radius * math.cos(root)
+                u, v = joint_velocity = -speed * y, speed * x
             cosine, sine = math.cos(angle), math.sin(angle)
             (a, b), (c, d) = link.centre, link.tip
-            centre_x, centre_y = cosine * a - sine * b, sine * a + cosine * b
-            tip_x, tip_y = cosine * c - sine * d, sine * c + cosine * d
-            tip, tip_velocity = (x + tip_x, y + tip_y), (u - rate * tip_y, v + rate * tip_x)
-            centre, centre_velocity = (x + centre_x, y + centre_y), (u - rate * centre_y, v + rate * centre_x)
+            a, b, c, d = cosine * a - sine * b, sine * a + cosine * b, cosine * c - sine * d, sine * c + cosine * d
+            tip, tip_velocity = (x + c, y + d), (u - rate * d, v + rate * c)
             knees: tuple[Vector, ...] = ()
             if link.knees:
                 knees = tuple([(x + cosine * p - sine * q, y + sine * p + cosine * q) for p, q in link.knees])
+            centre, centre_velocity = (x + a, y + b), (u - rate * b, v + rate * a)
             poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
-            joint, joint_velocity = tip, tip_velocity
+            (x, y), (u, v) = joint, joint_velocity = tip, tip_velocity
         self._known.append((state, poses))
         return poses
 
@@ -185,31 +184,38 @@ def cross(arm: Vector, direction: Vector) -> float:
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
-def interpolate(start: State, end: State, fraction: float) -> State:
-    """Return the cubic through angles and rates at both ends, at a fraction of the interval between them."""
-    length = end.time - start.time
-    rest = 1.0 - fraction
-    h_00, h_01 = (1.0 + 2.0 * fraction) * rest * rest, fraction * fraction * (3.0 - 2.0 * fraction)
-    h_10, h_11 = length * fraction * rest * rest, -length * fraction * fraction * rest
-    d_0, d_1 = 6.0 * fraction * rest / length, rest * rest - 2.0 * fraction * rest
-    d_2 = fraction * fraction - 2.0 * fraction * rest
-    angles, rates = [], []
-    for a, u, b, v in zip(start.angles, start.rates, end.angles, end.rates, strict=True):
-        angles.append(h_00 * a + h_10 * u + h_01 * b + h_11 * v)
-        rates.append(d_0 * (b - a) + d_1 * u + d_2 * v)
-    return State(start.time + fraction * length, tuple(angles), tuple(rates))
+class Curve:
+    """The polynomial through angles and rates of states: cubic for two of them, quintic for three."""
 
+    def __init__(self, *states: State) -> None:
+        """Compute the coefficients of Newton's form for each link, by divided differences."""
+        self._times = [state.time for state in states for _ in range(2)]
+        self._nodes = self._times[-2::-1]
+        self._links = [
+            self._differences(*each)
+            for each in zip(*(zip(s.angles, s.rates, strict=True) for s in states), strict=True)
+        ]
 
-def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:
-    """Return the fractions of the interval at which, on the cubic, a wire's first link reverses relative to the hub."""
-    length, speed = end.time - start.time, mechanism.hub_speed
-    rate_0, rate_1 = ((state.rates[link] - speed) * length for state in (start, end))
-    way = end.angles[link] - start.angles[link] - speed * length
-    # Of the derivative in the fraction s of the interval: half the slope at s = 0, and the curvature.
-    half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
-    square = half * half - curve * rate_0
-    if square <= 0.0:
-        return []
-    large = -half - math.copysign(math.sqrt(square), half)
-    roots = [top / bottom for top, bottom in ((large, curve), (rate_0, large)) if bottom]
-    return [interpolate(start, end, root) for root in roots if 0.0 < root < 1.0]
+    def _differences(self, *places: Vector) -> list[float]:
+        times, column = self._times, [angle for angle, _ in places for _ in range(2)]
+        found = [column[0]]
+        for order in range(1, len(times)):
+            column = [
+                places[low // 2][1] if order == 1 and low % 2 == 0 else (b - a) / (times[low + order] - times[low])
+                for low, (a, b) in enumerate(itertools.pairwise(column))
+            ]
+            found.append(column[0])
+        return found[::-1]
+
+    def __call__(self, time: float) -> State:
+        """Return the state at a time."""
+        distances = [time - node for node in self._nodes]
+        angles, rates = [], []
+        for highest, *others in self._links:
+            value, rate = highest, 0.0
+            for distance, coefficient in zip(distances, others, strict=True):
+                rate = rate * distance + value
+                value = value * distance + coefficient
+            angles.append(value)
+            rates.append(rate)
+        return State(time, tuple(angles), tuple(rates))

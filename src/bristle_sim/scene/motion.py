@@ -16,7 +16,7 @@ from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts, rigid_contacts, sense_of_slip
 from bristle_sim.scene.contact.spring import SPRING_TOTALS, ContactLoad, Spring
 from bristle_sim.scene.contact.sustained import Sustained
-from bristle_sim.scene.events.locate import Interval, first_change, look_back
+from bristle_sim.scene.events.locate import Interval, at_state, first_change
 from bristle_sim.scene.events.table import (
     Change,
     Release,
@@ -28,7 +28,7 @@ from bristle_sim.scene.events.table import (
 )
 from bristle_sim.scene.events.touches import SHORTEST_INTERVAL, first_touch_of_all
 from bristle_sim.scene.integrate.extrapolation import Advance
-from bristle_sim.scene.mechanism import State, interpolate
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.progress import MOST_GROWTH, Progress
 from bristle_sim.stop_reason import StopReason
 
@@ -37,6 +37,9 @@ LONGEST_TURN = 1.0
 cubic through the ends is good to 1/384 of the motion."""
 
 BEYOND_RELEASE = 1.02  # multiple of the time to an expected release that the next interval takes, to contain it
+BEFORE_RELEASE = (
+    0.95  # of the time to a release located by the steps of one repetition: an interval that ends before it
+)
 SHORTEST_CONTACT_INTERVAL = 1e-9  # fraction of a contact with a spring in which rounding exceeds the tolerance
 OVERDUE_DURATIONS = 10.0  # after which a contact in the rigid-body limit is no impact: it is pressed on
 SHORTEST_SAMPLED = 2e-3  # shorter intervals are left to the cubic: its error falls with their third power
@@ -51,19 +54,19 @@ class SmoothMotion:
         separating: pairs that have been released but whose gaps are not open yet.
         rigid, load: the object that keeps rigid contacts closed, and the forces of all contacts; None without any.
         before: the last interval of this motion, if there is one.
-        limit: longest permitted next interval; None (no limit) before the first contact of a run.
+        limit: longest permitted next interval: a contact may be over as soon as it begins.
         events: those of the contacts, and of the motion as a whole.
     """
 
     def __init__(
         self,
         progress: Progress,
-        limit: float | None,
         sustained: Sequence[Sustained] = (),
         separating: Sequence[Obstacle] = (),
     ) -> None:
         """Begin a motion; accelerations and signs of the last one are discarded."""
-        self.progress, self.limit = progress, limit
+        soon_over = sustained or progress.mechanism.wire_links > 1
+        self.progress, self.limit = progress, progress.plan.first_interval if soon_over else math.inf
         self.sustained, self.separating = tuple(sustained), tuple(separating)
         self.ordered = [each for each in sustained if each.spring is None]
         self.springs = [(each, each.spring) for each in sustained if each.spring is not None]
@@ -130,7 +133,8 @@ class SmoothMotion:
             if gone:
                 return self._approach_release(forces, length)
         if progress.stepper.accepts(result, length):
-            return Interval(start, result, again)
+            before = (self.before or at_state(start))._replace(state=start)
+            return Interval(before, result, again)
         durations = [SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in self.springs]
         if not math.isfinite(result.error) or length < min(durations, default=SHORTEST_INTERVAL):
             progress.stop(StopReason.ACCURACY)
@@ -145,7 +149,8 @@ class SmoothMotion:
         if (first and self.progress.mechanism.lone) or length <= plan.shortest:
             lost = zip(self.ordered, forces, strict=True)
             return Release(tuple(each.obstacle for each, force in lost if force <= 0.0))
-        shorter = length / MOST_GROWTH if first else 0.5 * length
+        assert self.rigid is not None
+        shorter = length / MOST_GROWTH if first else BEFORE_RELEASE * length * self.rigid.lasts()
         self.limit = max(min(shorter, self._until_release()), 0.5 * plan.shortest)
         return None
 
@@ -155,25 +160,19 @@ class SmoothMotion:
 
     def up_to_first_event(self, interval: Interval) -> Change | None:
         """Accept an interval up to its first event, and return the change of the contacts, if any."""
-        progress, whole, (of_contacts, of_motion) = self.progress, interval.end, self.events
-        if self.before is None and self.limit is None and not self.sustained:
-            look_back(interval, of_motion)
-        every = (*of_contacts, *of_motion)
-        known = [each.sign for each in every]
+        progress, whole, (of_contacts, of_motion) = self.progress, interval, self.events
         # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
-        end, happens = first_change(progress, of_contacts, interval, self.before)
-        active = [each.obstacle for each in self.sustained]
-        nearest, touch = first_touch_of_all(progress, interval._replace(end=end), active, self.separating)
-        happens = happens if nearest is end else None
-        end, later = first_change(progress, of_motion, interval._replace(end=nearest), self.before)
+        interval, happens = first_change(progress, of_contacts, interval)
+        active, changed = [each.obstacle for each in self.sustained], interval
+        interval, touch = first_touch_of_all(progress, interval, active, self.separating)
+        happens = happens if interval is changed else None
+        interval, later = first_change(progress, of_motion, interval)
         happens = later or happens
-        if end is not whole:
-            # What changes its sign later has not done so yet; the function that is zero keeps its sign.
-            for each, sign in zip(every, known, strict=True):
-                value = each.value(end)
-                if each is not happens:
-                    each.sign = math.copysign(1.0, value) if abs(value) > each.noise else sign
-        self._commit(end)
+        for each in (*of_contacts, *of_motion):
+            # The function that is zero at a new end has changed its sign; the later ones have not yet.
+            known = interval is whole or each is happens
+            each.sign = each.sign_of(each.reached if known else each.value(interval.end))
+        self._commit(interval)
         if happens is None:
             return touch or _overdue(self)
         if happens.final is not None:
@@ -182,27 +181,29 @@ class SmoothMotion:
             progress.event(happens.event, (happens.wire,))
         return None if happens.act is None else happens.act()
 
-    def _commit(self, result: Advance) -> None:
+    def _commit(self, interval: Interval) -> None:
         """Accept an interval's end; links in sustained contact are set back onto their obstacles."""
-        progress, start, gaps = self.progress, self.progress.state, self.progress.gaps
-        length = result.state.time - start.time
+        progress, gaps, result, length = self.progress, self.progress.gaps, interval.end, interval.length
         progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
         progress.recording.error += result.error
         progress.recording.summed += result.error
         if self.sustained:
-            self._add(result, start, length)
+            self._add(interval)
         else:
+            if result.middle is not None and (self.before is None or length > progress.plan.longest_interval):
+                progress.sample(state=result.middle)
             progress.sample()
         self.before = result
-        if self.limit is not None:
-            grown = max(MOST_GROWTH * length, progress.plan.first_interval)
-            self.limit = min(grown, max(self._until_release(), progress.plan.shortest))
+        if self.limit < math.inf:
+            self.limit = max(MOST_GROWTH * length, progress.plan.first_interval)
+        if self.ordered:
+            self.limit = min(self.limit, max(self._until_release(), progress.plan.shortest))
         if self.separating:
             self.separating = tuple(each for each in self.separating if gaps.gap(each, progress.state) <= GAP_ROUNDING)
 
-    def _add(self, result: Advance, start: State, length: float) -> None:
+    def _add(self, interval: Interval) -> None:
         """Add the contacts' impulses and work in an interval, and record their forces at its end."""
-        progress, totals, ends, begins = self.progress, result.totals, {}, {}
+        progress, totals, length, ends, begins = self.progress, interval.end.totals, interval.length, {}, {}
         for index, each in enumerate(self.ordered):
             normal, _, push, rub, work = totals[TOTALS * index : TOTALS * (index + 1)]
             # A release is located to rounding, on either side.
@@ -215,7 +216,7 @@ class SmoothMotion:
             if self.before is None and not self.springs:
                 progress.sample(begins, again=True)
             if progress.mechanism.lone and length >= SHORTEST_SAMPLED:
-                progress.recording.inner += _inner_states(progress, self.rigid, start)
+                progress.recording.inner += _inner_states(progress, self.rigid, interval)
             self._engage()
         progress.sample(ends)
 
@@ -224,24 +225,26 @@ def _proposed(motion: SmoothMotion) -> float:
     """Return the length of a motion's next interval."""
     progress, plan = motion.progress, motion.progress.plan
     left = plan.end - progress.state.time
-    longest = min(plan.longest_interval, LONGEST_TURN * plan.time_scale)
-    limit = math.inf if motion.limit is None else motion.limit
-    if not motion.springs:
-        return min(progress.stepper.propose(left), longest, limit)
-    longest = min(longest, *(spring.expected.longest for _, spring in motion.springs))
-    return progress.stepper.propose(min(left, longest, math.inf if motion.rigid is None else limit))
+    longest = min(plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
+    if motion.springs:
+        longest = min(longest, *(spring.expected.longest for _, spring in motion.springs))
+        return progress.stepper.propose(min(left, longest, math.inf if motion.rigid is None else motion.limit))
+    if progress.stepper.halves(progress.scene, motion.load):
+        longest = min(2.0 * plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
+    return min(progress.stepper.propose(left), longest, motion.limit)
 
 
-def _inner_states(progress: Progress, rigid: RigidContacts, start: State) -> list[State]:
+def _inner_states(progress: Progress, rigid: RigidContacts, interval: Interval) -> list[State]:
     """Return states within the last interval; for a lone link in contact they follow from geometry alone."""
-    gaps, end = progress.gaps, progress.state
-    guesses = [interpolate(start, end, fraction) for fraction in (0.25, 0.5, 0.75)]
-    middle, length = rigid.set_back(gaps, guesses[1]), end.time - start.time
+    length, gaps = interval.length, progress.gaps
+    guess = interval.at(0.5 * length)
+    middle = rigid.set_back(gaps, guess)
     # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
-    error = 8.0 * abs(middle.angles[-1] - guesses[1].angles[-1])
+    error = 8.0 * abs(middle.angles[-1] - guess.angles[-1])
     if error <= CUBIC_RATE_ERROR * progress.plan.accuracy * length * abs(middle.rates[-1]):
         return [middle]
-    return [rigid.set_back(gaps, guesses[0]), middle, rigid.set_back(gaps, guesses[2])]
+    before, after = (rigid.set_back(gaps, interval.at(part * length)) for part in (0.25, 0.75))
+    return [before, middle, after]
 
 
 def _overdue(motion: SmoothMotion) -> Change | None:

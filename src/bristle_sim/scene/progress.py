@@ -25,41 +25,41 @@ SLOW_FRACTION = 1e-8
 bounces would follow each other in a finite time."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Plan:
     """A run's end conditions, accuracy and density of samples; engine units.
 
     Attributes:
+        longest_interval, damped_interval: longest between samples, and in which damping is resolved.
         stop_after: name of an event that ends the run.
         maximum_steps: budget after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
         single_contact: whether only one contact is of interest, without the extremes of the motion.
+        instant: shortest time resolved, within which no force moves a link by more than the accuracy.
+        shortest: interval below which a force that vanishes within it counts as vanished at its start.
+        first_interval: longest one right after a contact begins, and the least length from which later ones grow.
     """
 
     end: float
     accuracy: float
     stop_after: str | None = None
     longest_interval: float = math.inf
+    damped_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
     time_scale: float = 1.0
     single_contact: bool = False
+    instant: float = field(init=False)
+    shortest: float = field(init=False)
+    first_interval: float = field(init=False)
 
-    @property
-    def instant(self) -> float:
-        """Shortest time resolved: within it no force moves a link by more than the accuracy."""
-        return min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
-
-    @property
-    def shortest(self) -> float:
-        """Interval length below which a force that vanishes within it counts as vanished at its start."""
-        return max(1e-9, 0.1 * self.accuracy) * self.time_scale
-
-    @property
-    def first_interval(self) -> float:
-        """Longest interval right after a contact, and the least length from which later ones grow."""
-        return min(MOST_GROWTH * self.instant, max(self.instant, self.longest_interval / MOST_GROWTH))
+    def __post_init__(self) -> None:
+        """Compute the shortest times from the accuracy."""
+        self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
+        self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
+        longest = max(self.instant, self.longest_interval / MOST_GROWTH)
+        self.first_interval = min(MOST_GROWTH * self.instant, longest)
 
 
 @dataclass(slots=True)
@@ -121,8 +121,14 @@ class Progress:
         """Return the normal velocity of a pair's contact point, negative where it approaches."""
         return self.gaps.closest(obstacle, self.state).velocity[0]
 
-    def sample(self, forces: Mapping[Sustained, float] = MappingProxyType({}), *, again: bool = False) -> None:
-        """Record the present state, with the normal contact forces summed for each wire.
+    def sample(
+        self,
+        forces: Mapping[Sustained, float] = MappingProxyType({}),
+        *,
+        again: bool = False,
+        state: State | None = None,
+    ) -> None:
+        """Record the present state or another one, with the normal contact forces summed for each wire.
 
         With ``again``, only replace the forces of the last sample.
         """
@@ -133,7 +139,7 @@ class Progress:
         if again:
             self.recording.forces[-1] = sums
         else:
-            self.recording.states.append(self.state)
+            self.recording.states.append(state or self.state)
             self.recording.forces.append(sums)
 
     def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:

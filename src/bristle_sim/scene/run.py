@@ -54,14 +54,14 @@ def run(
 
 def _first_motion(progress: Progress) -> SmoothMotion:
     """Return the motion with which a run starts."""
-    motion = SmoothMotion(progress, None)
+    motion = SmoothMotion(progress)
     for obstacle in progress.obstacles:
         if progress.recording.stop_reason is not None or not _touches(progress, obstacle):
             continue
         if progress.approach(obstacle) <= 0.0:
             motion = _enter(motion, Touch(obstacle))
         elif not motion.sustained:
-            motion = SmoothMotion(progress, progress.plan.first_interval, (), [*motion.separating, obstacle])
+            motion = SmoothMotion(progress, (), [*motion.separating, obstacle])
     return motion
 
 
@@ -95,12 +95,11 @@ def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
 
 def _following(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
     """Return the motion with these contacts, or end the run if the contact that was to end it is over."""
-    first_interval = progress.plan.first_interval
     over = progress.recording.stop_reason is None and progress.had_last_event
     if over and not any(each.spring for each in sustained):
         progress.stop(StopReason.EVENT)
-        return SmoothMotion(progress, first_interval)
-    return SmoothMotion(progress, first_interval, sustained, separating)
+        return SmoothMotion(progress)
+    return SmoothMotion(progress, sustained, separating)
 
 
 def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle]) -> None:

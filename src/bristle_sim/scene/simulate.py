@@ -153,9 +153,9 @@ def _simulated(
         stepper = stepper_for(scene, settings, start, plan)
     else:
         stepper = plain_steps_for(scene, settings, step, units.time)
-    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
+    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.engine.steps
     recording = run(scene, start, stepper, plan)
-    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
+    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.engine.steps - steps)
     parameters = {
         "method": METHOD if row is LONE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
@@ -176,7 +176,8 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
         end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_interval=min(2.0 * math.pi / settings.samples, damped_interval(scene)),
+        longest_interval=2.0 * math.pi / settings.samples,
+        damped_interval=damped_interval(scene),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),

@@ -121,7 +121,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
         centre_line=np.array([poses[0].joint, *(pose.tip for pose in poses)]) * units.length,
         kinetic_energy_before=float(kinetic[0]) * units.energy,
         kinetic_energy_after=float(kinetic[1]) * units.energy,
-        steps=scene.steps,
+        steps=scene.engine.steps,
         wall_s=clock.perf_counter() - begin,
     )
 
@@ -247,7 +247,7 @@ def strike_wire(
         angles=angles_,
         rates=rates_ / units.time,
         centre_line=scene.mechanism.centre_line(time, angles_, rates_)[0] * units.length,
-        steps=scene.steps,
+        steps=scene.engine.steps,
         wall_s=clock.perf_counter() - begin,
     )
 

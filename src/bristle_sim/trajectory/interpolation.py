@@ -19,7 +19,7 @@ Pieces = list[tuple[int, int]]
 """First and last sample of each interval in which a function is smooth."""
 
 MOST_SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
-UNEVEN = 20.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
+UNEVEN = 10.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
 
 
 class Interpolation:

@@ -32,7 +32,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
     def extrapolated(tolerance: float) -> Run:
         """Carry the scene interval after interval, as long as the stepper proposes them."""
-        stepper, state, before = Extrapolation(tolerance), start, scene.steps
+        stepper, state, before = Extrapolation(tolerance), start, scene.engine.steps
         while state.time < end * (1.0 - 1e-15):
             length = stepper.propose(end - state.time)
             result = stepper.advance(scene, state, length)
@@ -42,7 +42,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
     def plain(count: int) -> Run:
         """Carry the scene in equal steps of the engine, which corrects its joints itself."""
-        before = scene.steps
+        before = scene.engine.steps
         scene.place(start)
         scene.correct_joints(completely=True)
         scene.step(end / count, count)
@@ -51,7 +51,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
     def flown(angle: float, rate: float, before: int) -> Run:
         hub_angle, hub_speed = scene.mechanism.hub_angle(end), scene.mechanism.hub_speed
-        return Run((angle - hub_angle, (rate - hub_speed) / units.time), scene.steps - before)
+        return Run((angle - hub_angle, (rate - hub_speed) / units.time), scene.engine.steps - before)
 
     return [
         *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle
-from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross, interpolate
+from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
@@ -38,11 +38,6 @@ class Gaps:
         """Return the distance of link and obstacle, and its rate."""
         touch = self.closest(obstacle, state)
         return touch.gap, touch.velocity[0]
-
-    def rests(self, obstacle: Obstacle, start: State, end: State) -> bool:
-        """Whether a gap is closed and stays so."""
-        between = (start, interpolate(start, end, 0.5), end)
-        return all(abs(self.gap(obstacle, state)) <= GAP_ROUNDING for state in between)
 
     def poses(self, state: State) -> list[Pose]:
         """Return the position and motion of every link."""

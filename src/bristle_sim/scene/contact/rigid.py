@@ -44,6 +44,7 @@ class RigidContacts:
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None]) -> None:
         self.scene, self.obstacles, self.slips = scene, tuple(obstacles), list(slips)
         self.pieces: list[int | None] = [None] * len(obstacles)
+        self._pushes: Sequence[float] = ()
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
@@ -60,6 +61,15 @@ class RigidContacts:
     def totals(self) -> list[float]:
         """Return ``TOTALS`` numbers of each contact, with the last step."""
         raise NotImplementedError
+
+    def lasts(self) -> float:
+        """Return the fraction of the last interval after which the first force vanishes, by the pushes in its steps."""
+        pushes = self._pushes
+        count = next((index for index, push in enumerate(pushes) if push <= 0.0), len(pushes))
+        if count < 2:
+            return 0.5 * count / max(len(pushes), 1)
+        before, last = pushes[count - 2 : count]
+        return (count - 1.0 + min(last / (before - last), 1.0) if last < before else count) / len(pushes)
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -154,6 +164,7 @@ class EngineContact(RigidContacts):
         """Return the contact's numbers."""
         found = self._record.read(self._normal) or [(0.0, 0.0, 0.0)]
         pushes, rubs, slips = zip(*found, strict=True)
+        self._pushes = pushes
         force = pushes[-1] / self._step, rubs[-1] / self._step
         return [*force, sum(pushes), sum(rubs), sum(map(mul, rubs, slips))]
 
@@ -193,8 +204,9 @@ class SolvedContacts(RigidContacts):
 
     def totals(self) -> list[float]:
         """Return ``TOTALS`` numbers of each contact; where it has to pull in the interval, the last pull is its force."""
-        found: list[float] = []
-        for each in zip(*self._steps[1:], self.scene.joint_solver.impulses, strict=True):
+        found, steps = list[float](), [*self._steps[1:], self.scene.joint_solver.impulses]
+        self._pushes = [min(push for push, _, _ in step) for step in steps]
+        for each in zip(*steps, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)
             normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
             force = ([push for push in normal if push < 0.0] or normal)[-1] / self._step, along[-1] / self._step

@@ -1,7 +1,7 @@
 """Event functions and the one locator: where within an interval of motion a function is zero.
 
-The zero is first estimated on the cubic through the states at the interval's two ends. Then the engine is run again from the
-restored start over a shorter time, until the zero is at the end.
+The zero is first estimated on the polynomial through the interval's states. Then the engine is run again from the restored
+start over a shorter time, until the zero is at the end.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from bristle_sim.scene.integrate.extrapolation import Advance
-from bristle_sim.scene.mechanism import State, interpolate
+from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.stop_reason import StopReason
 
 if TYPE_CHECKING:
@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12  # time, and fraction of the searched interval, of an instant
 LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
 LOCATED_VALUE = 1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
-RATE_ROUNDING = 1e-13  # of the difference of two rates of which an acceleration is made
+RATE_ROUNDING = (
+    1e-13  # of the difference of two rates of which an acceleration is made, and of a force times a duration
+)
 
 EXTREME_ERROR = 0.1
 """Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
@@ -31,17 +33,26 @@ between the states of an interval of 1.4 radians of the fastest motion is off by
 ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a function hardly moves
 
 
-class Interval(NamedTuple):
-    """An interval that has been integrated: its first state, the result at its end, and the result after a shorter time."""
+class Interval:
+    """An interval that has been integrated: the results at its ends, and the function that integrates a shorter time."""
 
-    start: State
-    end: Advance
-    again: Callable[[float], Advance]
+    __slots__ = ("_curve", "again", "end", "first", "length", "start")
 
-    @property
-    def length(self) -> float:
-        """Duration of the interval."""
-        return self.end.state.time - self.start.time
+    def __init__(self, first: Advance, end: Advance, again: Callable[[float], Advance]) -> None:
+        self.first, self.end, self.again = first, end, again
+        self.start, self.length = first.state, end.state.time - first.state.time
+        self._curve: Curve | None = None
+
+    def at(self, time: float) -> State:
+        """Return the state a time after the start, on the polynomial through start, end and, where it is known, middle."""
+        if self._curve is None:
+            middle = () if self.end.middle is None else (self.end.middle,)
+            self._curve = Curve(self.start, *middle, self.end.state)
+        return self._curve(self.start.time + time)
+
+    def up_to(self, end: Advance) -> Interval:
+        """Return the interval with an earlier end."""
+        return self if end is self.end else Interval(self.first, end, self.again)
 
 
 @dataclass(slots=True, eq=False)
@@ -60,6 +71,7 @@ class EventFunction:
         turns: whether it may change its sign twice within an interval.
         positive: whether the value is known to be positive where the motion begins.
         noise, sign: values below this have no sign; the last sign, None while it is unknown.
+        reached: the value at the end of the last interval.
     """
 
     value: Callable[[Advance], float]
@@ -75,12 +87,16 @@ class EventFunction:
     positive: bool = False
     noise: float = LEAST_VALUE
     sign: float | None = None
+    reached: float = math.nan
 
     def begin(self, state: State, noise: float) -> None:
         """Take the sign at the start of a smooth motion: a change in its first interval is then an event, too."""
-        self.noise = noise if self.tolerance is None else math.ulp(1.0)
-        value = self.value(at_state(state))
-        self.sign = math.copysign(1.0, value) if abs(value) > self.noise else 1.0 if self.positive else None
+        self.noise, self.sign = noise if self.tolerance is None else math.ulp(1.0), 1.0 if self.positive else None
+        self.sign = self.sign_of(self.value(at_state(state)))
+
+    def sign_of(self, value: float) -> float | None:
+        """Return the sign of a value, or the last one where the value has none."""
+        return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
 
 
 def at_state(state: State) -> Advance:
@@ -88,74 +104,74 @@ def at_state(state: State) -> Advance:
     return Advance(state, (math.nan,) * len(state.angles), (), 0.0)
 
 
-def look_back(interval: Interval, functions: Sequence[EventFunction]) -> None:
-    """Determine signs at the start exactly if, on the cubic, the first link's acceleration may have changed sign since."""
-    start, end, length = interval.start, interval.end.state, interval.length
-    after = interval.end.accelerations[0]
-    before = 6.0 * (end.angles[0] - start.angles[0]) / length - 4.0 * start.rates[0] - 2.0 * end.rates[0]
-    for each in functions:
-        if after * before < 0.2 * length * after**2 and each.exact is not None:
-            value = each.exact(start)
-            each.sign = math.copysign(1.0, value) if abs(value) > LEAST_VALUE else each.sign
-
-
 def first_change(
-    progress: Progress, functions: Sequence[EventFunction], interval: Interval, before: Advance | None
-) -> tuple[Advance, EventFunction | None]:
-    """Return the interval up to the first change of sign, and the function; ``before`` is the interval before it."""
+    progress: Progress, functions: Sequence[EventFunction], interval: Interval
+) -> tuple[Interval, EventFunction | None]:
+    """Return the interval up to the first change of sign, and the function."""
     first = None
     for function in functions:
         instant = 1e-15 * (1.0 + interval.end.state.time)
         part = _to_the_extreme(function, interval) if function.turns else interval
-        ends = _change(function, part, before) if part.length > instant else None
+        ends = _change(function, part) if part.length > instant else None
         if ends is not None:
-            span, back = max(_zero(progress, function, part, *ends), instant), SHORTEST_BRACKET_FRACTION
-            while interval.again(span).failed and back < 1.0:
-                # A step beyond the release would pull: the last one before it is accurate.
-                span, back = span * (1.0 - back), 10.0 * back
-            interval, first = interval._replace(end=interval.again(span)), function
-    return interval.end, first
+            interval, first = interval.up_to(_zero(progress, function, part, *ends, instant)), function
+    return interval, first
 
 
-def _change(function: EventFunction, interval: Interval, before: Advance | None) -> tuple[float, float] | None:
+def _change(function: EventFunction, interval: Interval) -> tuple[float, float] | None:
     """Return the values at the ends of an interval in which the function changes its sign, or None."""
-    right, sign, noise = function.value(interval.end), function.sign, function.noise
+    right, noise, exact, start = function.value(interval.end), function.noise, function.exact, interval.start
+    function.reached = right
+    if function.sign is None and exact is not None and _may_have_changed(function, interval, right):
+        function.sign = function.sign_of(exact(start))
+    sign = function.sign
     if function.difference:
         noise = max(noise, RATE_ROUNDING / interval.length)
-    if abs(right) > noise:
-        function.sign = math.copysign(1.0, right)
-    if sign is None or sign * right >= 0.0 or abs(right) <= noise or function.falling == (sign < 0.0):
+    if sign is None or not sign * right < -noise or function.falling == (sign < 0.0):
         return None
-    left = function.value(before or at_state(interval.start))
+    left = function.value(interval.first)
     left = -right if math.isnan(left) else left
-    if function.exact is not None:
-        left, right = function.exact(interval.start), function.exact(interval.end.state)
+    if exact is not None:
+        left, right = exact(start), exact(interval.end.state)
         if sign * right > 0.0 or sign * left < -noise:
             # It does not change within this interval, looked at exactly: the differences have misled.
-            function.sign = math.copysign(1.0, right)
+            function.reached = right
             return None
     return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
 
 
-def _zero(progress: Progress, function: EventFunction, interval: Interval, left: float, right: float) -> float:
-    """Return the time of the zero of a value that has opposite signs at the ends of an interval."""
+def _may_have_changed(function: EventFunction, interval: Interval, right: float) -> bool:
+    """Whether an acceleration may have had another sign at the start of its first interval, by the polynomial."""
+    start, moment = interval.start, 1e-3 * interval.length
+    rates = zip(start.rates, interval.at(moment).rates, strict=True)
+    left = function.value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
+    return left * right < 0.2 * interval.length * right**2
+
+
+def _zero(
+    progress: Progress, function: EventFunction, interval: Interval, left: float, right: float, instant: float
+) -> Advance:
+    """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
     again, exact, tolerance, near = interval.again, function.exact, function.tolerance, None
     if tolerance is None:
         located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
-        tolerance = max(located, 0.1 * LEAST_VALUE)
-    progress.stepper.begin_afresh()
-    if exact is not None:
-        return locate(lambda span: exact(again(span).state), 0.0, interval.length, left, right, tolerance)
+        tolerance = max(located, 10.0 * RATE_ROUNDING / interval.length if function.difference else 0.1 * LEAST_VALUE)
 
     def of_state(state: State) -> float:
-        return function.value(at_state(state))
+        return function.value(at_state(state)) if exact is None else exact(state)
 
-    near = guess(of_state, interval.start, interval.end.state)
-    if near is not None:
-        found = settle(of_state, interval, near, interval.length, tolerance)
+    def of_time(time: float) -> float:
+        return function.value(again(time)) if exact is None else exact(again(time).state)
+
+    if exact is None and (near := guess(of_state, interval, interval.length)) is not None:
+        found = settle(progress, of_state, interval, near, tolerance)
         if found is not None:
             return found
-    return locate(lambda span: function.value(again(span)), 0.0, interval.length, left, right, tolerance, near)
+    time, back = max(locate(of_time, 0.0, interval.length, left, right, tolerance, near), instant), 1e-12
+    while (result := again(time)).failed and back < 1.0:
+        # A step beyond the release would pull: the last one before it is accurate.
+        time, back = time * (1.0 - back), 10.0 * back
+    return result
 
 
 def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
@@ -163,16 +179,16 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
 
     The function's least value is estimated by the parabola through the least of five values and its two neighbours.
     """
-    sense, start, end = 1.0 if function.falling else -1.0, interval.start, interval.end
-    states = [start, *(interpolate(start, end.state, part) for part in (0.25, 0.5, 0.75)), end.state]
-    ends = at_state(start), at_state(states[2]), end
-    first, middle, last = (sense * function.value(each) for each in ends)
+    sense, length, end = 1.0 if function.falling else -1.0, interval.length, interval.end
+    half = at_state(end.middle or interval.at(0.5 * length))
+    first, middle, last = (sense * function.value(each) for each in (at_state(interval.start), half, end))
     bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
     if not (bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)):
         # Without an extreme within, or far above zero there, nothing is missed.
         return interval
-    margins = [sense * function.value(at_state(each)) for each in states[:4]] + [sense * function.value(end)]
-    if math.isnan(sum(margins)) or margins[-1] < 0.0:
+    quarters = [sense * function.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
+    margins = [first, quarters[0], middle, quarters[1], last]
+    if math.isnan(sum(margins)) or last < 0.0:
         return interval
     least = min(max(margins.index(min(margins)), 1), 3)
     before, middle, after = margins[least - 1 : least + 2]
@@ -181,8 +197,8 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
     inside = ENDS_WITHOUT_EXTREME < at < 1.0 - ENDS_WITHOUT_EXTREME
     if not inside or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * (max(margins) - min(margins)):
         return interval
-    part = interval.again(at * interval.length)
-    return interval._replace(end=part) if sense * function.value(part) < 0.0 else interval
+    part = interval.again(at * length)
+    return interval.up_to(part) if sense * function.value(part) < 0.0 else interval
 
 
 MOST_TRIALS = 110  # a smooth function takes three to six; a jump is halved for the last digit of a double
@@ -235,50 +251,56 @@ def locate(
     return max(last, other)
 
 
-MOST_GUESSES = 4  # two or three bring a touch that is found on the cubic of a whole interval to rounding
+MOST_GUESSES = 4  # one or two bring an event that is found on the polynomial of a whole interval to rounding
+MOST_SECANTS = 3  # by the accelerations, from a guess's end
 ROUNDED_TOLERANCES = 10.0  # within which the last guess must be, where rounding lets none come nearer
-SLOPE_SPAN = 1e-3  # fraction of an interval over which its cubic's slope is taken, before a secant step
-GUESS_TOLERANCE = 1e-9  # to which a guess is located, relative; the cubic is not that good
+SLOPE_SPAN = 1e-4  # fraction of an interval over which a slope is taken, before a secant step
+GUESS_TOLERANCE = 1e-7  # to which a guess is located, relative; the polynomial is hardly better
+
+MOST_MOVED = 0.1
+"""Longest time by which a result is moved by its accelerations, in time scales of the fastest motion and times the square root of
+the error that an interval may have. The rates are then off by a tenth of that error if the accelerations are by its root."""
 
 
 def settle(
-    value: Callable[[State], float], interval: Interval, near: float, last: float, tolerance: float
-) -> float | None:
-    """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
+    progress: Progress, value: Callable[[State], float], interval: Interval, near: float, tolerance: float
+) -> Advance | None:
+    """Return the result, near a guessed time, at which a function of the state is zero; None if in doubt.
 
-    The second guess is the zero on the cubic up to the first one; later guesses are those of the secant method.
+    Each guess is followed by secant steps along the motion with the accelerations at its end.
     """
-    before, at_before = 0.0, math.nan
+    longest = MOST_MOVED * progress.plan.time_scale * math.sqrt(progress.stepper.noise)
+    span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
-        reached = interval.again(near).state
-        found = value(reached)
+        reached = interval.again(near)
+        found = value(reached.state)
         if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED_TOLERANCES * tolerance):
-            return near
-        if trial == 0:
-            slope = (found - value(interpolate(interval.start, reached, 1.0 - SLOPE_SPAN))) / SLOPE_SPAN
-            part = 1.0 - found / slope if slope else 0.0
-            before, at_before = part * near, value(interpolate(interval.start, reached, part))
-        following = near - found * (near - before) / (found - at_before) if found != at_before else 0.0
-        before, at_before, near = near, found, following
-        if not 0.0 < near <= last:
+            return reached
+        moved, before, at_before, at_moved = span, 0.0, found, value(reached.moved(span).state)
+        for _ in range(MOST_SECANTS):
+            if at_moved == at_before or not abs(at_moved) > tolerance:
+                break
+            before, at_before, moved = moved, at_moved, moved - at_moved * (moved - before) / (at_moved - at_before)
+            at_moved = value(reached.moved(moved).state)
+        near += moved
+        if not (0.0 < near <= interval.length and abs(at_moved) < abs(found)):
             return None
+        if abs(moved) <= longest and abs(at_moved) <= tolerance and not reached.totals:
+            return reached.moved(moved)
     return None
 
 
-def guess(value: Callable[[State], float], start: State, end: State, fraction: float = 1.0) -> float | None:
-    """Return the time since the start at which a function of the state is zero on the cubic; None without a change of sign.
+def guess(value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0) -> float | None:
+    """Return the time at which a function of the state is zero on the polynomial; None without a change of sign.
 
-    Only the first ``fraction`` of the interval is searched. The value may be NaN where the state does not determine it.
+    It is searched for between the times ``first`` and ``last``. The value may be NaN where the state does not determine it.
     """
-
-    def at(part: float) -> float:
-        return value(interpolate(start, end, part))
-
-    length = end.time - start.time
-    if length <= 0.0:
+    if interval.length <= 0.0:
         # Less than the rounding of the time.
         return None
-    left, right = value(start), at(fraction)
+    left = value(interval.at(first) if first else interval.start)
+    right = value(interval.end.state if last == interval.length else interval.at(last))
     if not left * right < 0.0:
         return None
-    return length * locate(at, 0.0, fraction, left, right, GUESS_TOLERANCE * max(abs(left), abs(right)))
+    tolerance = GUESS_TOLERANCE * max(abs(left), abs(right))
+    return locate(lambda time: value(interval.at(time)), first, last, left, right, tolerance)

@@ -18,7 +18,7 @@ from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import EventFunction
 from bristle_sim.scene.integrate.extrapolation import Advance
 from bristle_sim.scene.integrate.time_scales import acceleration
-from bristle_sim.scene.mechanism import State, turns
+from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
@@ -97,10 +97,7 @@ def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[Ev
         return at.accelerations[link]
 
     def left(link: int, at: Advance) -> float:
-        states = (at.state, *turns(mechanism, progress.state, at.state, link))
-        return plan.retraction_limit - max(
-            abs(each.angles[link] - mechanism.root_angle(link, each.time)) for each in states
-        )
+        return plan.retraction_limit - abs(at.state.angles[link] - mechanism.root_angle(link, at.state.time))
 
     for wire in range(mechanism.wires):
         link = wire * size
@@ -113,7 +110,9 @@ def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[Ev
             found.append(EventFunction(value, True, event, wire, exact=exact, difference=True))
         if math.isfinite(plan.retraction_limit):
             final = StopReason.RETRACTION_LIMIT
-            found.append(EventFunction(partial(left, link), True, "retraction limit", wire, final, positive=True))
+            found.append(
+                EventFunction(partial(left, link), True, "retraction limit", wire, final, turns=True, positive=True)
+            )
     for number, obstacle in enumerate(progress.obstacles):
         if obstacle.dent:
             # The tip comes out of the dent that a contact resolved in time has left it in.

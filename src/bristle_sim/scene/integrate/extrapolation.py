@@ -10,7 +10,7 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from operator import mul
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
@@ -34,6 +34,7 @@ class Advance(NamedTuple):
         error: estimated error of angles in rad and of rates per time unit; 0 where there is no estimate.
         failed: whether the load could not act as it should; the rest of the result is then meaningless.
         errors: estimated error by number of the repetition, if the stepper repeats the interval.
+        middle: the state halfway; None if the integrator does not know it.
     """
 
     state: State
@@ -42,15 +43,30 @@ class Advance(NamedTuple):
     error: float
     failed: bool = False
     errors: Mapping[int, float] = MappingProxyType({})
+    middle: State | None = None
 
     @classmethod
     def of(
         cls, scene: Scene, time: float, values: list[float], error: float, failed: bool, errors: Mapping[int, float]
     ) -> Advance:
         """Return the angles, rates, accelerations and totals that a scene had at a time."""
-        size, turned = len(scene.links), scene.turned
-        state = State(time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size]))
+        size, state = len(scene.links), state_of(scene, time, values)
         return cls(state, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)
+
+    def moved(self, time: float) -> Advance:
+        """Return the result a short time later, by the accelerations."""
+        when, angles, rates = self.state
+        angles = tuple(
+            [a + time * (u + 0.5 * time * b) for a, u, b in zip(angles, rates, self.accelerations, strict=True)]
+        )
+        rates = tuple([u + time * b for u, b in zip(rates, self.accelerations, strict=True)])
+        return self._replace(state=State(when + time, angles, rates))
+
+
+def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
+    """Return the state with the angles and rates that a scene's bodies had at a time."""
+    size, turned = len(scene.links), scene.turned
+    return State(time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size]))
 
 
 class Repetitions:
@@ -81,11 +97,12 @@ def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ..
     return tuple(math.prod(n**power / (n**power - other**power) for other in counts if other != n) for n in counts)
 
 
+HALVED = Repetitions(4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40)  # even, so that the motion is known in the middle too
 CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # few steps for an order
 WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)  # small weights, for forces with the rounding of a small penetration
 EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)  # symmetric in time; odd numbers have an error of their own
-LEAST_ROWS = 4  # repetitions to begin with
-LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]  # rounding of an interval: none is known to be more accurate
+LEAST_ROWS = 4  # repetitions before the first estimate of the error
+LEAST_NOISE = HALVED.noise[3]  # rounding of an interval: none is known to be more accurate
 CUT_SHORT = 0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
 
 
@@ -93,7 +110,7 @@ class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval, relative to the ``scale`` of the motion.
 
     ``longest`` bounds the intervals that follow from an error estimate, to avoid the cost of unneeded accuracy. The first one,
-    and one extended by a tenth to avoid a short remainder, may be longer.
+    and one extended by a tenth to avoid a short remainder, may be longer. An estimate holds from steps as short as ``damped_step``.
 
     Attributes:
         noise: the error that an interval may have.
@@ -103,16 +120,21 @@ class Extrapolation:
     straightness = 0.0
 
     def __init__(
-        self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
+        self,
+        tolerance: float,
+        scale: float = 1.0,
+        repetitions: Repetitions = CLOSE,
+        longest: float = math.inf,
+        damped_step: float = math.inf,
     ) -> None:
         """Start with an interval of about a radian of the scene's motion."""
-        self._given, self.longest, self.length = repetitions, longest, 1.5
-        self.noise = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
+        self._given, self.longest, self.damped_step, self.length = repetitions, longest, damped_step, 1.5
+        self.noise = max(tolerance * scale, repetitions.noise[3])
         self._use(repetitions)
 
     def _use(self, repetitions: Repetitions) -> None:
         """From now on repeat intervals with these numbers of steps, as far as their rounding is below the tolerance."""
-        self.repetitions, self.rows = repetitions, LEAST_ROWS
+        self.repetitions = repetitions
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
@@ -125,30 +147,42 @@ class Extrapolation:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
-        if (table := EVEN if symmetric else self._given) is not self.repetitions:
+        if (
+            table := EVEN if symmetric else HALVED if self.halves(scene, load) else self._given
+        ) is not self.repetitions:
             self._use(table)
         known: dict[int, float] = {}
-        size, end = len(scene.links), state.time + duration
+        size, end, halved = len(scene.links), state.time + duration, table is HALVED
         results: list[list[float]] = []
+        halves: list[list[float]] = []
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            values = take(step, count) if load is None else take(step, count, load.begin(step)) + load.totals()
-            if load is not None and load.fails(values[3 * size :]):
-                return Advance.of(scene, end, values, math.inf, True, known)
+            act = None if load is None else load.begin(step)
+            if halved:
+                halves.append(take(step, count // 2, act)[: 2 * size])
+            values = take(step, count // 2 if halved else count, act)
+            if load is not None:
+                values += load.totals()
+                if load.fails(values[3 * size :]):
+                    return Advance.of(scene, end, values, math.inf, True, known)
             results.append(values)
-            if row + 2 >= self.rows and row:
+            if row + 1 >= LEAST_ROWS:
                 columns, differences = [*zip(*results, strict=True)], table.differences[row]
                 errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
                 # The largest of numbers one of which is NaN depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
-                if row + 1 >= self.rows and error <= self.noise:
+                if error <= self.noise and step <= self.damped_step:
                     break
         weights, others = table.weights[len(results) - 1], table.first_order[len(results) - 1]
         best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]
         best += [sum(map(mul, others, column)) for column in columns[2 * size :]]
-        return Advance.of(scene, end, best, error, False, known)
+        found = Advance.of(scene, end, best, error, False, known)
+        if not halved:
+            return found
+        middle = [sum(map(mul, weights, column)) for column in zip(*halves, strict=True)]
+        return found._replace(middle=state_of(scene, state.time + 0.5 * duration, middle))
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; in either case it determines the next interval.
@@ -156,14 +190,14 @@ class Extrapolation:
         An interval that was cut far short of the proposed one is no evidence against that.
         """
         proposed = self.length
-        self.length, self.rows = self.learnt(result, duration)
+        self.length = self.learnt(result, duration)
         accurate = result.error <= self.noise
         if accurate and duration < CUT_SHORT * proposed:
             self.length = max(self.length, proposed)
         return accurate
 
-    def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
-        """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
+    def learnt(self, result: Advance, duration: float) -> float:
+        """Return the length of the next interval that costs least per time, by the estimates so far."""
         costs, limit = self.repetitions.costs, self.noise
         lengths, prices = {}, {}
         for row, error in result.errors.items():
@@ -172,18 +206,16 @@ class Extrapolation:
             length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
             lengths[row] = length = length if length < self.longest else self.longest
             prices[row] = costs[row] / length
-        last = max(prices)
-        best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
-        length, rows = lengths[best], best + 1
+        last, best = max(prices), min(prices, key=prices.__getitem__)
+        length = lengths[best]
         if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
             # Still getting cheaper: one more repetition, with the interval that would keep the price.
             length *= costs[best + 1] / costs[best]
-            rows += 1
-        return (length if result.error <= limit else min(length, 0.5 * duration)), rows
+        return length if result.error <= limit else min(length, 0.5 * duration)
 
-    def begin_afresh(self) -> None:
-        """Start again with few repetitions, whose weights amplify rounding least."""
-        self.rows = LEAST_ROWS
+    def halves(self, scene: Scene, load: RigidContacts | ContactLoad | None) -> bool:
+        """Whether the state in the middle of an interval is known too."""
+        return scene.engine.take_symmetric is None and load is None
 
 
 class PlainSteps:
@@ -216,7 +248,7 @@ class PlainSteps:
         short one is not corrected.
         """
         end, placed, steps = self._left
-        left_here = end is state and placed is scene.placed and steps == scene.steps
+        left_here = end is state and placed is scene.placed and steps == scene.engine.steps
         if load is not None or not left_here or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > LEAST_CORRECTED_STEP)
@@ -225,7 +257,7 @@ class PlainSteps:
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * len(scene.links) :])
         result = Advance.of(scene, state.time + duration, values, 0.0, failed, {})
-        self._left = result.state, scene.placed, scene.steps
+        self._left = result.state, scene.placed, scene.engine.steps
         return result
 
     def accepts(self, result: Advance, duration: float) -> bool:
@@ -233,8 +265,10 @@ class PlainSteps:
         del result, duration
         return True
 
-    def begin_afresh(self) -> None:
-        """Do nothing: plain steps keep no history."""
+    def halves(self, scene: Scene, load: RigidContacts | ContactLoad | None) -> bool:
+        """Return False: a step has no middle."""
+        del scene, load
+        return False
 
 
 Stepper = Extrapolation | PlainSteps

@@ -24,12 +24,16 @@ MOST_DAMPING = 8.0
 longer steps damping removes all of a rate, whatever their length. Such steps agree with each other on a belt that does not
 move, and no error estimate shows it."""
 
+DAMPED_STEP = (
+    0.3  # longest step, in time constants of the damping, from which repetitions differ by the error of their rates
+)
+
 LARGEST_STEP = 1.0
 """Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
 unstable, and its damping has half the right value."""
 
-LOCAL_FRACTION, SOME_INTERVALS = 0.1, 50.0
-"""Each interval may use this fraction of the accuracy, enough for this number of intervals. If damping forces more of them
+LOCAL_FRACTION, SOME_INTERVALS = 0.05, 50.0
+"""Each interval may use this fraction of the accuracy, enough for some twenty intervals. If damping forces more than the latter
 within the time in which the belt forgets an error, c/k, the fraction shrinks in proportion."""
 
 
@@ -92,7 +96,9 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
         fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale)))
     elif damping and stiffness:
         fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate))
-    return Extrapolation(fraction * settings.accuracy, scale, longest=plan.longest_interval)
+    longest = min(2.0 * plan.longest_interval, plan.damped_interval)
+    damped_step = DAMPED_STEP / rate if rate else math.inf
+    return Extrapolation(fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step)
 
 
 def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) -> PlainSteps:
