@@ -24,8 +24,9 @@ MOST_DAMPING = 8.0
 longer steps damping removes all of a rate, whatever their length. Such steps agree with each other on a belt that does not
 move, and no error estimate shows it."""
 
-DAMPED_STEP = (
-    0.3  # longest step, in time constants of the damping, from which repetitions differ by the error of their rates
+
+DAMPED_STEPS = (
+    27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
 )
 
 LARGEST_STEP = 1.0
@@ -97,7 +98,7 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     elif damping and stiffness:
         fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate))
     longest = min(2.0 * plan.longest_interval, plan.damped_interval)
-    damped_step = DAMPED_STEP / rate if rate else math.inf
+    damped_step = plan.damped_interval / DAMPED_STEPS
     return Extrapolation(fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step)
 
 
