@@ -27,19 +27,15 @@ Strike = Callable[[Tool], Measures]
 
 FINEST_DIRECTION = 1e-11  # Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size
 FINEST_MAXIMUM = 1e-5  # Tolerance of a maximum, rad: the speed changes by its square, which is below any accuracy
-
+# First and largest step to bracket a root: the formulas miss it by a degree, and no range with an answer is under
+# eight
 FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
-"""First and largest step to bracket a root: the formulas miss it by a degree, and no range with an answer is under eight."""
-
 MOST_STEPS = 30  # Steps to either side: more than 180 degrees
-
+# Successive passes, from the first on, that may be given up (each takes seconds): then the others would be, too
 MOST_GIVEN_UP = 3
-"""Successive passes, from the first on, that may be given up (each takes seconds): then the others would be, too."""
-
 LAG_JUMP = 1e-4  # Lag in deg beyond which a sign change is no root but a jump of the lag: a bar that is just missed
-
+# Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone
 SWUNG = 0.01
-"""Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone."""
 
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"

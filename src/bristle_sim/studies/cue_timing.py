@@ -36,11 +36,10 @@ QUANTITIES = {
     "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
 
+# Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long
 FULL_TURNS = 1e3
-"""Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long."""
-
+# Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short
 MOST_DAMPED = 10.0
-"""Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
 
 
 @dataclass(frozen=True, slots=True)

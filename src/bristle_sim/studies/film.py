@@ -31,12 +31,11 @@ from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import UnusualValueWarning
 
+# Time for which the run continues after a strike, s: one and a half periods of the wire's first bending mode
 FOLLOWED = 5e-4
-"""Time for which the run continues after a strike, s: one and a half periods of the wire's first bending mode."""
-
+# Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the
+# first, s, and depth of the crater, m; of several touches the deepest.
 MEASURED = {"touches": 1.0, "compression_time": PRINTED_COMPRESSION, "crater_depth": MEASURED_CRATER}
-"""Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the first, s, and
-depth of the crater, m; of several touches the deepest."""
 
 MEASURES = {
     "touches": ("touches within 0.5 ms", "1"),
@@ -46,11 +45,10 @@ MEASURES = {
 }
 """A case's results: label and unit."""
 
+# Relative difference within which a measured value counts as explained: film and micrograph are read to about that
 EXPLAINED = 0.1
-"""Relative difference within which a measured value counts as explained: film and micrograph are read to about that."""
-
+# Contact duration of the passes that find the instant of the strike, s; up to there it has no effect
 ANY_DURATION = 1e-4
-"""Contact duration of the passes that find the instant of the strike, s; up to there it has no effect."""
 
 
 @dataclass(frozen=True, slots=True)

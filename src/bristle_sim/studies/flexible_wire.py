@@ -46,9 +46,8 @@ NO_REFERENCE = (
 LONGEST_CONTACT = 10.0  # Longest duration of a contact, in durations of the rigid bristle's contact
 FLIGHT = 1.0  # Free motion shown after the contact, in durations of the rigid bristle's contact
 STUDY_ACCURACY = 1e-4  # Accuracy of the strikes of the study, which are drawn: far below a line's width
-
+# Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
-"""Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,13 +38,11 @@ PRINTED = {
 }
 """Places of printed values."""
 
+# Part of the contact's duration before its start and after its end over which the points' impulse is summed
 SUMMED_BEYOND = 0.1
-"""Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
-
+# Chosen: part of the peak force by which a contact's form may differ from (3.3), root mean square. A half sine
+# differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-"""Chosen: part of the peak force by which a contact's form may differ from (3.3), root mean square. A half sine differs by
-0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22."""
-
 FORM_IMPULSE = 0.02  # Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same
 CERTAIN = 5.0  # Standard deviations of noise that a difference may have
 

@@ -45,11 +45,9 @@ class Impacts:
 
 
 AT_REST = 1e-13  # A rate after an impact counts as zero below this fraction of the fastest one before it
-
+# Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference
+# of two such positions
 HEIGHT_ROUNDING = 1e-15
-"""Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
-two such positions."""
-
 MOST_WIDENED = 1e-3  # Largest allowance for magnified rounding, relative
 
 

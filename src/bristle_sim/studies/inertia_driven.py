@@ -31,15 +31,12 @@ QUANTITIES = {
     "hub_speed_for_equal_tip_speed": ("pulley speed for the bar-cued tip speed", "rad/s"),
 }
 
+# Length of the first run, in half periods of the bristle on its belt; large amplitude and damping lengthen the period
 HALF_PERIODS = 1.3
-"""Length of the first run, in half periods of the bristle on its belt; large amplitude and damping lengthen the period."""
-
 DOUBLINGS = 6  # Doublings of that length after which the bristle counts as not returning
 LEAST_TURN = 1e-12  # Least turn of the hub, rad, that a run may be given
-
+# Least fraction of the pulley's rate: an overdamped bristle creeps towards radial, which rounding alone lets it pass
 LEAST_RATE = 1e-6
-"""Least fraction of the pulley's rate: an overdamped bristle creeps towards radial, which rounding alone lets it pass."""
-
 TRIES = 20  # Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it
 
 BareRun = Callable[[Tool, float], Trajectory]

@@ -20,23 +20,18 @@ from bristle_sim.studies.pass_invariants import Points, complex_points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
+# Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined
 PITCH_STEP = math.radians(0.25)
-"""Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
-
 PITCH_TOLERANCE = 1e-9  # Tolerance of the least pitch, rad: 6e-8 deg
-
+# Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's
+# turn
 INSTANTS = 1500
-"""Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's turn."""
-
 MINIMA_REFINED = 2  # Local minima of the distance over time that are refined, beginning with the least
-
+# Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched
 MOST_SAMPLES = 5000
-"""Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
-
 LARGEST_PITCH = math.pi / 2.0  # Pitch at which the downward search starts, rad
-
+# How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance
 NEXT_SEARCH = 1e-6
-"""How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,30 +23,25 @@ from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, p
 
 SPEED, RADIUS, FRICTION, RESTITUTION = 3.9, 0.0025, 0.092, 0.98  # m/s, m (Kharaz et al. 2001)
 
-VELOCITY_RATIO = np.array([
-    (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
-    (49.694, 0.84761), (60.02, 0.90142),
-])  # fmt: skip
-"""Angle of incidence from the normal, deg, and tangential velocity of the centre after over before (Kharaz et al. 2001)."""
-
-SPIN = np.array([
-    (6.143, 136.18), (10.991, 265.69), (21.251, 577.65), (31.157, 612.88), (39.143, 595.49), (50.348, 453.21), (60.328, 382.09),
-])  # fmt: skip
-"""Angle of incidence, deg, and spin after the impact, rad/s (Kharaz et al. 2001)."""
-
-REBOUND_ANGLE = np.array([
-    (0.016, 0.074), (2.15, 1.733), (4.096, 2.962), (9.826, 6.518), (20.567, 12.208), (30.29, 21.67), (39.535, 32.613),
-    (49.747, 45.125), (60.208, 57.474),
-])  # fmt: skip
-"""Angle of incidence and angle at which the centre leaves, from the normal, deg (Kharaz et al. 2001)."""
-
-MEASURED_SPHERES = {"restitution": VELOCITY_RATIO, "spin": SPIN, "rebound_angle": REBOUND_ANGLE}
-
+# Of spheres, over the angle of incidence from the normal, deg: tangential velocity of the centre after over before, spin
+# after, rad/s, and the angle from the normal at which the centre leaves, deg (Kharaz et al. 2001).
+MEASURED_SPHERES = {
+    "restitution": np.array([
+        (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
+        (49.694, 0.84761), (60.02, 0.90142),
+    ]),
+    "spin": np.array([
+        (6.143, 136.18), (10.991, 265.69), (21.251, 577.65), (31.157, 612.88), (39.143, 595.49), (50.348, 453.21),
+        (60.328, 382.09),
+    ]),
+    "rebound_angle": np.array([
+        (0.016, 0.074), (2.15, 1.733), (4.096, 2.962), (9.826, 6.518), (20.567, 12.208), (30.29, 21.67),
+        (39.535, 32.613), (49.747, 45.125), (60.208, 57.474),
+    ]),
+}  # fmt: skip
 MASS, HALF_AXES, GYRATION = 0.0364, (0.035, 0.025), 0.0192  # kg, m, m: the data set's own description
-
+# Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width
 RESAMPLES = 200
-"""Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width."""
-
 GRID = 31  # Values of mu and of e* at which resampled halves are fitted, about the fit
 
 Law = Callable[..., Impact]

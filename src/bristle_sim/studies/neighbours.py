@@ -26,14 +26,11 @@ from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
 
+# Width of the interval about the theoretical least pitch that the search on simulated rows bisects, deg
 FIRST_WIDTH = 0.1
-"""Width of the interval about the theoretical least pitch that the search on simulated rows bisects, deg."""
-
 RESOLUTION = 0.005  # Width to which that interval is bisected, deg
-
+# Width to which that interval is doubled until wires touch at one end alone; beyond it the search has failed, deg
 WIDEST = 1.6
-"""Width to which that interval is doubled until wires touch at one end alone; beyond it the search has failed, deg."""
-
 AGREEMENT = 0.05  # Largest difference of simulated and theoretical least pitches that agrees, deg
 SAMPLES_PER_PERIOD = 150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
 

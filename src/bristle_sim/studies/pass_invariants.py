@@ -21,19 +21,16 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Points = NDArray[np.complex128]
 
+# Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
+# flights add up theirs
 MAGNIFIED = 10.0
-"""Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
-flights add up theirs."""
-
+# Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each
 LEAST_TOLERANCE = 1e-9
-"""Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each."""
-
+# Least tolerance with contacts resolved in time: rounding of the penetration lets them be no shorter than some 1e-6
+# of the motion's time scale, and that far from the rigid-body limit
 LEAST_COMPLIANT_TOLERANCE = 1e-5
-"""Least tolerance with contacts resolved in time: rounding of the penetration lets them be no shorter than some 1e-6 of
-the motion's time scale, and that far from the rigid-body limit."""
-
+# Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time
 SAME_INSTANT = 1e-9
-"""Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time."""
 
 WORDS = {
     "energy_balance": "energy",

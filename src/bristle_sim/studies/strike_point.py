@@ -40,11 +40,10 @@ STRIKE_UNITS = {
 }
 """Units of a cued strike's measures."""
 
+# Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown
 RADIAL = 0.005
-"""Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
-
+# Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad
 CLEAR_OF_BAR = math.radians(5.0)
-"""Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
 
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:

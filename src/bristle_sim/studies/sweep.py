@@ -32,14 +32,11 @@ from bristle_sim.units import shown
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
 WRITTEN_EVERY = 1.0  # Interval between writes of finished points, s: a killed program loses at most this much work
-
 FORMULA = " by formula"  # suffix of the name of a quantity's value by formula, within a sweep
+# Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s
 PATIENCE = 5.0
-"""Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s."""
-
+# Number of checks after which a store that still lacks points is given up: another program may be writing to it
 ROUNDS = 5
-"""Number of checks after which a store that still lacks points is given up: another program may be writing to it."""
-
 MOST_WORKERS = 1024  # Upper bound of ``workers``: more processes than one program can serve or a computer has cores
 
 

@@ -28,13 +28,12 @@ FAILURE = "failure"  # Variable that says why a point has no results, or lacks s
 
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
 
+# Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with
+# it
 TURN = 0.3
-"""Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with it."""
-
 LARGEST_BATCH = 4096  # Most points that are sent to a worker at once
-
+# Successive losses of a worker without a result between them, after which the point is taken for the cause
 ATTEMPTS = 3
-"""Successive losses of a worker without a result between them, after which the point is taken for the cause."""
 
 
 def evaluate_points(function: Function, points: list[Point]) -> list[tuple[Point, Outcome]]:

@@ -23,10 +23,8 @@ from zarr.codecs import Crc32cCodec, ZstdCodec
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
 
 NOT_COMPUTED = "not computed"  # The reason of points that are still to be computed
-
+# Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN.
 UNWRITTEN = 9.969209968386869e36
-"""Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN."""
-
 ABANDONED = 60.0  # Age from which a half-written file counts as left by a killed program, s
 BLOCK = 4096  # Most points of a chunk, which is a file
 

@@ -28,9 +28,8 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 Result = TypeVar("Result")
 
+# Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser
 REQUEST_TOLERANCE = 1e-6
-"""Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
-
 MOST_ROUNDS = 30  # Rounds of adjustment; five to ten are usual
 LARGEST_STEP = 0.5  # Largest change of the logarithm of speed or duration in a round
 PRINTED_COMPRESSION = 5e-5  # Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)

@@ -35,9 +35,8 @@ Measures = Mapping[str, float | None]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
+# Percentiles between which outputs and indices lie with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-"""Percentiles between which outputs and indices lie with a probability of 95 %."""
-
 RESAMPLES = 200  # Bootstrap resamples; the ends of a 95 % interval then rest on five of them each
 
 

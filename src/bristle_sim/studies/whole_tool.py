@@ -26,18 +26,14 @@ from bristle_sim.studies.strike_point import ran, require_result, require_rigid,
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 from bristle_sim.trajectory import Trajectory
 
+# Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period
 MOST_TURNS = 24
-"""Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
-
 REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn
-
+# Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten
+# times the accuracy
 MAGNIFIED = 100.0
-"""Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten times the
-accuracy."""
-
+# Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9
 LEAST_TOLERANCE = 1e-6
-"""Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
-
 SAMPLES_PER_PERIOD = 400  # Samples in a period of the bristle on its belt, for the splines
 INSTANTS = 2000  # Instants in the period of the summed force from which the band's percentiles are taken
 BAND = (5.0, 95.0)  # Percentiles of the force behind the load cell, per cent of the time
