@@ -5,9 +5,9 @@ With the scene it shares the parameters, the types of the result, the impact law
 hinges, and nothing else.
 
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch of bar, workpart or another wire, ``forces``
-forces of sustained contacts and impacts, ``system`` a state with its contacts, ``events`` the ends of intervals of smooth
-motion, ``crossing`` the search for them and for extremes, ``decisions`` their consequences, ``run`` the loop, ``log`` the
-record, ``simulate`` the entries.
+forces of sustained contacts, ``system`` a state with its contacts, ``events`` the ends of intervals of smooth motion,
+``crossing`` the search for them and for extremes, ``decisions`` their consequences and impacts, ``run`` the loop, ``log``
+the record, ``simulate`` the entries.
 """
 
 from bristle_sim.reference.simulate import (

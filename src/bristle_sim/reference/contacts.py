@@ -62,11 +62,6 @@ class Spring:
     loading: bool = True
 
     @property
-    def steepest(self) -> float:
-        """Largest change of a force by a way, N/m."""
-        return self.stiffness / min(1.0, self.restitution**2 or 1.0, self.compliance or 1.0)
-
-    @property
     def left(self) -> float:
         """Penetration at which the force is back at zero, m."""
         return (1.0 - self.restitution**2) * self.deepest

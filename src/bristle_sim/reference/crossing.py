@@ -164,7 +164,11 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
         if log.stop_after == LARGEST_RETRACTION:
             return time
     touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
-    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step.start):
+    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE):
+        return None
+    bar = system.obstacles.get("bar")
+    ahead = isinstance(bar, Bar) and chain.speed and (bar.centre / chain.roots(step.start)[0]).imag > 0.0
+    if ahead and not own.seen("bar touch"):  # within half a turn of the root: the bristle has not been thrown yet
         return None
     for time in zeros(acceleration, VALUE_ROUNDING * system.fastest**2, -1):
         if step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
@@ -172,11 +176,3 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
             log.marks.append(time)
             return time if log.stop_after == PEAK else None
     return None
-
-
-def _bar_ahead(system: System, own: Record, time: float) -> bool:
-    """Tell whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
-    bar = system.obstacles.get("bar")
-    if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
-        return False
-    return bool((bar.centre / own.chain.roots(time)[0]).imag > 0.0)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
-from bristle_sim.reference.forces import EDGE, acting, closed, resolve
+from bristle_sim.reference.forces import EDGE, acting, closed
 from bristle_sim.reference.log import Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
+from bristle_sim.theory.impact import energetic_impact
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
 MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
@@ -142,10 +143,16 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
+    """Resolve one impact by the energetic law, and record it."""
     instant, obstacle = system.at(state), system.obstacles[point.obstacle]
-    touch = instant.touch(point)
-    change, hit = resolve(instant.mass, touch, obstacle.surface, obstacle.compliance)
-    after = state._replace(rates=state.rates + change)
+    touch, surface = instant.touch(point), obstacle.surface
+    rows = np.array([touch.normal_row, touch.tangential_row])
+    response = np.linalg.solve(instant.mass, rows.T)
+    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
+    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
+    hit = energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=obstacle.compliance)
+    impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
+    after = state._replace(rates=state.rates + response @ impulse)
     log.impacts.append(state.time)
     for own in log.of(point):
         own.impact(point, state, after, touch.velocity, hit)

@@ -159,7 +159,9 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
     each, go_on = system.sustained[number], partial(decide, system, log)
     mu, slip = system.friction(each.point, each.spring), each.slip
     speed, force = system.size * system.fastest, ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
-    force += each.spring.steepest * GAP_ROUNDING * system.size if each.spring else 0.0
+    if each.spring is not None:
+        steepest = each.spring.stiffness / min(1.0, each.spring.restitution**2 or 1.0, each.spring.compliance or 1.0)
+        force += steepest * GAP_ROUNDING * system.size
 
     def sliding(at: Instant) -> float:
         touch = at.contacts[number].touch

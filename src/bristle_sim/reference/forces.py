@@ -1,4 +1,4 @@
-"""Forces of sustained contacts on a wire of links, which of them act, and impacts.
+"""Forces of sustained contacts on a wire of links, and which of them act.
 
 A sustained contact c keeps its gap closed with a force N_c >= 0; it slips with friction -mu sign(v_t) N_c, or sticks with a
 force T_c inside the friction cone. Accelerations and forces solve
@@ -18,9 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Surface
 from bristle_sim.reference.contacts import Touch
-from bristle_sim.theory.impact import Impact, energetic_impact
 
 STICK = 0
 
@@ -144,17 +142,6 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     Where it is not positive, friction locks the contact.
     """
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
-
-
-def resolve(mass: Array, touch: Touch, surface: Surface, compliance: float) -> tuple[Array, Impact]:
-    """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
-    rows = np.array([touch.normal_row, touch.tangential_row])
-    response = np.linalg.solve(mass, rows.T)
-    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
-    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
-    hit = energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance)
-    impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
-    return np.asarray(response @ impulse), hit
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ with the joints (:mod:`bristle_sim.scene.contact.solver`). :func:`rigid_contacts
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from operator import mul
 
@@ -28,7 +29,7 @@ TOTALS = 5
 """Numbers of a contact: normal and tangential force in the last step, normal and tangential impulse, friction's work."""
 
 
-class RigidContacts:
+class RigidContacts(ABC):
     """The rigid contacts of a smooth motion; the motion ends when the force of one of them vanishes.
 
     Attributes:
@@ -46,21 +47,21 @@ class RigidContacts:
         self.pieces: list[int | None] = [None] * len(obstacles)
         self._pushes: Sequence[float] = ()
 
+    @abstractmethod
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
-        raise NotImplementedError
 
+    @abstractmethod
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so; those that stick do not slip either."""
-        raise NotImplementedError
 
+    @abstractmethod
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback to run before each step; it notes the previous step's impulses."""
-        raise NotImplementedError
 
+    @abstractmethod
     def totals(self) -> list[float]:
         """Return ``TOTALS`` numbers of each contact, with the last step."""
-        raise NotImplementedError
 
     def lasts(self) -> float:
         """Return the fraction of the last interval after which the first force vanishes, by the pushes in its steps."""
