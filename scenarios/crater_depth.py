@@ -6,7 +6,8 @@ gives force, path and energy of one event, and from them depths that can be comp
 
 import sys
 
-from bristle_sim.cli import Columns, Picture, Scenario, main
+from bristle_sim.cli import Picture, Scenario, main
+from bristle_sim.cli.impact import contact_series
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Bristle, Crater, Hub
 from bristle_sim.settings import Settings
@@ -26,19 +27,12 @@ def plot(report: Report) -> Picture:
     return crater_figure(report.subject)
 
 
-def series(report: Report) -> Columns:
-    """Return the contact resolved in time."""
-    if report.subject.contact is None:
-        raise ValueError(report.subject.no_contact)
-    return dict(report.subject.contact.record.columns())
-
-
 SCENARIO = Scenario(
     name="crater_depth",
     question="How deep is the crater by chapter 4, and by the simulated contact?",
     run=run,
     plot=plot,
-    series=series,
+    series=contact_series,
     without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
 )
 

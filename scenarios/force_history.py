@@ -8,7 +8,8 @@ above any zero, units are read from headings, ``time_column`` and ``force_column
 
 import sys
 
-from bristle_sim.cli import Columns, Picture, Scenario, main
+from bristle_sim.cli import Picture, Scenario, main
+from bristle_sim.cli.impact import contact_series
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
@@ -30,19 +31,12 @@ def plot(report: Report) -> Picture:
     return force_figure(report.subject)
 
 
-def series(report: Report) -> Columns:
-    """Return the contact resolved in time."""
-    if report.subject.contact is None:
-        raise ValueError(report.subject.no_contact)
-    return dict(report.subject.contact.record.columns())
-
-
 SCENARIO = Scenario(
     name="force_history",
     question="Does a simulated contact push as the force curve of chapter 3 assumes?",
     run=run,
     plot=plot,
-    series=series,
+    series=contact_series,
     without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
 )
 

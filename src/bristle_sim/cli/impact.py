@@ -1,4 +1,4 @@
-"""Picture, film and time series that every scenario of a single impact shows."""
+"""Picture, film and time series that several scenarios of a single impact show."""
 
 from bristle_sim.cli.scenario import Columns, Film, Picture
 from bristle_sim.comparison import Report
@@ -22,3 +22,10 @@ def film(report: Report, **size: int) -> Film:
 def series(report: Report) -> Columns:
     """Return the impact in time, where its law resolves it."""
     return dict(report.subject.strikes[report.subject.law].contact.columns())
+
+
+def contact_series(report: Report) -> Columns:
+    """Return the contact resolved in time of a study of its force."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())

@@ -111,18 +111,13 @@ def accuracy_cost(effort: Effort) -> Report:
     found, extra = tuple(_tables(measured, machine)), {"curves": curves, "machine": machine}
     if interrupted:
         raise Unfinished(Report(None, (), remarks=found, extra=extra))
-    against = [
-        {"case": each.case, "target": each.target, "ratio": each.ratio}
-        | {"ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
-        for each in comparisons(measured)
-    ]
     return Report(
         outcome=None,
         quantities=tuple(_rows(measured)),
         wall_s=clock.perf_counter() - begin,
         steps=sum(point.steps for point in measured.points if package_of(point.method) == OURS),
         remarks=found,
-        extra=extra | {"comparisons": against},
+        extra=extra,
         subject=measured,
         answer=_answer(measured),
     )
