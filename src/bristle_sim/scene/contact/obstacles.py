@@ -11,7 +11,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import pymunk
 
@@ -99,13 +99,13 @@ class BarObstacle:
     wire_radius: float
     friction: float
     restitution: float
-    name: str = "bar"
+    name: ClassVar[str] = "bar"
     link: int = -1
-    partner: None = None
+    partner: ClassVar[None] = None
     law: ContactLaw = ENERGETIC
-    first_touch: str = "bar touch"
+    first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
-    corner: None = None
+    corner: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         """Refuse a bar so thin that rounding would decide on which side of it the wire is."""
@@ -181,11 +181,11 @@ class WorkpartObstacle:
     friction: float
     restitution_friction: float
     restitution: float
-    name: str = "workpart"
+    name: ClassVar[str] = "workpart"
     link: int = -1
-    partner: None = None
+    partner: ClassVar[None] = None
     law: ContactLaw = ENERGETIC
-    first_touch: str = "strike"
+    first_touch: ClassVar[str] = "strike"
     dent: float = 0.0
     corner: int = -1
 
@@ -222,11 +222,11 @@ class WirePair:
     wire_radius: float
     friction: float
     restitution: float
-    name: str = "wire"
+    name: ClassVar[str] = "wire"
     law: ContactLaw = ENERGETIC
-    first_touch: str = "wire touch"
+    first_touch: ClassVar[str] = "wire touch"
     dent: float = 0.0
-    corner: None = None
+    corner: ClassVar[None] = None
 
     @property
     def restitution_friction(self) -> float:

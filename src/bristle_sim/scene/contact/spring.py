@@ -159,7 +159,15 @@ class Spring:
 
 
 class SpringForce:
-    """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums."""
+    """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums.
+
+    The force that stops the point in a step undoes the rest of its motion from the step before, due to forces of the spring and of
+    inertia alike. So the second step applies the force of stick at the beginning, and one more step would apply that at the end,
+    both up to powers of the step.
+
+    Attributes:
+        totals: returns ``SPRING_TOTALS`` numbers; the forces in stick are 0 in slip.
+    """
 
     def __init__(self, scene: Scene, spring: Spring) -> None:
         obstacle = spring.obstacle
@@ -184,7 +192,6 @@ class SpringForce:
         in_stick: list[float] = []
 
         def act() -> None:
-            """Apply the force for a step, and add up impulse and work."""
             nonlocal pushes, rubs, loss, heat
             place, velocity = place_of(), velocity_of()
             x, y, slip = place.x, place.y, velocity.x
@@ -199,12 +206,6 @@ class SpringForce:
                 in_stick.append(along)
 
         def read() -> list[float]:
-            """Return the numbers of a spring.
-
-            The force that stops the point in a step undoes the rest of its motion from the step before, due to forces of the
-            spring and of inertia alike. So the second step applies the force of stick at the beginning, and one more step would
-            apply that at the end, both up to powers of the step. In slip these two are 0.
-            """
             sums, first, last = [step * pushes, step * rubs, step * loss, step * heat], 0.0, 0.0
             if rigidity:
                 last = -rigidity * (place_of().x - foot)
