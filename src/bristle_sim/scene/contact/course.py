@@ -77,19 +77,18 @@ class ContactCourse:
         """
         rows = np.array(self.rows)
         if inverse_mass is not None:
-            length, values, forces = np.diff(rows[:, :1], axis=0), rows[:, 1:], rows[:, 1:3]
-            long = length[:, 0] > ONE_INSTANT * np.ptp(rows[:, 0])
-            deeper = np.diff(rows[:, 3:4], axis=0)
-            steepness = np.diff(forces, axis=0) / np.where(deeper == 0.0, 1.0, deeper)
-            accelerations = forces @ inverse_mass
+            start, change = rows[:-1], rows[1:] - rows[:-1]
+            length, deeper = change[:, :1], change[:, 3:4]
+            steepness = change[:, 1:3] / np.where(deeper == 0.0, 1.0, deeper)
+            rates = np.concatenate([-rows[:, 4:5], rows[:, 1:3] @ inverse_mass], axis=1)
             first, last = (
-                np.hstack([-speed * steepness, -speed, acceleration]) * length
-                for speed, acceleration in ((rows[at, 4:5], accelerations[at]) for at in (slice(-1), slice(1, None)))
+                np.concatenate([steepness * each[:, :1], each], axis=1) * length for each in (rates[:-1], rates[1:])
             )
             part, left = BETWEEN, 1.0 - BETWEEN
-            between = values[:-1] + part**2 * (3.0 - 2.0 * part) * np.diff(values, axis=0)
+            between = start[:, 1:] + part**2 * (3.0 - 2.0 * part) * change[:, 1:]
             between += part * left * (left * first - part * last)
-            times = rows[:-1, :1] + part * length
-            added = np.concatenate([times, between], axis=2)[:, long].reshape(-1, 6)
-            rows = np.insert(rows, np.tile(1 + np.flatnonzero(long), len(BETWEEN)), added, axis=0)
+            added = np.concatenate([start[:, :1] + part * length, between], axis=2)
+            every = np.concatenate([start[None], added]).transpose(1, 0, 2)
+            kept = (length > ONE_INSTANT * (rows[-1, 0] - rows[0, 0])) | (np.arange(1 + len(part)) == 0)
+            rows = np.concatenate([every[kept], rows[-1:]])
         return ContactHistory(*np.ascontiguousarray(rows.T))

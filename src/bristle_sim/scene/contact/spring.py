@@ -176,17 +176,18 @@ class SpringForce:
         self._spring, self._push = spring, pusher(body)
         self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
         self._height = spring.surface - spring.residual - obstacle.depth - obstacle.dent
-        self._stiffness = spring.present_stiffness
+        self._stiffness, self._ratio = spring.present_stiffness, -spring.friction * spring.slip
+        self._rigidity = 0.0
+        if spring.elastic and not spring.slip:
+            self._rigidity = spring.stiffness / spring.expected.compliance
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback that pushes for a step, by the phase that the spring is in."""
         spring, push, place_of, velocity_of = self._spring, self._push, self._place, self._velocity
         stiffness, height, foot = self._stiffness, self._height, spring.foot
-        ratio, stop, rigidity = -spring.friction * spring.slip, 0.0, 0.0
-        if not spring.slip and spring.elastic:
-            rigidity = spring.stiffness / spring.expected.compliance
-        elif not spring.slip and (tangential := spring.compliance_in_stick):
+        ratio, stop, rigidity = self._ratio, 0.0, self._rigidity
+        if not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
             ratio, stop = -float(spring.inverse_mass[0, 1]) / tangential, 1.0 / (tangential * step)
         pushes = rubs = loss = heat = 0.0
         in_stick: list[float] = []
@@ -233,18 +234,21 @@ class ContactLoad:
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback to run before each step."""
-        first, *others = [each.begin(step) for each in self._parts]
+        if len(self._parts) == 1:
+            return self._parts[0].begin(step)
+        calls = [each.begin(step) for each in self._parts]
 
         def act() -> None:
             """Apply the forces of all contacts."""
-            first()
-            for each in others:
+            for each in calls:
                 each()
 
-        return act if others else first
+        return act
 
     def totals(self) -> list[float]:
         """Return the sums, with the last step."""
+        if len(self._parts) == 1:
+            return self._parts[0].totals()
         return [number for each in self._parts for number in each.totals()]
 
     def fails(self, totals: Sequence[float]) -> bool:
