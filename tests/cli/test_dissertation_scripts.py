@@ -71,6 +71,8 @@ def test_one_figure_alone(tmp_path: Path, capsys):
 
 def test_every_figure(tmp_path: Path, capsys):
     found = document(capsys, "dissertation_figures", "--plot", str(tmp_path))
+    computed = " ".join([f"2.{i}" for i in range(7, 25)]) + " 2.26 2.28 2.29 2.30 3.1 3.2 3.3 table_3.1"
+    assert " ".join(NUMBERS) == f"{computed} 4.2 4.3 4.6 4.13 4.14 4.15 4.16 4.17 4.19"
     names = [number if number.startswith("table") else f"figure_{number}" for number in NUMBERS]
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"{name}.png" for name in names)
     assert all(path.stat().st_size > 20_000 for path in tmp_path.iterdir())  # an empty page takes less

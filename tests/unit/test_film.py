@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -120,14 +119,6 @@ def test_progress_counts_frames_on_a_terminal_alone(terminal, tqdm, tmp_path, mo
     assert ("/10" in stderr.getvalue()) is bool(terminal and tqdm)
     assert bool(stderr.getvalue()) is bool(terminal and tqdm)
     assert capsys.readouterr().out == ""
-
-
-def test_drawing_imports_neither_pyplot_nor_a_display():
-    modules = "pass_figure", "tool_films", "film"
-    imports = "; ".join(f"import bristle_sim.render.{name}" for name in modules)
-    script = f"{imports}; import sys; print([name for name in sys.modules if name in ('matplotlib.pyplot', 'tkinter')])"
-    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert answer.stdout.strip() == "[]"
 
 
 @given(st.floats(0.0, 1.0), st.floats(1.0, 50.0))

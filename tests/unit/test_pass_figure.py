@@ -93,18 +93,6 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
         assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
 
 
-def test_lines_hold_the_samples_to_scale(run):
-    figure = pass_figure(run, Tool(), until=END)
-    lag, rate = artist(figure, "retraction"), artist(figure, "relative speed")
-    at = [int(np.flatnonzero(np.isclose(lag.get_xdata(), 1e3 * time, atol=1e-12))[0]) for time in run.time[:60]]
-    assert lag.get_ydata()[at] == pytest.approx(-np.degrees(run.relative_angle[:60]), abs=1e-9)
-    assert rate.get_ydata()[at[:-1]] == pytest.approx(run.relative_rate[:59], abs=1e-6)  # rad/s of 770
-    assert lag.get_xdata()[-1] == pytest.approx(1e3 * run.time[-1])
-    (left, right), (bottom, top) = figure.axes[0].get_xlim(), figure.axes[0].get_ylim()
-    box = figure.axes[0].get_window_extent()
-    assert (right - left) / box.width == pytest.approx((top - bottom) / box.height, rel=1e-6)
-
-
 def test_a_run_without_a_strike_or_obstacles_is_drawn():
     run = make_trajectory(events=(Event("highest relative speed", STRIKE),))
     bare = dataclasses.replace(run, contacts=())
