@@ -31,8 +31,10 @@ def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
     velocity[:, 0] = -np.abs(velocity[:, 0])
     friction, restitution = rng.uniform(0.0, 2.0, size), rng.uniform(0.0, 1.0, size)
     one = (masses[0], velocity[0], 0.3, 0.5)
+    arrays = (masses, velocity, friction, restitution)
     ways: dict[str, tuple[Callable[[], object], int, int]] = {
-        "law, arrays": (lambda: energetic_impact(masses, velocity, friction, restitution), 1, size),
+        "law, arrays": (lambda: energetic_impact(*arrays), 1, size),
+        "law, arrays, eta^2 = 1": (lambda: energetic_impact(*arrays, tangential_compliance=1.0), 1, size),
         "law, one impact": (lambda: energetic_impact(*one), 500, 1),
         "scene, one rod": (_through_scene(SINGLE), 200, 1),
         "scene, two rods": (_through_scene(DOUBLE), 200, 1),

@@ -25,9 +25,6 @@ STEP, FIRST_STEP, GROWTH = 0.15, 1e-6, 4.0
 MOST_PHASES, MOST_STEPS = 40, 4_000
 """Limits of a march: with mu_2 > mu_1 some points are pressed on and released again and again."""
 
-LINE_MARGIN = 1e-15
-"""A point is pressed on again beyond its deepest point by this fraction. At 1e-14 slow ones would miss 1e-9 of the impulse."""
-
 CHUNK = 50_000  # impacts that are marched together
 
 DONE, PHASES, STEPS = "marched", "too many phases", "too many steps"
@@ -97,7 +94,7 @@ class March(NamedTuple):
         _, _, normal_rate, tangential_rate, push, _ = self.rates(state)
         _, _, v_n, v_t, *_ = state
         mu, kappa, slips = self.friction, self.stiffness, self.slip != 0.0
-        line = np.where(self.loading, v_n, state[0] - self.deepest * (1.0 + LINE_MARGIN))
+        line = np.where(self.loading, v_n, state[0] - self.deepest)
         line_rate = np.where(self.loading, normal_rate, -v_n)
         apart, apart_rate = np.where(self.loading, -1.0, -push), np.where(self.loading, 0.0, kappa * v_n)
         growth = mu * self.squared * kappa
@@ -143,18 +140,19 @@ def root(march: March, which: np.ndarray, ends: np.ndarray, *, crest: bool = Fal
 
     low, high, tried = np.zeros(ends.size), ends.copy(), ends
     below, (above, rate) = function(march.state)[0], function(march.advanced(ends))
-    value = above
+    value, done = above, np.zeros(ends.size, dtype=bool)
     for _ in range(60):
         with np.errstate(invalid="ignore", divide="ignore"):
             change = above * (high - low) / (above - below) if crest else value / rate
         best = (high if crest else tried) - change
         best = np.where((best > low) & (best < high), best, 0.5 * (low + high))
-        moved, tried = abs(best - tried), best
+        moved, tried = abs(best - tried), np.where(done, tried, best)
         value, rate = function(march.advanced(tried))
         up = value > 0.0
         low, high = np.where(up, low, tried), np.where(up, tried, high)
         below, above = np.where(up, 0.5 * below, value), np.where(up, value, 0.5 * above)
-        if np.all((moved <= tolerance * ends) | (high - low <= tolerance * ends)):
+        done |= (moved <= tolerance * ends) | (high - low <= tolerance * ends) | (value == 0.0)
+        if done.all():
             break
     return tried
 

@@ -70,7 +70,8 @@ def audit_rows() -> tuple[AuditRow, ...]:
     from bristle_sim.dissertation import audit_chapter_2 as impact
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 
-    figures = impact.cue_figures() | impact.impact_figures() | impact.pendulum_figures()
+    figures = impact.cue_figures() | impact.compression_figures() | impact.restitution_figures()
+    figures |= impact.pendulum_figures()
     figures |= force.force_history_figures() | force.motion_figures() | force.plies_figures() | force.energy_figures()
     return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 

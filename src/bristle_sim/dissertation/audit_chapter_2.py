@@ -140,20 +140,16 @@ def resultant_impulse(friction: float) -> float:
 operating = strike(0.31)
 
 
-def impact_figures() -> Figures:
-    """Return the figures of the bristle's impact, section 2.3."""
+def compression_figures() -> Figures:
+    """Return the figures of the bristle's compression, section 2.3."""
     over_angles = strike(np.linspace(0.0, 1.0, 101), np.radians([15.0, 20.0, 25.0, 30.0])[:, np.newaxis])
     p_cy, p_cx = over_angles.normal_compressive_impulse, over_angles.tangential_compressive_impulse
-    normal_work = -over_angles.normal_compressive_work[:, 1:]
-    tangential_work = -over_angles.tangential_compressive_work[:, 1:]
+    normal, tangential = -over_angles.normal_compressive_work[:, 1:], -over_angles.tangential_compressive_work[:, 1:]
     by_length, by_ratio = strike(length=np.linspace(0.01, 0.05, 9)), strike(speed_ratio=np.linspace(1.0, 5.0, 9))
     sweeps = (by_length, by_ratio, strike(hub_speed=np.linspace(100.0, 400.0, 9)))
     total_work = strike(np.linspace(0.0, 1.0, 101))
     total_work = total_work.normal_compressive_work + total_work.tangential_compressive_work
     work_ratio = abs(operating.tangential_compressive_work / operating.normal_compressive_work)
-    equal, later = strike(BELOW_STICTION), strike(restitution_friction=BELOW_STICTION)
-    stiction = float(stiction_friction(IMPACT_ANGLE))
-    nearly_stuck = strike(0.31, restitution_friction=stiction * (1 - 1e-08)).normal_final_impulse
     smooth, rough = resultant_impulse(0), resultant_impulse(0.42)
     spread = np.ptp(p_cy, axis=0) / np.mean(p_cy[:, -1])
     return {
@@ -166,12 +162,12 @@ def impact_figures() -> Figures:
         "sec. 5.1: elevated friction leads to the greatest compressive impulse": above(
             rough / smooth, 1, 1e3 * smooth, 1e3 * rough
         ),
-        "fig. 2.10: normal work grows with the impact angle": grows(normal_work.T),
-        "fig. 2.10: normal work falls with friction": grows(-normal_work),
+        "fig. 2.10: normal work grows with the impact angle": grows(normal.T),
+        "fig. 2.10: normal work falls with friction": grows(-normal),
         "figs. 2.11, 2.12: normal work grows with length, speed ratio and hub speed": grows(
             *(-each.normal_compressive_work for each in sweeps)
         ),
-        "fig. 2.16: tangential work grows with friction": grows(tangential_work),
+        "fig. 2.16: tangential work grows with friction": grows(tangential),
         "figs. 2.17, 2.18: tangential work grows with length, speed ratio and hub speed": grows(
             *(-each.tangential_compressive_work for each in sweeps)
         ),
@@ -181,18 +177,22 @@ def impact_figures() -> Figures:
         "fig. 2.19: total work behaves like tangential work over friction": above(
             np.ptp(total_work) / np.abs(np.mean(total_work)), 0.01, 1e3 * total_work[0]
         ),
-        "fig. 2.13: p_fy grows with friction in restitution": grows(
-            strike(0.31, restitution_friction=BELOW_STICTION).normal_final_impulse
-        ),
-        "fig. 2.14: p_fy falls with friction in compression": grows(
-            -strike(BELOW_STICTION, restitution_friction=0.31).normal_final_impulse
-        ),
-        "fig. 2.22: equal or different friction makes minimal distinction": within(
-            np.max(np.abs(later.normal_final_impulse / equal.normal_final_impulse - 1)), 0.05
-        ),
-        "fig. 2.23: p_fy grows with restitution": grows(
-            strike(0.31, restitution=np.linspace(0, 1, 11)).normal_final_impulse
-        ),
+    }
+
+
+def restitution_figures() -> Figures:
+    """Return the figures of the bristle's restitution, section 2.3, where p_fy is the normal final impulse."""
+    stiction = float(stiction_friction(IMPACT_ANGLE))
+    nearly_stuck = strike(0.31, restitution_friction=stiction * (1 - 1e-08)).normal_final_impulse
+    equal, later = strike(BELOW_STICTION), strike(0.31, restitution_friction=BELOW_STICTION).normal_final_impulse
+    earlier = strike(BELOW_STICTION, restitution_friction=0.31).normal_final_impulse
+    by_restitution = strike(0.31, restitution=np.linspace(0, 1, 11)).normal_final_impulse
+    apart = np.max(np.abs(later / equal.normal_final_impulse - 1))
+    return {
+        "fig. 2.13: p_fy grows with friction in restitution": grows(later),
+        "fig. 2.14: p_fy falls with friction in compression": grows(-earlier),
+        "fig. 2.22: equal or different friction makes minimal distinction": within(apart, 0.05),
+        "fig. 2.23: p_fy grows with restitution": grows(by_restitution),
         "fig. 2.24: the rebound ratio falls with friction": grows(equal.rebound_ratio),
         "eq. 2.51: p_fy is arbitrarily large at mu_2 = tan gamma": above(
             nearly_stuck / operating.normal_final_impulse, 1000
