@@ -284,6 +284,9 @@ def test_ctrl_c_ends_with_one_line_and_keeps_what_is_finished(
     if kept:
         found = json.loads(target.read_text())
         assert (found["rows"], found["finished"]) == ([1], False)
+        moving = dataclasses.replace(doing(interrupt), series=lambda _: COLUMNS)
+        assert main(moving, ["--csv", "-"]) == 130
+        assert "first" in capsys.readouterr().out  # the table, since the series is not complete
 
 
 @pytest.mark.parametrize(("terminal", "bar"), [(True, False), (False, False), (False, True)])

@@ -128,10 +128,8 @@ class Work:
             texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
         if self.options.json is not None:
             texts["json"] = document(self.scenario.name, self.values, report, finished=finished)
-        for option in ON_STANDARD_OUTPUT:
-            if getattr(self.options, option) == "-":
-                texts["-"] = texts[option]
-        return texts
+        shown = [text for option, text in texts.items() if getattr(self.options, option) == "-"]
+        return texts | ({"-": shown[0]} if shown else {})
 
     def sweep(self) -> None:
         """Run the scenario over one or two keys."""
