@@ -41,8 +41,7 @@ LEAST = 1e-16  # an error of less is drawn here: an answer that is right to the 
 def cost_figure(measured: AccuracyCost) -> Figure:
     """Draw every case of a study in two columns; points without a finite error are left out.
 
-    Raises:
-        ValueError: if there is no case.
+    Raises ValueError if there is no case.
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")

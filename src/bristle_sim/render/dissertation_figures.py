@@ -83,8 +83,7 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 
     The folder is made if it is not there.
 
-    Raises:
-        OSError: if the folder cannot be made or the target cannot be written.
+    Raises OSError if the folder cannot be made or the target cannot be written.
     """
     if target.suffix.lower() == ".pdf":
         undated = {"CreationDate": None}

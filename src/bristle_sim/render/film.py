@@ -68,8 +68,7 @@ def slow_motion(
     The slow-down is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)), with w = ``width`` (end - start) about
     each instant t_i of ``focus``, and s_0 such that its integral over the run is the duration.
 
-    Raises:
-        ValueError: if the run or the film lasts no time, or ``slower`` is less than 1.
+    Raises ValueError if the run or the film lasts no time, or ``slower`` is less than 1.
     """
     if not end > start:
         raise ValueError(f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)")

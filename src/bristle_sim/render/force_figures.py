@@ -62,8 +62,7 @@ PASSES = 12  # bristles that pass in the second panel
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
     """Draw normal forces on the workpart in N, and the impulses of impacts in mN·s.
 
-    Raises:
-        ValueError: for a tool whose bristle completes no turn.
+    Raises ValueError for a tool whose bristle completes no turn.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")

@@ -75,8 +75,7 @@ class ContactMotion:
 def contact_motion(record: ContactRecord) -> ContactMotion:
     """Return a contact's samples with free motion before and after it; a tip that does not leave stays where it is.
 
-    Raises:
-        ValueError: if the contact has no history: its law is instantaneous, or the tip did not approach.
+    Raises ValueError if the contact has no history: its law is instantaneous, or the tip did not approach.
     """
     history = record.history
     if history is None or history.time.size < 2:

@@ -47,8 +47,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
     ``until`` is the last instant shown, s; by default shortly after the tip has left the workpart.
 
-    Raises:
-        ValueError: if the trajectory has fewer than two instants.
+    Raises ValueError if the trajectory has fewer than two instants.
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
     marks, rows = _marks(trajectory, float(course.time[-1])), _rows(course, tool)

@@ -25,11 +25,8 @@ PLAN = (8.6, 2.9, 7.2, 6.9)  # place of the drawing to scale, cm
 def cue_figure(timing: CueTiming) -> Figure:
     """Draw retraction and relative speed over time with their cue times, and the bars' places to scale (mm).
 
-    Args:
-        timing: a release from rest, up to the highest relative speed, with the places that were computed from it.
-
-    Raises:
-        ValueError: if the trajectory lasts no time.
+    ``timing`` is a release from rest up to the highest relative speed, with the places that were computed from it.
+    Raises ValueError if the trajectory lasts no time.
     """
     figure = blank_figure(16.0, 11.1)
     retraction = add_panel(figure, (1.5, 6.5, 5.8, 3.3), "released from rest: retraction")

@@ -140,8 +140,7 @@ def scale_for(largest: float, unit: str) -> Scale:
 def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure as png, svg or pdf by the path's suffix; equal figures give equal bytes.
 
-    Raises:
-        ValueError: for another suffix or a missing folder.
+    Raises ValueError for another suffix or a missing folder.
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")

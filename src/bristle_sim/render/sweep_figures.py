@@ -27,8 +27,7 @@ TITLE_LETTERS = 32  # letters in a line of a panel's title
 def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     """Draw a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
 
-    Raises:
-        ValueError: if no point has a result.
+    Raises ValueError if no point has a result.
     """
     quantities = [str(name) for name in found.data_vars if name != "failure"]
     names = [name for name in quantities if np.isfinite(found[name].values).any()]

@@ -160,10 +160,5 @@ class Trajectory(Motion):
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file written by :meth:`save`, under exactly the same name.
-
-        Raises:
-            OSError: if there is no such file or it cannot be read.
-            ValueError: for any other file.
-        """
+        """Read a file written by :meth:`save`, under exactly the same name; raises OSError, or ValueError for any other file."""
         return cls(**read(Path(path)))
