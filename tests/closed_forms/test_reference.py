@@ -148,6 +148,7 @@ class TestHold:
         # Ten roundings of the depth.
         assert np.abs(run.tip[rows, 1] + tool.workpart_depth).max() < 1e-15 * 54.5
         assert sustained.impulse[1] == pytest.approx(-0.31 * sustained.impulse[0], rel=1e-9)
+        assert (sustained.velocity_before[0], sustained.velocity_after[0]) == (0.0, 0.0)
         slip = np.gradient(run.tip[rows, 0], run.time[rows])
         power = -0.31 * run.normal_force[rows] * slip
         # Differences and trapezoids of 1 us over milliseconds; the ends of the interval are left out, 1e-3 of it.
@@ -274,18 +275,6 @@ class TestKnee:
         turn = math.acos(tool.workpart_depth / (tool.hub.radius + position * bristle.length))
         run = simulate_reference(tool, start_hub_angle=-turn - 0.02, stop_after="strike", accuracy=1e-8)
         assert run.event_time("strike") == pytest.approx(0.02 / 30.0, rel=0.0, abs=2e-6 / 30.0 / math.tan(turn))
-
-    @pytest.mark.parametrize(("angle", "position"), [(-80.0, 0.6), (-90.0, 0.9)])
-    @pytest.mark.parametrize("stiffness", [None, 1e5])
-    def test_a_knee_does_not_sink_into_the_workpart(self, angle, position, stiffness):
-        """By less than 1e-13 of 54.5 mm a touch, or as deep as a spring yields to the wire's whole energy."""
-        tool = bent(angle, position)
-        run = simulate_reference(tool, contact_stiffness=stiffness, accuracy=1e-7, hub_turn=2.0)
-        deepest = -(run.centre_line[:, 1:, 1] + tool.workpart_depth).min()
-        energy = np.ptp(run.kinetic_energy) + np.ptp(run.potential_energy)
-        assert deepest < (
-            math.sqrt(2.0 * energy / stiffness) if stiffness else 1e-13 * 0.0545 * (len(run.contacts) + 1)
-        )
 
 
 class TestSprings:

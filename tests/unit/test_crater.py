@@ -47,18 +47,6 @@ def printed_width(t):
 # Kinematics
 
 
-def test_printed_motion():
-    t = np.linspace(0.0, END, 6)
-    e = np.exp(-92400 * t)
-    k = PRINTED_KINEMATICS
-    # Two ways of writing each formula: rounding.
-    np.testing.assert_allclose(k.tip_displacement(t), 3.25e-4 * (1 - e), rtol=1e-12, atol=1e-20)
-    np.testing.assert_allclose(k.tip_velocity(t), 30 * e, rtol=1e-13)
-    np.testing.assert_allclose(k.bristle_rate(t), 1111 * e - 266.65, rtol=1e-12)
-    np.testing.assert_allclose(k.centre_velocity(t), 15 * e + 3.615, rtol=1e-13)
-    np.testing.assert_allclose(k.crater_depth(t), 1.3e-4 * (1 - e), rtol=1e-12, atol=1e-20)
-
-
 def test_unrounded_motion_obeys_the_geometry_of_a_radial_bristle():
     tool = Tool()
     k = CraterKinematics.of_tool(tool, 845.6)
