@@ -59,7 +59,7 @@ def test_a_whole_pass(duration: float, friction: float, restitution: float, comp
     ("duration", "friction", "followed", "hub_turn"), [(1e-4, 0.6, 7, 1.575), (1e-5, 0.31, 9, 1.878)]
 )
 def test_the_hops_of_a_pass(duration: float, friction: float, followed: int, hub_turn: float) -> None:
-    """Up to those that stay below the accuracy of a place, which count as rest."""
+    """Up to those so low, 1e-10 of the wire's length, that an error of the accuracy decides how many there are."""
     tool = timed(duration, friction)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=hub_turn))
     exact = simulate_reference(tool, hub_turn=hub_turn, contact_stiffness=stiffness(run), accuracy=1e-9)

@@ -122,12 +122,7 @@ def contact_space(
         surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
         released: joints whose limits take no part.
         connected: the result of ``joined`` for the two bodies, where it is known already.
-
-    Raises:
-        ValueError: if the normal is not a unit vector.
     """
-    if not abs(normal[0] ** 2 + normal[1] ** 2 - 1.0) < 1e-9:
-        raise ValueError(f"normal = {tuple(normal)}: must be a vector of length 1")
     ends = [body] if other is None else [body, other]
     bodies, joints = connected or joined(ends)
     rows = [row for joint in joints for row in joint_rows(joint)]

@@ -175,7 +175,9 @@ def resolve_at_once(
     ends = list(dict.fromkeys(body for point in points for body in point.bodies))
     index = {body: at for at, body in enumerate(dict.fromkeys([*joined(ends)[0], *ends]))}
     joints = _close_joints(index, motion)
-    scale = np.array([_roots(body) for body in index])
+    dynamic = [body.body_type == pymunk.Body.DYNAMIC for body in index]
+    inertia = np.array([(body.mass, body.mass, body.moment) for body in index], dtype=float)
+    scale = np.where(np.array(dynamic)[:, None], inertia, np.inf) ** -0.5
     moving, gains, places = zip(*map(motion.state, index), strict=True)
     half, centres = 0.5 * np.array(gains), np.array(places)
     velocities = np.array(moving) - half
@@ -203,13 +205,6 @@ def resolve_at_once(
         lib.cpBodySetVelocity(body._body, (x, y))
         lib.cpBodySetAngularVelocity(body._body, turn)
     return contacts.records(first, second)
-
-
-def _roots(body: pymunk.Body) -> tuple[float, float, float]:
-    if body.body_type != pymunk.Body.DYNAMIC:
-        return 0.0, 0.0, 0.0
-    linear = lib.cpBodyGetMass(body._body) ** -0.5
-    return linear, linear, lib.cpBodyGetMoment(body._body) ** -0.5
 
 
 def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
