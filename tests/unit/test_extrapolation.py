@@ -13,9 +13,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from bristle_sim.scene import extrapolation as repetitions
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.integrate import extrapolation as repetitions
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run

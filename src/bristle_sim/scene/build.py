@@ -202,3 +202,50 @@ def _flight_iterations(links: Sequence[Link]) -> int:
     shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
     left = np.linalg.eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1] ** 2
     return math.ceil(min(2.0 + LOG_SOLVED / math.log(min(left, 1.0 - 1e-9)), MOST_ITERATIONS))
+
+
+MOST_DAMPING = 8.0
+"""Most time constants of the engine's damping in an interval: two in each of the four steps of the coarsest repetition. In far
+longer steps damping removes all of a rate, whatever their length. Such steps agree with each other on a belt that does not
+move, and no error estimate shows it."""
+
+
+def damping_rate(scene: Scene) -> float:
+    """Return the engine's damping rate: it treats links as free, about their centres, before the joints correct them."""
+    links, hinges = scene.mechanism.links, scene.effects.hinges
+    belt = scene.effects.damping / links[0].inertia
+    joints = zip(hinges, links, links[1:], strict=False)
+    return max([belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)])
+
+
+def damped_interval(scene: Scene) -> float:
+    """Return the longest interval in which the engine's steps resolve the damping; infinite without damping."""
+    rate = damping_rate(scene)
+    return MOST_DAMPING / rate if rate else math.inf
+
+
+def time_scale(scene: Scene) -> float:
+    """Return the time of one radian of the fastest hinge mode of a straight chain; 1 if none is faster than that."""
+    if not (hinges := scene.effects.hinges):
+        return 1.0
+    wire = scene.mechanism.wire(0)
+    links = len(wire.links)
+    twists = np.eye(links)[1:] - np.eye(links)[:-1]
+    stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
+    mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
+    return 1.0 / math.sqrt(max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+
+
+def motion_scale(scene: Scene, start: State) -> float:
+    """The scale of errors, a rate relative to the hub: the one that a free bristle reaches, at most 1.
+
+    A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
+    with an obstacle, because the bar turns the hub's speed into the bristle's.
+    """
+    mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
+    if effects.obstacles or not mechanism.lone:
+        return 1.0
+    field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
+    stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
+    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(stiffness / link.inertia_about_joint)
+    return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0

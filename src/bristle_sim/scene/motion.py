@@ -27,7 +27,7 @@ from bristle_sim.scene.events.table import (
     motion_events,
 )
 from bristle_sim.scene.events.touches import SHORTEST_INTERVAL, first_touch_of_all
-from bristle_sim.scene.integrate.extrapolation import Advance
+from bristle_sim.scene.extrapolation import Advance
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.progress import MOST_GROWTH, Progress
 from bristle_sim.stop_reason import StopReason

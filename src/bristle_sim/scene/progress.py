@@ -12,7 +12,7 @@ from bristle_sim.scene.contact.gaps import Gaps
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import LEAST_VALUE
-from bristle_sim.scene.integrate.extrapolation import Stepper
+from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.integrate.time_scales import motion_scale
+from bristle_sim.scene.build import Effects, Scene, motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.progress import Recording
 from bristle_sim.scene.tool import Units

@@ -21,7 +21,7 @@ from bristle_sim.scene.contact.rigid import LEAST_SLIP
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
 from bristle_sim.scene.events.locate import Interval
 from bristle_sim.scene.events.table import Change, HandOver, Kink, Release, Slip, SpringChange, Touch
-from bristle_sim.scene.integrate.extrapolation import Stepper
+from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import SmoothMotion
 from bristle_sim.scene.progress import Plan, Progress, Recording

@@ -8,9 +8,8 @@ import time as clock
 from dataclasses import dataclass
 
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.build import Scene
-from bristle_sim.scene.integrate.extrapolation import Stepper
-from bristle_sim.scene.integrate.time_scales import damped_interval, plain_steps_for, stepper_for, time_scale
+from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval, damping_rate, motion_scale, time_scale
+from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.progress import Plan
 from bristle_sim.scene.results import trajectories_in_si
@@ -182,6 +181,51 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
     )
+
+
+DAMPED_STEPS = (
+    27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
+)
+
+LARGEST_STEP = 1.0
+"""Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
+unstable, and its damping has half the right value."""
+
+LOCAL_FRACTION, SOME_INTERVALS = 0.05, 50.0
+"""Each interval may use this fraction of the accuracy, enough for some twenty intervals. If damping forces more than the latter
+within the time in which the belt forgets an error, c/k, the fraction shrinks in proportion."""
+
+
+def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
+    """Return extrapolation to the accuracy.
+
+    Raises:
+        ValueError: if rounding would hide the accuracy of so small a motion.
+    """
+    scale, fraction = motion_scale(scene, start), LOCAL_FRACTION
+    least = LEAST_NOISE / (LOCAL_FRACTION * scale)
+    if settings.accuracy < least:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
+            " whose rest rounding hides (dimensionless)"
+        )
+    damping, stiffness, rate = scene.effects.damping, scene.effects.stiffness, damping_rate(scene)
+    if not scene.mechanism.lone:
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale)))
+    elif damping and stiffness:
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate))
+    longest = min(2.0 * plan.longest_interval, plan.damped_interval)
+    damped_step = plan.damped_interval / DAMPED_STEPS
+    return Extrapolation(fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step)
+
+
+def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) -> PlainSteps:
+    """Return plain steps of a length, s, in a scene with that unit of time. Raises ValueError if they are too long."""
+    fastest = max(1.0 / time_scale(scene), damping_rate(scene))
+    largest = min(2.0 * math.pi / settings.samples, LARGEST_STEP) / fastest * unit
+    if not 0.0 < step <= largest:
+        raise ValueError(f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)")
+    return PlainSteps(step / unit)
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

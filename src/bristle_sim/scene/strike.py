@@ -13,12 +13,11 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
-from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.build import Effects, Scene, damped_interval
 from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.contact.laws import ENERGETIC, contact_law
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
-from bristle_sim.scene.integrate.time_scales import damped_interval
+from bristle_sim.scene.extrapolation import WIDE, Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import SLOW_FRACTION, Plan
 from bristle_sim.scene.results import columns, contact_in_si, energies

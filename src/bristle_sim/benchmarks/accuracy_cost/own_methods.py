@@ -8,7 +8,7 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.scene.strike import strike

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, all_of, within, worst
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
-from bristle_sim.scene.integrate.extrapolation import CLOSE
+from bristle_sim.scene.extrapolation import CLOSE
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings

@@ -9,11 +9,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from bristle_sim.scene.build import damped_interval
 from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, contact_at, energetic_at
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.contact.spring import Expectation, Spring
-from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
-from bristle_sim.scene.integrate.time_scales import damped_interval
+from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact
 from bristle_sim.trajectory import ContactRecord

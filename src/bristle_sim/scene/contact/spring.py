@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from bristle_sim.scene.build import Scene
     from bristle_sim.scene.contact.rigid import RigidContacts
     from bristle_sim.scene.contact.sustained import Sustained
-    from bristle_sim.scene.integrate.extrapolation import Stepper
+    from bristle_sim.scene.extrapolation import Stepper
 
 NO_SLIP_TO_STOP = 1e-14
 """Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.integrate.extrapolation import Advance
+from bristle_sim.scene.extrapolation import Advance
 from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.stop_reason import StopReason
 
@@ -133,8 +133,7 @@ def _change(function: EventFunction, interval: Interval) -> tuple[float, float] 
     left = -right if math.isnan(left) else left
     if exact is not None:
         left, right = exact(start), exact(interval.end.state)
-        if sign * right > 0.0 or sign * left < -noise:
-            # It does not change within this interval, looked at exactly: the differences have misled.
+        if sign * right > 0.0 or sign * left < -noise:  # the differences have misled
             function.reached = right
             return None
     return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
@@ -175,17 +174,13 @@ def _zero(
 
 
 def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
-    """Shorten the interval to between two sign changes of the function, if it has two; otherwise return all of it.
-
-    The function's least value is estimated by the parabola through the least of five values and its two neighbours.
-    """
+    """Shorten the interval to the function's extreme, by parabolas through its values, if it changes its sign twice before the end."""
     sense, length, end = 1.0 if function.falling else -1.0, interval.length, interval.end
     half = at_state(end.middle or interval.at(0.5 * length))
     first, middle, last = (sense * function.value(each) for each in (at_state(interval.start), half, end))
     bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
     if not (bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)):
-        # Without an extreme within, or far above zero there, nothing is missed.
-        return interval
+        return interval  # without an extreme within, or far above zero there, nothing is missed
     quarters = [sense * function.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
     margins = [first, quarters[0], middle, quarters[1], last]
     if math.isnan(sum(margins)) or last < 0.0:
@@ -216,9 +211,8 @@ def locate(
 ) -> float:
     """Return the root of a function between two durations at which its signs differ: Chandrupatla's method.
 
-    The function runs the engine, so evaluations are expensive; a library's root finder is not worth its import. For a jump the
-    method ends in bisection. The result is where the value is within ``tolerance``, or the first duration past the root. The
-    first evaluation is at ``guess`` or, without one, at the root of a straight line.
+    For a jump the method ends in bisection. The value is within ``tolerance`` at the result, or it is the first duration past the
+    root. The first evaluation is at ``guess`` or, without one, at the root of a straight line.
 
     T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm*, Adv. Eng. Softw. 28 (1997) 145-149: the root of the
     inverse quadratic through the last three points if that is monotonic between them, else the middle.
@@ -291,12 +285,11 @@ def settle(
 
 
 def guess(value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0) -> float | None:
-    """Return the time at which a function of the state is zero on the polynomial; None without a change of sign.
+    """Return the time, between ``first`` and ``last``, at which a function of the state is zero on the polynomial.
 
-    It is searched for between the times ``first`` and ``last``. The value may be NaN where the state does not determine it.
+    None without a change of sign. The value may be NaN where the state does not determine it.
     """
-    if interval.length <= 0.0:
-        # Less than the rounding of the time.
+    if interval.length <= 0.0:  # less than the rounding of the time
         return None
     left = value(interval.at(first) if first else interval.start)
     right = value(interval.end.state if last == interval.length else interval.at(last))

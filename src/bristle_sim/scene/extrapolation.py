@@ -73,6 +73,7 @@ class Repetitions:
     """Numbers of steps in which an interval is repeated, and the weights that extrapolate the results up to each repetition.
 
     Attributes:
+        least_rows: repetitions before the first estimate of the error.
         costs: of the repetitions up to each one, in engine steps.
         weights, first_order: for results whose error is a polynomial in a power of the step, and in the step itself.
         differences: weights of the last extrapolate less the one without the first result, which estimates the latter's error.
@@ -82,7 +83,7 @@ class Repetitions:
     def __init__(self, *counts: int, power: int = 1) -> None:
         """Compute all from ascending numbers of steps."""
         rows = range(1, len(counts) + 1)
-        self.counts, self.power = counts, power
+        self.counts, self.power, self.least_rows = counts, power, 3 if power > 1 else 4
         self.costs = [PLACING_COST * row + sum(counts[:row]) for row in rows]
         self.first_order = [lagrange_weights(counts[:row]) for row in rows]
         self.weights = [lagrange_weights(counts[:row], power) for row in rows]
@@ -101,7 +102,6 @@ HALVED = Repetitions(4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40)  # even, so th
 CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # few steps for an order
 WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)  # small weights, for forces with the rounding of a small penetration
 EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)  # symmetric in time; odd numbers have an error of their own
-LEAST_ROWS = 4  # repetitions before the first estimate of the error
 LEAST_NOISE = HALVED.noise[3]  # rounding of an interval: none is known to be more accurate
 CUT_SHORT = 0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
 
@@ -168,7 +168,7 @@ class Extrapolation:
                 if load.fails(values[3 * size :]):
                     return Advance.of(scene, end, values, math.inf, True, known)
             results.append(values)
-            if row + 1 >= LEAST_ROWS:
+            if row + 1 >= table.least_rows:
                 columns, differences = [*zip(*results, strict=True)], table.differences[row]
                 errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
                 # The largest of numbers one of which is NaN depends on their order.
