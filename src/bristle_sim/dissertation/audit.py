@@ -34,16 +34,10 @@ PRINTED, COMPUTED, UNIT = 22, 12, 9
 
 @dataclass(frozen=True, slots=True)
 class AuditRow:
-    """A printed number or statement and what the equations give.
+    """A printed number, or statement in words, at its place in the dissertation, and the figure of the equations, if any.
 
-    Attributes:
-        where: place in the dissertation, unique.
-        printed: the number, or the statement in words.
-        unit: of printed and computed; ``1`` for none.
-        computed: the figure, or None where nothing can be computed.
-        status: ``reproduced``, ``differs`` or ``not computable``.
-        why: for ``differs`` the likeliest reason, with figures; else a remark, or empty.
-        tolerance: largest difference that counts as reproduced; None for statements.
+    ``why`` is for ``differs`` the likeliest reason, with figures; else a remark, or empty. The tolerance is the largest difference
+    that counts as reproduced; None for statements.
     """
 
     where: str

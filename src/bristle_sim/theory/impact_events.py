@@ -197,7 +197,8 @@ class _Functions(NamedTuple):
         noise, slope_noise = np.where(line, modes.line_noise[at], noise), np.where(line, 0.0, slope_noise)
         # On the border of stick, with modes of equal rates, the force keeps to the edge.
         flats = (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise) & ~line
-        flats &= (abs(self.third(of, at)) <= FLAT * rate * most) & (value <= WIDE * noise)
+        if flats.any():
+            flats &= (abs(self.third(of, at)) <= FLAT * rate * most) & (value <= WIDE * noise)
         zero, slope = value <= noise, np.where(abs(slope) <= slope_noise, 0.0, slope)
         square, dip = slope * slope, 2.0 * noise * bend
         lift = np.where(most > 0.0, bend / (rate * most), 0.0)
