@@ -131,14 +131,14 @@ def _energetic_contact() -> Tally:
     names = ("space", *good, "restitution_friction", "resting_speed", "report")
     for name in names:
         for value in BAD:
-            given: dict[str, Any] = {"space": build_tool(Tool())[0].space, **good, name: value}
+            given: dict[str, Any] = {"space": build_tool(Tool())[0].engine.space, **good, name: value}
 
             def known(contact: EnergeticContact) -> bool:
                 (pair,) = contact.pairs.values()
                 return finite((pair.friction, pair.restitution_friction, contact.resting_speed))
 
             tally.attempt(f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name)
-    contact = EnergeticContact(build_tool(Tool())[0].space, 1, 2, friction=0.3, restitution=0.4)
+    contact = EnergeticContact(build_tool(Tool())[0].engine.space, 1, 2, friction=0.3, restitution=0.4)
     for value in BAD:
         tally.attempt(f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration")
     return tally
