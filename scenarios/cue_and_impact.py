@@ -16,7 +16,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
     """Simulate the pass, and compare it with the formulas."""
     from bristle_sim.studies.whole_pass import whole_pass
 
-    return whole_pass(tool, settings, with_reference=compared.with_reference)
+    return whole_pass(tool, settings, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:

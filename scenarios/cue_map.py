@@ -17,7 +17,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> 
     """Search the directions of the bar, and compare them with the formula and with print."""
     from bristle_sim.studies.cue_map import cue_map
 
-    return cue_map(tool, settings, grid, with_reference=compared.with_reference)
+    return cue_map(tool, settings, grid, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:

@@ -29,7 +29,7 @@ def run(
 
     tool = Tool(hub=hub, belt=belt, bristle=bristle, bar=unplaced(bar, hub, bristle), workpart=workpart)
     retraction = math.radians(release.retraction_deg)
-    return cue_timing(tool, retraction, settings, bar=bar, with_reference=compared.with_reference)
+    return cue_timing(tool, retraction, settings, bar=bar, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:

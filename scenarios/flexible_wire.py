@@ -26,7 +26,7 @@ def run(
     from bristle_sim.studies.flexible_wire import flexible_wire
 
     return flexible_wire(
-        hub, belt, bristle, strike, surface, stiffness, settings, with_reference=compared.with_reference
+        hub, belt, bristle, strike, surface, stiffness, settings, with_reference=compared.reference == "yes"
     )
 
 

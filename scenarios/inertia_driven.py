@@ -16,7 +16,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
     """Let the wire enter the pulley, and compare its tip speed with the bar-cued one's."""
     from bristle_sim.studies.inertia_driven import inertia_driven
 
-    return inertia_driven(tool, settings, with_reference=compared.with_reference)
+    return inertia_driven(tool, settings, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:

@@ -16,7 +16,7 @@ def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -
     """Simulate the row, and search the least pitches."""
     from bristle_sim.studies.neighbours import neighbours
 
-    return neighbours(tool, row, settings, with_reference=compared.with_reference)
+    return neighbours(tool, row, settings, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:

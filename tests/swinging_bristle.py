@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bristle_sim.parameters import Tool
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 FREQUENCY, AMPLITUDE = 1100.0, 0.7

@@ -10,8 +10,7 @@ from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_row_reference
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.scene.simulate import simulate, simulate_row
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import Trajectory
 
 ACCURACY = 1e-6

@@ -26,7 +26,7 @@ import pytest
 import tqdm
 
 from bristle_sim import __version__
-from bristle_sim.cli import Scenario, command, ending, main, output
+from bristle_sim.cli import Scenario, command, main, output
 from bristle_sim.commit import named_commit
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.units import choice, quantity, validate
@@ -358,7 +358,7 @@ def usual_handlers() -> Iterator[None]:
 @pytest.mark.usefixtures("usual_handlers")
 def test_handlers_of_others_and_other_threads_are_left_alone():
     def inside() -> object:
-        with ending.ending_in_order():
+        with output.ending_in_order():
             return signal.getsignal(signal.SIGTERM)
 
     with ThreadPoolExecutor(1) as pool:
@@ -366,7 +366,7 @@ def test_handlers_of_others_and_other_threads_are_left_alone():
     signal.signal(signal.SIGINT, mine := lambda *_: None)
     signal.signal(signal.SIGTERM, mine)
     hook = sys.unraisablehook
-    with ending.ending_in_order():
+    with output.ending_in_order():
         assert signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGTERM) is mine
         assert sys.unraisablehook is hook
 
@@ -401,7 +401,7 @@ def test_an_end_is_not_lost_where_an_exception_is_printed_and_ignored(where, num
         for _ in range(1000):  # a signal that a thread raises comes between two calls
             time.sleep(0.01)
 
-    with pytest.raises(ended), ending.ending_in_order():
+    with pytest.raises(ended), output.ending_in_order():
         losing()
     assert reported == [ZeroDivisionError]
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp, trapezoid
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
 from bristle_sim.reference import simulate_reference
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 
 FREE = Tool(bar=None, workpart=None)
 GRAVITY = 9.81

@@ -24,7 +24,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 ORDER = (
     "arrays conversion",
     "commit units files",
-    "force_file parameters settings stop_reason",
+    "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",
     "scene reference",

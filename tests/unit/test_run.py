@@ -10,8 +10,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 
 TOOL = Tool()
 BARE = replace(TOOL, bar=None)

@@ -12,7 +12,7 @@ import pytest
 
 from bristle_sim import simulate
 from bristle_sim.parameters import Bar, Tool
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import Event, Trajectory
 from swinging_bristle import make_trajectory
 

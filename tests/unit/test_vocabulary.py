@@ -10,7 +10,7 @@ import pytest
 import bristle_sim as bs
 from bristle_sim.cli import command
 from bristle_sim.parameters import PARTS, tool_keys
-from bristle_sim.stop_reason import EVENTS
+from bristle_sim.settings import EVENTS
 from bristle_sim.units import Choice, Range, declarations
 
 SCENARIOS = {name: command.load(path) for name, path in command.scripts().items()}

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
-from bristle_sim.cli.ending import ending_in_order
-from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell, write_text
+from bristle_sim.cli.output import csv_text, document, ending_in_order, in_words, progress, say, tell, write_text
 from bristle_sim.cli.scenario import Scenario, Values, built
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, is_special

@@ -141,11 +141,6 @@ class Comparison(Declared):
         *("no", "yes"),
     )
 
-    @property
-    def with_reference(self) -> bool:
-        """Whether the independent solution is requested."""
-        return self.reference == "yes"
-
 
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 

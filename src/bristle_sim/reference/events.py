@@ -21,7 +21,7 @@ from bristle_sim.reference.decisions import (
 from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 
 Value = Callable[[Instant], float]
 Follow = Callable[[State], State]  # the consequence of an event: the state before it -> the state after it

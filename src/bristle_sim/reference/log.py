@@ -12,7 +12,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Point
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.system import Instant, State, Sustained
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 

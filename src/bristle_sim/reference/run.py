@@ -23,7 +23,7 @@ from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, System
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 
 
 @dataclass(slots=True)

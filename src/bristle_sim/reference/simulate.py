@@ -19,7 +19,7 @@ from bristle_sim.reference.log import PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import State, System
-from bristle_sim.stop_reason import EVENTS, StopReason, checked_name
+from bristle_sim.settings import EVENTS, StopReason, checked_name
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 from bristle_sim.units import ANY, quantity, validate
 

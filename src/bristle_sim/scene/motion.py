@@ -30,7 +30,7 @@ from bristle_sim.scene.events.touches import SHORTEST_INTERVAL, first_touch_of_a
 from bristle_sim.scene.extrapolation import Advance
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.progress import MOST_GROWTH, Progress
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the

@@ -14,7 +14,7 @@ from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import LEAST_VALUE
 from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
 MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial through the samples of both is accurate

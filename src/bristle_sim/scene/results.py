@@ -15,7 +15,7 @@ from bristle_sim.scene.build import Effects, Scene, motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.progress import Recording
 from bristle_sim.scene.tool import Units
-from bristle_sim.stop_reason import ABSENCES, LARGEST_RETRACTION, StopReason
+from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory, WireMotion
 
 

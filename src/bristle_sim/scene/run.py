@@ -26,7 +26,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import SmoothMotion
 from bristle_sim.scene.progress import Plan, Progress, Recording
 from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_spring, pressed_on
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 MOST_IMPACTS_AT_ONCE = 64  # times the square of the number of contacts that pass them on; then links are wedged

@@ -15,8 +15,7 @@ from bristle_sim.scene.progress import Plan
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.tool import LONE, START, Row, build_tool
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import EVENTS, checked_name
+from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Declared, quantity, shown
 

@@ -23,8 +23,7 @@ from bristle_sim.scene.progress import SLOW_FRACTION, Plan
 from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.run import run
 from bristle_sim.scene.tool import Units, build_tool
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.units import Range, shown
 

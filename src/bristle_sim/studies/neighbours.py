@@ -18,8 +18,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.simulate import simulate, simulate_row
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies import strike_point
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
 from bristle_sim.trajectory import Trajectory

@@ -16,8 +16,7 @@ from bristle_sim.comparison import UNKNOWN, Report, Values, amount, differences,
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies import strike_point
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.theory import cueing
@@ -41,11 +40,10 @@ QUANTITIES = {
 }
 
 PRINTED = {
-    "release_retraction_deg": "eq. 2.2: retraction angle at release",
-    "relative_speed_at_contact": "fig. 4.2: rate before the impact",
-    "tip_speed_at_contact": "eq. 4.3: speed of the tip",
+    "release_retraction_deg": printed_number("eq. 2.2: retraction angle at release"),
+    "relative_speed_at_contact": printed_number("fig. 4.2: rate before the impact"),
+    "tip_speed_at_contact": printed_number("eq. 4.3: speed of the tip"),
 }
-"""Places of printed values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +80,8 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
 
-    printed = {name: printed_number(place) for name, place in PRINTED.items()} if tool == Tool() else UNKNOWN
     measured = _measured(tool, run)
-    found = rows(QUANTITIES, measured, _formulas(tool), referred, printed, tolerance)
+    found = rows(QUANTITIES, measured, _formulas(tool), referred, PRINTED if tool == Tool() else UNKNOWN, tolerance)
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"

@@ -20,8 +20,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.strike_point import ran, require_result, require_rigid, start_angle
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 from bristle_sim.trajectory import Trajectory

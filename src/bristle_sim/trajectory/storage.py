@@ -15,7 +15,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.files import complete_or_absent
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 from bristle_sim.trajectory.records import SAMPLED, WIRE, ContactHistory, ContactRecord, Cost, Event, WireMotion
 
 if TYPE_CHECKING:

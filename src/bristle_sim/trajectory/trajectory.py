@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
+from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.pictures import Html, drawn_by
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion

@@ -23,8 +23,7 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length

@@ -13,8 +13,7 @@ from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
 from bristle_sim.scene.extrapolation import CLOSE
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.theory.cueing import stiffened_cue
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact

@@ -22,8 +22,7 @@ from bristle_sim.parameters import Bar, Belt, Tool, tool_keys
 from bristle_sim.scene.contact.obstacles import LEAST_REACH
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import START
-from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import Settings, StopReason
 
 TOOL, FREE = Tool(), Tool(bar=None, workpart=None)
 STIFFNESS = Belt().stiffness

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from bristle_sim.scene.extrapolation import Advance
 from bristle_sim.scene.mechanism import Curve, State
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.settings import StopReason
 
 if TYPE_CHECKING:
     from bristle_sim.scene.events.table import Change

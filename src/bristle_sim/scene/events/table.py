@@ -19,7 +19,7 @@ from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.locate import EventFunction
 from bristle_sim.scene.extrapolation import Advance, lagrange_weights
 from bristle_sim.scene.mechanism import State
-from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
+from bristle_sim.settings import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
