@@ -79,6 +79,18 @@ def test_of_a_wire() -> None:
         assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
 
 
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
+def test_a_slip_that_hardly_begins(accuracy: float) -> None:
+    """The tip of two links at 2600 rpm slides back for 0.2 us at no more than 23 nm/s, sticks, and slides forward again."""
+    bristle = replace(bs.Tool().bristle, links=2)
+    tool = replace(timed(1e-4), bristle=bristle, hub=bs.Hub(speed=272.27), belt=bs.Belt(damping_ratio=0.05))
+    run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release")
+    exact = simulate_reference(tool, contact_stiffness=stiffness(run), accuracy=1e-10, stop_after="workpart release")
+    found, expected = (each.first_contact("workpart") for each in (run, exact))
+    assert found.time + found.duration == pytest.approx(expected.time + expected.duration, abs=accuracy * 1e-3)
+    assert found.impulse == pytest.approx(expected.impulse, rel=accuracy)
+
+
 def test_in_a_row() -> None:
     """Each wire has springs of its own, and their neighbours are struck by it or not."""
     row = {"bristles": 2, "pitch": math.radians(25.0), "neighbour_friction": 0.2, "neighbour_restitution": 0.5}

@@ -69,7 +69,7 @@ class EventFunction:
         difference: whether the value is made of a difference of rates over a step, and carries its rounding.
         tolerance: replaces the run's own for its location; values then have a sign down to rounding.
         turns: whether it may change its sign twice within an interval.
-        positive: whether the value is known to be positive where the motion begins.
+        positive: whether the value is known to be positive where the motion begins, or to rise from zero there.
         noise, sign: values below this have no sign; the last sign, None while it is unknown.
         reached: the value at the end of the last interval.
     """
@@ -92,7 +92,9 @@ class EventFunction:
     def begin(self, state: State, noise: float) -> None:
         """Take the sign at the start of a smooth motion: a change in its first interval is then an event, too."""
         self.noise, self.sign = noise if self.tolerance is None else math.ulp(1.0), 1.0 if self.positive else None
-        self.sign = self.sign_of(self.value(at_state(state)))
+        value = self.value(at_state(state))
+        if not (self.positive and abs(value) <= ROUNDED_TOLERANCES * (self.tolerance or 0.0)):
+            self.sign = self.sign_of(value)
 
     def sign_of(self, value: float) -> float | None:
         """Return the sign of a value, or the last one where the value has none."""
@@ -111,6 +113,8 @@ def first_change(
     first = None
     for function in functions:
         instant = 1e-15 * (1.0 + interval.end.state.time)
+        if interval.length <= instant:
+            break
         part = _to_the_extreme(function, interval) if function.turns else interval
         ends = _change(function, part) if part.length > instant else None
         if ends is not None:
@@ -139,6 +143,16 @@ def _change(function: EventFunction, interval: Interval) -> tuple[float, float] 
     return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
 
 
+def _rise(function: EventFunction, interval: Interval, instant: float) -> float:
+    """Return a time at which a value is positive that rises from zero and is negative at the end; 0 if it never was."""
+    time = interval.length
+    while time > instant:
+        time *= 0.5
+        if function.value(interval.again(time)) > 0.0:
+            return time
+    return 0.0
+
+
 def _may_have_changed(function: EventFunction, interval: Interval, right: float) -> bool:
     """Whether an acceleration may have had another sign at the start of its first interval, by the polynomial."""
     start, moment = interval.start, 1e-3 * interval.length
@@ -152,6 +166,8 @@ def _zero(
 ) -> Advance:
     """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
     again, exact, tolerance, near = interval.again, function.exact, function.tolerance, None
+    rises = function.positive and function.value(interval.first) <= 0.0
+    begin = _rise(function, interval, instant) if rises else 0.0
     if tolerance is None:
         located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         tolerance = max(located, 10.0 * RATE_ROUNDING / interval.length if function.difference else 0.1 * LEAST_VALUE)
@@ -162,11 +178,11 @@ def _zero(
     def of_time(time: float) -> float:
         return function.value(again(time)) if exact is None else exact(again(time).state)
 
-    if exact is None and (near := guess(of_state, interval, interval.length)) is not None:
+    if exact is None and (near := guess(of_state, interval, interval.length, begin)) is not None:
         found = settle(progress, of_state, interval, near, tolerance)
         if found is not None:
             return found
-    time, back = max(locate(of_time, 0.0, interval.length, left, right, tolerance, near), instant), 1e-12
+    time, back = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant), 1e-12
     while (result := again(time)).failed and back < 1.0:
         # A step beyond the release would pull: the last one before it is accurate.
         time, back = time * (1.0 - back), 10.0 * back

@@ -245,8 +245,9 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     def event(what: SpringEvent, value: Callable[[Advance], float], falling: bool) -> EventFunction:
         # In the rigid-body limit, and but for the last event of a lone link, nothing turns back within an interval.
         turning = spring.expected.moves and (not progress.mechanism.lone or what is SpringEvent.UNLOADED)
-        act, sticks = partial(SpringChange, contact, what), what is SpringEvent.STICK_BREAKS
-        return EventFunction(value, falling, act=act, tolerance=tolerance, turns=turning, positive=sticks)
+        begins = what in (SpringEvent.SLIP_STOPS, SpringEvent.STICK_BREAKS)  # slip in its sense, stick below its limit
+        act = partial(SpringChange, contact, what)
+        return EventFunction(value, falling, act=act, tolerance=tolerance, turns=turning, positive=begins)
 
     if spring.deepest is None:
         found = [event(SpringEvent.COMPRESSION_ENDS, opening, False)]
