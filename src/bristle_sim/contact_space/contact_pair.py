@@ -14,8 +14,8 @@ import pymunk
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import ContactSpace
 from bristle_sim.contact_space.joints import Vector
-from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.numbers import checked_numbers
 
 MOST_TYPES = (1 << 64) - 1  # collision types are machine words, the last of which stands for any type
 

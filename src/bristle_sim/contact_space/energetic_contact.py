@@ -16,8 +16,8 @@ import pymunk
 from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
-from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.numbers import checked_numbers
 
 
 class EnergeticContact:

@@ -18,7 +18,7 @@ from bristle_sim.contact_space.joints import Connected, close_joints, joined
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, TouchingPoint
-from bristle_sim.theory.impact_result import JAM, Impact
+from bristle_sim.theory.impact_phases import JAM, Impact
 
 COLLAPSE = 12  # impacts at one point after which its group is resolved at once: it would bounce without end
 

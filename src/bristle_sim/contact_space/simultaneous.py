@@ -29,7 +29,7 @@ from pymunk._chipmunk_cffi import lib
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.joints import close_joints, joined, joint_basis
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
-from bristle_sim.theory.impact_result import NO_REBOUND, REBOUND, Impact
+from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
 ITERATIONS = 40  # of a plastic impact: impulses spread over a chain of about as many bodies
 

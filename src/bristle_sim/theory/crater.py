@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -32,6 +31,7 @@ from bristle_sim.theory.crater_kinematics import (
 )
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
+from bristle_sim.theory.numbers import require
 
 CUTTING_FRICTION = 0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
 PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)

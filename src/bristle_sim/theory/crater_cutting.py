@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
+from bristle_sim.theory.numbers import require
 
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]

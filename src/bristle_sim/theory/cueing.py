@@ -24,7 +24,7 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.theory.checks import require
+from bristle_sim.theory.numbers import require
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 

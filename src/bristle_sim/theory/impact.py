@@ -30,9 +30,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import numbers, require
-from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
-from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
+from bristle_sim.theory.impact_phases import (
+    NO_CONTACT,
+    NO_REBOUND,
+    OUTCOMES,
+    PHASES,
+    REBOUND,
+    STICTION,
+    End,
+    Impact,
+    Target,
+    walk,
+)
+from bristle_sim.theory.numbers import isfinite, numbers, quotient, require, select, square_root
 from bristle_sim.units import shown
 
 __all__ = [
@@ -152,20 +162,16 @@ def _newton_end(velocity: Number, compliance: Number, target: Target) -> Number:
     return quotient(select(target.velocity > velocity, target.velocity - velocity, 0.0), compliance)
 
 
-def _is_zero(compliance: Any) -> bool:
-    return isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
-
-
 def _require_rigid(compliance: ArrayLike) -> None:
-    if not _is_zero(compliance) and np.any(numbers("tangential_compliance", compliance, "must be real numbers")):
+    if np.any(numbers("tangential_compliance", compliance, "must be real numbers")):
         raise ValueError(f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)")
 
 
-def _resolve(end: End, given: tuple[Any, ...], compliance: ArrayLike = 0.0) -> Impact:
+def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     """Check and unpack the arguments, then resolve the rigid impacts and those with a tangential compliance."""
     matrix, velocity, friction, restitution, later, stick = given
     coefficients = (friction, restitution, friction if later is None else later, *(() if stick is None else (stick,)))
-    rigid = _is_zero(compliance)
+    rigid = isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
     single = _single(matrix, velocity, coefficients) if rigid else None
     values, shape = single or _unpack(matrix, velocity, *coefficients)
     if rigid and shape is None:
@@ -260,14 +266,11 @@ def _check(values: list[Number], k_tn: Number) -> None:
         ("restitution_friction", least, (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION), (mu_2,)),
         ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
     ]
-    rules += [("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)) for each in given]
+    for each in given:
+        rules.append(("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)))
     for name, rule, holds, told in rules:
-        if not _all(holds):
+        if holds is not True and not np.all(holds):
             raise ValueError(f"{name} = {_first(told, holds)}: must be {rule}")
-
-
-def _all(holds: Number) -> bool:
-    return holds if isinstance(holds, bool) else bool(holds.all())
 
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:
@@ -285,7 +288,7 @@ def _check_result(impact: Impact, arguments: list[Number]) -> None:
         holds = isfinite(sum([total, *works[0].tolist(), *works[1].tolist()]))
     else:
         holds = isfinite(total + works[0].sum(axis=-1) + works[1].sum(axis=-1))
-    if not _all(holds):
+    if holds is not True and not np.all(holds):
         k_nn, _, k_tt, normal, tangential, *_ = arguments
         raise ValueError(
             f"velocity = {_first((normal, tangential), holds)} with inverse_mass of diagonal {_first((k_nn, k_tt), holds)}:"

@@ -25,9 +25,18 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_events import APART, BACKWARD, FORWARD, LINE, NEVER, NOISE, NONE, SETTLED, STOP
-from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE, inverse_mass_of, quotient
-from bristle_sim.theory.impact_result import JAM, NO_REBOUND, REBOUND, STICTION, Impact
+from bristle_sim.theory.impact_phases import (
+    INFINITE,
+    JAM,
+    KNIFE_EDGE,
+    NO_REBOUND,
+    REBOUND,
+    STICTION,
+    Impact,
+    inverse_mass_of,
+)
 from bristle_sim.theory.impact_stick import Contact, stick
+from bristle_sim.theory.numbers import quotient
 
 LEAST_RESTITUTION = 1e-8  # below it the work that is returned is less than the rounding of the work that was taken
 
@@ -133,7 +142,7 @@ def _turned(contact: Contact, event: Number) -> Contact:
 class _Contacts:
     """The contacts of an array, in columns of ``rows``, each as far as it has gone.
 
-    ``totals`` are impulses and works by the four rows of ``impact_result.PHASES``, ``slips`` the slip in them. The second row of
+    ``totals`` are impulses and works by the four rows of ``impact_phases.PHASES``, ``slips`` the slip in them. The second row of
     compression, and of restitution, collects all that follows its first stick or slip. A point that is pressed on beyond
     its deepest point was in compression until then.
     """

@@ -1,4 +1,4 @@
-"""The phases of an impact, one after the other: the same for every coefficient of restitution.
+"""The result of an impact at one point, and its phases in order: the same for every coefficient of restitution.
 
 Within a phase of constant slip direction (or stick) the velocities are linear and the works quadratic in the normal
 impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where a
@@ -16,10 +16,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact
+from bristle_sim.arrays import Number
+from bristle_sim.theory.numbers import inverse, quotient, select, sign
 
 INFINITE = math.inf
+
+NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
+OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
+"""What an outcome code means.
+
+``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0, or
+what restitution has to give is spent with v_n = 0, in slip at rest (Poisson's impulse) or below the smallest float.
+``stiction``: compression ends, but no impulse can part the point from the surface again (the jam of one degree of
+freedom, mu >= tan gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body
+law has no solution.
+"""
+
+PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
+"""The four phases an impact can have; one that does not occur has a normal impulse of zero."""
 
 KNIFE_EDGE = 1e-6
 """One degree of freedom that sticks with less than this fraction of its approach left, or already regained, is at rest: a
@@ -27,6 +41,68 @@ radial bristle, up to rounding and to where its strike was located. It is neithe
 work rule would ask an impulse of W/v_n, without bound."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """Result of an impact; each entry is a float, or an array of the broadcast shape.
+
+    Impulses act on the moving point; normal ones are positive, works are those of the impulse on the bodies.
+
+    Attributes:
+        impulse_normal, impulse_tangential: p_f, N s.
+        velocity_normal, velocity_tangential: after the impact, m/s.
+        compressive_impulse_normal, compressive_impulse_tangential: p_c, at the end of compression, N s.
+        slip_stop_impulse: p_s, normal impulse at which the initial slip stops, N s; inf if it does not.
+        phase_impulse: normal impulse of each of PHASES, shape (..., 4), N s.
+        phase_slip: direction of slip in each of PHASES, -1, 0 (stick) or 1, shape (..., 4).
+        phase_work_normal, phase_work_tangential: works in each of PHASES, shape (..., 4), J.
+        outcome: index into OUTCOMES.
+    """
+
+    impulse_normal: Number
+    impulse_tangential: Number
+    velocity_normal: Number
+    velocity_tangential: Number
+    compressive_impulse_normal: Number
+    compressive_impulse_tangential: Number
+    slip_stop_impulse: Number
+    phase_impulse: Number
+    phase_slip: Number
+    phase_work_normal: Number
+    phase_work_tangential: Number
+    outcome: Number
+
+    @property
+    def compressive_work(self) -> tuple[Number, Number]:
+        """Return normal (W_c, negative) and tangential work of compression, J."""
+        return self.phase_work_normal[..., :2].sum(axis=-1), self.phase_work_tangential[..., :2].sum(axis=-1)
+
+    @property
+    def restitutive_work(self) -> tuple[Number, Number]:
+        """Return normal (W_r, positive) and tangential work of restitution, J."""
+        return self.phase_work_normal[..., 2:].sum(axis=-1), self.phase_work_tangential[..., 2:].sum(axis=-1)
+
+    @property
+    def energy_change(self) -> Number:
+        """Change of the bodies' kinetic energy, the sum of all works, J."""
+        return self.phase_work_normal.sum(axis=-1) + self.phase_work_tangential.sum(axis=-1)
+
+    @property
+    def outcome_name(self) -> str:
+        """Return the outcome of a single impact in words."""
+        return OUTCOMES[int(self.outcome)]
+
+    @property
+    def phases(self) -> tuple[str, ...]:
+        """Return the phases of a single impact in order, e.g. ``("compression slip", "restitution reverse slip")``."""
+        slips = self.phase_slip.tolist()
+        names = []
+        for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):
+            if impulse > 0.0:
+                motion = "stick" if slip == 0.0 else "reverse slip" if slip == -slips[0] else "slip"
+                names.append(f"{name.split()[0]} {motion}")
+        return tuple(names)
 
 
 @dataclass(slots=True)
@@ -104,19 +180,21 @@ def walk(
     # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
     work = -(first.work_normal + second.work_normal) * e * e
     target = Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
-    opens = approaching & negated(jammed) & (e > 0.0)
+    opens = (approaching ^ jammed) & (e > 0.0)
     slip = sign(state.tangential)
     third = _phase(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
     left = Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
     still_open = opens & ((slip == 0.0) | third.unfinished)
     fourth = _phase(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
-    rows = (first, second, third, fourth)
     # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
     ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
-    impulses, slips, normal_works, tangential_works = _stack([row[:4] for row in rows])
+    late = first.impulse + second.impulse + third.impulse
+    stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
+    *columns, _, _ = zip(first, second, third, fourth, strict=True)
+    impulses, slips, normal_works, tangential_works = np.array(columns).swapaxes(1, -1)
     return Impact(
         impulse_normal=state.impulse,
         impulse_tangential=state.impulse_tangential,
@@ -124,7 +202,7 @@ def walk(
         velocity_tangential=state.tangential,
         compressive_impulse_normal=compressive,
         compressive_impulse_tangential=compressive_tangential,
-        slip_stop_impulse=_slip_stop(initial, rows),
+        slip_stop_impulse=select(initial == 0.0, 0.0, stop),
         phase_impulse=impulses,
         phase_slip=slips,
         phase_work_normal=normal_works,
@@ -208,65 +286,4 @@ def _advance(
     state.tangential = tangential
     state.impulse = state.impulse + step
     state.impulse_tangential = state.impulse_tangential + ratio * step
-    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active & negated(finished))
-
-
-def _slip_stop(initial: Number, rows: tuple[_Phase, ...]) -> Number:
-    """Return p_s, where the initial slip stops; 0 if there is none, inf if it lasts."""
-    first, second, third, _ = rows
-    late = first.impulse + second.impulse + third.impulse
-    stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
-    return select(initial == 0.0, 0.0, stop)
-
-
-def select(condition: Number, chosen: Number, other: Number) -> Number:
-    """Return the chosen value where the condition holds, else the other one."""
-    if isinstance(condition, bool):
-        return chosen if condition else other
-    return np.where(condition, chosen, other)
-
-
-def negated(condition: Number) -> Number:
-    """Return the opposite of a truth value, or of each of an array."""
-    return not condition if isinstance(condition, bool) else ~condition
-
-
-def sign(value: Number) -> Number:
-    """Return -1, 0 or 1."""
-    if isinstance(value, float):
-        return math.copysign(1.0, value) if value else 0.0
-    return np.sign(value)
-
-
-def square_root(value: Number) -> Number:
-    """Return the square root of a value that is not negative."""
-    return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
-
-
-def isfinite(value: Number) -> Number:
-    """Tell whether a value is neither infinite nor NaN."""
-    return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
-
-
-def inverse(value: Number) -> Number:
-    """Return 1/value, infinite at zero."""
-    if isinstance(value, float):
-        return 1.0 / value if value else INFINITE
-    return 1.0 / value
-
-
-def quotient(value: Number, divisor: Number) -> Number:
-    """Return value/divisor where the divisor is positive, else infinite."""
-    if isinstance(divisor, float):
-        return value / divisor if divisor > 0.0 else INFINITE
-    quotient = np.full_like(divisor, INFINITE)
-    np.divide(value, divisor, out=quotient, where=divisor > 0.0)
-    return quotient
-
-
-def _stack(rows: list[tuple[Number, ...]]) -> list[Array]:
-    """Return one array for each column of the rows, whose last axis is that of the rows."""
-    columns = zip(*rows, strict=True)
-    if isinstance(rows[0][0], float):
-        return list(np.array(list(columns)))
-    return [np.stack(column, axis=-1) for column in columns]
+    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active ^ finished)

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from bristle_sim.theory.checks import require
+from bristle_sim.theory.numbers import require
 
 LEAST_SPEED = 1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
 

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
+from bristle_sim.theory.numbers import require
 
 LEAST_ANGLE = 1e-150  # least impact angle, rad: impulses grow as its inverse, and would overflow without friction
 

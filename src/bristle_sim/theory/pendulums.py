@@ -32,8 +32,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import RANGES, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
+from bristle_sim.theory.numbers import RANGES, checked_numbers, require
 
 _ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 

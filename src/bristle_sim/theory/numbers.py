@@ -1,4 +1,7 @@
-"""Refuse arguments in one line, arrays too: those of the public laws, and those for which a formula has no meaning."""
+"""Numbers and arrays alike: operations that keep a float a float, for speed in a scene, and refusals in one line.
+
+Arguments are refused that are no real numbers, or for which a law or formula has no meaning.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,48 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.units import Range, shown
+
+
+def select(condition: Number, chosen: Number, other: Number) -> Number:
+    """Return the chosen value where the condition holds, else the other one."""
+    if isinstance(condition, bool):
+        return chosen if condition else other
+    return np.where(condition, chosen, other)
+
+
+def sign(value: Number) -> Number:
+    """Return -1, 0 or 1."""
+    if isinstance(value, float):
+        return math.copysign(1.0, value) if value else 0.0
+    return np.sign(value)
+
+
+def square_root(value: Number) -> Number:
+    """Return the square root of a value that is not negative."""
+    return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
+
+
+def isfinite(value: Number) -> Number:
+    """Tell whether a value is neither infinite nor NaN."""
+    return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
+
+
+def inverse(value: Number) -> Number:
+    """Return 1/value, infinite at zero."""
+    if isinstance(value, float):
+        return 1.0 / value if value else math.inf
+    return 1.0 / value
+
+
+def quotient(value: Number, divisor: Number) -> Number:
+    """Return value/divisor where the divisor is positive, else infinite."""
+    if isinstance(divisor, float):
+        return value / divisor if divisor > 0.0 else math.inf
+    quotient = np.full_like(divisor, math.inf)
+    np.divide(value, divisor, out=quotient, where=divisor > 0.0)
+    return quotient
 
 
 def numbers(name: str, value: Any, rule: str) -> Array:

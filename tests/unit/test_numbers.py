@@ -2,15 +2,14 @@
 
 import pytest
 
-from bristle_sim.theory import checks
-from bristle_sim.theory.checks import RANGES, checked_numbers
+from bristle_sim.theory.numbers import RANGES, checked_numbers, numbers, require
 
 
 def test_numbers_that_no_machine_word_holds_are_numbers() -> None:
     """10^30 is a Python integer of 100 bits; no value at all (None) is nan, which rules refuse."""
-    assert checks.numbers("mass", 10**30, "must be real numbers") == 1e30
+    assert numbers("mass", 10**30, "must be real numbers") == 1e30
     with pytest.raises(ValueError, match=r"^mass = nan: must be above 0"):
-        checks.require("mass", None, checks.numbers("mass", None, "") > 0.0, "must be above 0 (in kg)")
+        require("mass", None, numbers("mass", None, "") > 0.0, "must be above 0 (in kg)")
 
 
 def test_every_range_of_the_table_is_one_with_its_reason() -> None:
