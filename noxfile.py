@@ -53,7 +53,7 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def nightly(session: nox.Session) -> None:
-    """Run the long tests, with every peer: long wires, long random lists and lines; and make the site's kept results anew."""
+    """Run the long tests, with every peer: long wires, random tools, every figure; make the site's kept results anew."""
     session.install("-e", ".[sweep,test,peers]", "playwright")
     session.run("pytest", "-m", "nightly", *session.posargs)
     session.run("python", "docs/keep.py")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import functools
+import inspect
 import math
 import re
 import reprlib
@@ -268,13 +269,13 @@ class Declared:
         own = {name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)}
         if not own:  # the decorator makes the class a second time, for its slots
             return
-        lines = [cls.__doc__ or "", "", "Attributes:"]
+        lines = [inspect.cleandoc(cls.__doc__ or ""), "", "Attributes:"]
         for name, each in {**getattr(cls, "__dataclass_fields__", {}), **own}.items():
             if (declared := each.metadata.get("declaration")) is not None:
-                named = name if name == declared.key else f"{name} ({declared.key})"
+                key = "" if name == declared.key else f" Key {declared.key}."
                 unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
                 default = each.default if isinstance(each.default, str | None) else f"{each.default:.9g}"
-                words = f"{named}: {declared.meaning}{unit}. Must be {declared.allowed}. Default {default} ({declared.source})."
+                words = f"{name}: {declared.meaning}{unit}.{key} Must be {declared.allowed}. Default {default} ({declared.source})."
                 lines += textwrap.wrap(words, 100, initial_indent="    ", subsequent_indent="        ")
         cls.__doc__ = "\n".join(lines)
 

@@ -21,9 +21,9 @@ DECLARED = {part: declarations(part) for each in SCENARIOS.values() for part in 
 def test_a_declaration_documents_its_field_and_names_its_key_in_refusals(part: type) -> None:
     text = " ".join(("", *(part.__doc__ or "").rpartition("Attributes:")[2].split()))
     for field, declared in DECLARED[part].items():
-        entry = text.partition(f" {field} ({declared.key}): " if field != declared.key else f" {field}: ")[2]
+        entry, key = text.partition(f" {field}: ")[2], "" if field == declared.key else f" Key {declared.key}."
         unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
-        assert entry.startswith(f"{declared.meaning}{unit}. Must be {declared.allowed}. Default "), field
+        assert entry.startswith(f"{declared.meaning}{unit}.{key} Must be {declared.allowed}. Default "), field
         assert f" ({declared.source})" in entry, field
         with pytest.raises(ValueError, match=rf"^{declared.key} = "):
             part(**{field: object()})

@@ -51,8 +51,9 @@ def simulate(
     Args:
         tool: the tool; its parts that are None are absent from the scene.
         settings: numerical settings.
-        start_hub_angle: of the root from the direction of the workpart, rad. start_relative_angle, start_relative_rate:
-        of the bristle relative to the radial direction, rad and rad/s.
+        start_hub_angle: angle of the root from the direction of the workpart, rad.
+        start_relative_angle: angle of the bristle from the radial direction, rad.
+        start_relative_rate: its rate relative to the hub, rad/s.
         stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``,
             ``workpart release``, ``wire touch``, ``wire release``, ``largest retraction``, ``highest relative speed``,
             ``retraction limit`` or ``jam``.

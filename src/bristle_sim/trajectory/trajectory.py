@@ -60,7 +60,7 @@ class Trajectory(Motion):
 
     @property
     def notable_events(self) -> tuple[Event, ...]:
-        """All events except minor extremes: those of the motion relative to the hub below 1 % of the run's largest.
+        """All events except extremes of the motion relative to the hub below 1 % of the run's largest.
 
         For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
         """
