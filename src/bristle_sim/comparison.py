@@ -171,7 +171,7 @@ LAYOUTS = (
 )
 """Digits, and columns that are left out, of ever narrower tables."""
 
-PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "J": "k", "W": "k", "Pa": "G", "Hz": "k"}
 """Units that are shown with a prefix, and the largest one that is customary."""
@@ -230,13 +230,14 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
 def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
     """Return the unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
     base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
-    largest = max((abs(value) for value in values if value is not None and math.isfinite(value)), default=0.0)
+    largest = max(map(abs, filter(None, map(finite, values))), default=0.0)
+    shown = unit, 1.0
     if base in LARGEST_PREFIX and largest:
         most, least = PREFIXES[LARGEST_PREFIX[base]], PREFIXES[SMALLEST_PREFIX.get(base, "n")]
         for prefix, size in PREFIXES.items():
-            if size <= most and (size == least or largest >= size * own * (1.0 - 1e-9)):
-                return prefix + base, size * own
-    return unit, 1.0
+            if size == least or (least < size <= most and largest >= size * own * (1.0 - 1e-9)):
+                shown = prefix + base, size * own
+    return shown
 
 
 def _relative(value: float | None, sign: str = "") -> str:

@@ -121,10 +121,6 @@ class StopReason(StrEnum):
         True,
     )
 
-    def advice(self, obstacle: str | None = None) -> str:
-        """Return the remedy with the key of the named obstacle's friction."""
-        return self.remedy.format(friction="bar_friction" if obstacle == "bar" else "friction")
-
 
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
     """Return a name that is known.

@@ -11,7 +11,8 @@ from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
 from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
-from bristle_sim.studies.strike_point import STRIKE_UNITS, GivenUpError, NotCuedError, strike_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, strike_of_keys
+from bristle_sim.studies.whole_pass import GivenUpError
 
 FINE = Settings(accuracy=1e-9)
 

@@ -103,7 +103,11 @@ class Work:
 
     def deliver(self, report: Report, status: int) -> int:
         """Write the requested files, of an interrupted run the JSON alone, and print the answer; return the exit status."""
-        texts = self._texts(report, finished=not status)
+        texts, options = {}, self.options
+        if self.scenario.series is not None and options.csv is not None and not status:
+            texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
+        if options.json is not None:
+            texts["json"] = document(self.scenario.name, self.values, report, finished=not status)
         for option in sorted(self.targets, key=texts.__contains__):
             target = self.targets[option]
             if status and option != "json":
@@ -117,18 +121,9 @@ class Work:
                 raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
             if option != "json":
                 tell(f"{_flag(option)}: wrote {target}")
-        say(texts.get("-") or in_words(report))
-        return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
-
-    def _texts(self, report: Report, *, finished: bool) -> dict[str, str]:
-        """Return the requested CSV, which may be refused, and JSON; also as "-" the text for standard output."""
-        texts = {}
-        if self.scenario.series is not None and self.options.csv is not None and finished:
-            texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
-        if self.options.json is not None:
-            texts["json"] = document(self.scenario.name, self.values, report, finished=finished)
-        shown = [text for option, text in texts.items() if getattr(self.options, option) == "-"]
-        return texts | ({"-": shown[0]} if shown else {})
+        shown = "json" if options.json == "-" else "csv" if options.csv == "-" else ""
+        say(texts.get(shown) or in_words(report))
+        return status or (MISSED if False in [row.ok for row in report.quantities] else 0)
 
     def sweep(self) -> None:
         """Run the scenario over one or two keys."""
@@ -170,7 +165,8 @@ def _draw(scenario: Scenario, report: Report, path: Path) -> None:
         from bristle_sim.render.style import save_figure
 
         save_figure(scenario.plot(report), path)
-    elif scenario.plots is not None:
+    else:
+        assert scenario.plots is not None
         scenario.plots(report, path)
 
 

@@ -18,7 +18,8 @@ from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies import strike_point
+from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures, strike_of_keys
+from bristle_sim.studies.whole_pass import GivenUpError, reference_accuracy
 from bristle_sim.theory import cueing
 
 Measures = dict[str, float | None]
@@ -81,7 +82,7 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
     direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
     if abs(lag(direction)) > LAG_JUMP:
         where = f"at {math.degrees(direction):.6g} deg"
-        raise strike_point.NotCuedError(f"{NOT_RADIAL}; {where} the lag jumps from one sign to the other")
+        raise NotCuedError(f"{NOT_RADIAL}; {where} the lag jumps from one sign to the other")
     return Place(direction, at(direction))
 
 
@@ -96,18 +97,18 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
             lags[direction] = lag(direction)
         except ValueError as error:
             reasons.append(error)
-            if not lags and sum(isinstance(each, strike_point.GivenUpError) for each in reasons) == MOST_GIVEN_UP:
+            if not lags and sum(isinstance(each, GivenUpError) for each in reasons) == MOST_GIVEN_UP:
                 raise
         if lags and min(lags.values()) < -SWUNG:
             for low, high in itertools.pairwise(sorted(lags)):
                 if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:
                     return low, high
     if not lags:
-        raise strike_point.NotCuedError(
+        raise NotCuedError(
             f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
         )
     least, most = min(lags.values()), max(lags.values())
-    raise strike_point.NotCuedError(f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg")
+    raise NotCuedError(f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg")
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
@@ -138,18 +139,18 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
 
 def simulation(settings: Settings) -> Strike:
     """Return the function that simulates the strike of a tool."""
-    return functools.partial(strike_point.strike_of_keys, settings)
+    return functools.partial(strike_of_keys, settings)
 
 
 def reference_solution(settings: Settings) -> Strike:
     """Return the function that computes the strike of a tool by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
-    options: dict[str, Any] = {"accuracy": strike_point.reference_accuracy(settings), "stop_after": "strike"}
+    options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
 
     def strike(tool: Tool) -> Measures:
-        run = simulate_reference(tool, start_hub_angle=strike_point.start_angle(tool), **options)
-        return strike_point.strike_measures(tool, run)
+        run = simulate_reference(tool, start_hub_angle=start_angle(tool), **options)
+        return strike_measures(tool, run)
 
     return strike
 

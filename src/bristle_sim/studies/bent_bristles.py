@@ -19,8 +19,8 @@ from bristle_sim.comparison import Quantity, Report, amount
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.studies.timed_contact import compression_end
+from bristle_sim.studies.whole_pass import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}

@@ -22,7 +22,8 @@ from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import beside_radial, full_pass, ran, require_result, require_rigid
+from bristle_sim.studies.strike_point import full_pass
+from bristle_sim.studies.whole_pass import beside_radial, ran, require_result, require_rigid
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory

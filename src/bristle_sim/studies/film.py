@@ -25,8 +25,9 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import slide_of
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
-from bristle_sim.studies.strike_point import crater_depth, ran, require_result
+from bristle_sim.studies.strike_point import crater_depth
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_end
+from bristle_sim.studies.whole_pass import ran, require_result
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import UnusualValueWarning

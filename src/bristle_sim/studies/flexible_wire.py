@@ -20,7 +20,8 @@ from bristle_sim.comparison import Quantity, Report, amount, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import crater_depth, resolved
+from bristle_sim.studies.strike_point import crater_depth
+from bristle_sim.studies.whole_pass import resolved
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord

@@ -15,7 +15,7 @@ from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import IMPACT, contact_quantities, resolved
+from bristle_sim.studies.whole_pass import IMPACT, contact_quantities, resolved
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 

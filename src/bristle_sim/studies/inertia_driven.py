@@ -18,7 +18,7 @@ from bristle_sim.comparison import Report, Values, amount, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import require_result, require_rigid
+from bristle_sim.studies.whole_pass import require_result, require_rigid
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.interpolation import Interpolation

@@ -19,8 +19,17 @@ from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings, StopReason
-from bristle_sim.studies import strike_point
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
+from bristle_sim.studies.whole_pass import (
+    IMPACT,
+    STATE,
+    outcome_of,
+    ran,
+    reference_accuracy,
+    require_result,
+    require_rigid,
+    state_at_strike,
+)
 from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
@@ -34,7 +43,7 @@ AGREEMENT = 0.05  # Largest difference of simulated and theoretical least pitche
 SAMPLES_PER_PERIOD = 150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
 
 STRIKE = {
-    name: strike_point.STATE.get(name) or strike_point.IMPACT[name]
+    name: STATE.get(name) or IMPACT[name]
     for name in ("lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
 }
 """A bristle's strike: label and unit of each quantity."""
@@ -68,7 +77,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 
     Raises ValueError if the hub stands still, the wires bend or touch at the start, or a run is given up.
     """
-    strike_point.require_rigid(tool)
+    require_rigid(tool)
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
     roots = root_pitch(tool)
@@ -84,7 +93,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     if with_reference:
         from bristle_sim.reference import simulate_reference, simulate_row_reference
 
-        options: Any = {"hub_turn": settings.hub_turn, "accuracy": strike_point.reference_accuracy(settings)}
+        options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
         least = {each.name: each.by_theory for each in least_pitches_of(tool, simulate_reference(tool, **options))}
     strikes = list[dict[str, float | None]]()
@@ -100,10 +109,10 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     stops = f"The row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})."
     counted = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
     return Report(
-        outcome=strike_point.outcome_of(contact),
+        outcome=outcome_of(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
-        **strike_point.ran(last),
+        **ran(last),
         remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}", f"least pitches: {counted}"),
         tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},
@@ -162,7 +171,7 @@ def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **
     # A step takes as long as its row has bristles: 16 us for two, 85 us for twelve.
     brief = dataclasses.replace(settings, maximum_steps=max(1, 2 * settings.maximum_steps // row.bristles))
     runs = simulate_row(tool, brief, **_placed(row, pitch), **options)
-    strike_point.require_result(runs[-1], settings)
+    require_result(runs[-1], settings)
     return runs
 
 
@@ -204,7 +213,7 @@ def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return measures of a bristle's first strike, in the units of STRIKE; None without one."""
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
-    state = strike_point.state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
+    state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
     return {name: state[name] for name in STRIKE}
 
 

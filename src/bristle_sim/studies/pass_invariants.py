@@ -56,20 +56,21 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     """
     least = LEAST_COMPLIANT_TOLERANCE if tool.contact.law == "compliant" else LEAST_TOLERANCE
     within = dict.fromkeys(WORDS, max(least, MAGNIFIED * settings.accuracy))
-    found = dict.fromkeys(WORDS) | _strike_errors(tool, run) | {"deepest_overlap": _deepest_overlap(tool, run)}
+    found = _strike_errors(tool, run) | {"deepest_overlap": _deepest_overlap(tool, run)}
     # A bristle at rest moves by rounding alone, whose energy balances with nothing.
     static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
     field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
     size = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field)
     if size > 0.0:
-        works = (sum(each[1] for each in (c.compressive_work, c.restitutive_work) if each) for c in run.contacts)
-        found["friction_work"] = max(0.0, *works, 0.0) / size
+        found["friction_work"] = 0.0
+        for each in run.contacts:
+            work = (each.compressive_work or (0.0, 0.0))[1] + (each.restitutive_work or (0.0, 0.0))[1]
+            found["friction_work"] = max(found["friction_work"], work / size)
         if tool.bristle.links == 1:
             energy, uncertainty = _energy_imbalance(tool, run)
             found["energy_balance"] = energy / size
             within["energy_balance"] += uncertainty / size
-    theory = {name: None if value is None else 0.0 for name, value in found.items()}
-    return rows(dict.fromkeys(WORDS, "1"), found, theory, tolerance=within.get)
+    return rows(dict.fromkeys(WORDS, "1"), found, dict.fromkeys(found, 0.0), tolerance=within.get)
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
@@ -104,7 +105,8 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
         return float((0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])).sum())
 
     found, uncertain = [0.0], [0.0]
-    for flight in _flights(run):
+    for first, last in _flights(run):
+        flight = np.arange(first, last + 1)
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + lost(flight)))
         uncertain.append(abs(lost(flight) - lost(np.append(flight[:-1:2], flight[-1]))))
     for each in run.contacts:
@@ -118,13 +120,12 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     return max(found), max(uncertain)
 
 
-def _flights(run: Trajectory) -> list[Array]:
-    """Return the rows of the samples of each flight, from one contact to the next."""
+def _flights(run: Trajectory) -> NDArray[np.intp]:
+    """Return the first and last sample of each flight, from one contact to the next, shape (flights, 2)."""
     middle, free = 0.5 * (run.time[1:] + run.time[:-1]), np.diff(run.time) > 0.0
     for each in run.contacts:
         free &= (middle < each.time) | (middle > each.time + each.duration)
-    edges = np.flatnonzero(np.diff(free, prepend=False, append=False))
-    return [np.arange(start, end + 1) for start, end in zip(edges[::2], edges[1::2], strict=True)]
+    return np.flatnonzero(np.diff(free, prepend=False, append=False)).reshape(-1, 2)
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
@@ -154,15 +155,16 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     return max(depths) / tool.bristle.length
 
 
-def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
+def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     """Return the first strike's violations of the impact law; empty where that law does not apply."""
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
         return {}
-    near, bars = SAME_INSTANT * float(run.time[-1]), [each for each in run.contacts if each.obstacle == "bar"]
-    if any(each.time - near <= strike.time <= each.time + each.duration + near for each in bars):
-        return {}
-    pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float | None]()
+    near = SAME_INSTANT * float(run.time[-1])
+    for each in run.contacts:
+        if each.obstacle == "bar" and each.time - near <= strike.time <= each.time + each.duration + near:
+            return {}
+    pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
         arms = _arms_at(tool, run, strike)[1]

@@ -22,7 +22,7 @@ from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import Impacts, radial_chain
-from bristle_sim.studies.strike_point import resolved
+from bristle_sim.studies.whole_pass import resolved
 from bristle_sim.theory.monofilament import normal_compressive_impulse
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 

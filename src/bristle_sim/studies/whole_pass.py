@@ -2,13 +2,15 @@
 
 By the formulas the bar releases the bristle at the retraction that its position permits; the bristle flies a quarter period of
 its undamped belt and strikes radially, at its highest speed. Where the simulation differs, that is the finding; only the
-independent reference has to agree within a tolerance.
+independent reference has to agree within a tolerance. The results of any run at its strike are found here, too.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from operator import attrgetter, itemgetter
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +19,10 @@ from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
-from bristle_sim.studies import strike_point
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory import ContactRecord, Trajectory
 
 LEAST_ERROR = 1e-8
 """Least relative error of the motion that is expected; the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
@@ -30,14 +31,36 @@ ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """Factors by which these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
 small slope."""
 
+STATE = {
+    "lag_deg_at_contact": ("lag at the strike", "deg"),
+    "relative_speed_at_contact": ("bristle's speed relative to the hub", "rad/s"),
+    "tip_speed_at_contact": ("tip speed v_C", "m/s"),
+}
+"""The bristle's state when it strikes: label and unit of each quantity."""
+
+IMPACT = {
+    "normal_compressive_impulse": ("normal impulse of compression p_cy", "N s"),
+    "normal_final_impulse": ("normal impulse p_fy", "N s"),
+    "tangential_compressive_impulse": ("tangential impulse of compression p_cx", "N s"),
+    "normal_compressive_work": ("normal work of compression W_y", "J"),
+    "tangential_compressive_work": ("tangential work of compression W_x", "J"),
+    "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
+    "rebound_ratio": ("rate after the strike over before", "1"),
+}
+"""A strike's impulses, works and rates: label and unit of each quantity."""
+
 QUANTITIES = {
     "release_time": ("time of release from the bar", "s"),
     "release_retraction_deg": ("retraction at release", "deg"),
     "largest_retraction_deg": ("largest retraction", "deg"),
     "contact_time": ("time of the strike", "s"),
-    **strike_point.STATE,
-    **strike_point.IMPACT,
+    **STATE,
+    **IMPACT,
 }
+
+RADIAL = (
+    0.005  # lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown
+)
 
 PRINTED = {
     "release_retraction_deg": printed_number("eq. 2.2: retraction angle at release"),
@@ -60,28 +83,20 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
     Raises ValueError if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
-    run, reference, referred = simulate(tool, settings), None, UNKNOWN
+    run, reference, referred, within = simulate(tool, settings), None, UNKNOWN, dict[str, float]()
     contact, cost = run.first_contact("workpart"), run.cost
     if contact is None:
-        strike_point.require_result(run, settings)
+        require_result(run, settings)
     if with_reference:
         from bristle_sim.reference import simulate_reference
 
-        accuracy = strike_point.reference_accuracy(settings)
+        accuracy = reference_accuracy(settings)
         reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after="strike")
         referred = _measured(tool, reference)
-
-    def tolerance(name: str) -> float | None:
-        value, unit = referred.get(name), QUANTITIES[name][1]
-        if value is None:
-            return None
-        # Angles are differences of two of some radians, the relative speed one of rates of the hub's size.
-        size = math.degrees(1.0) if unit == "deg" else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
-        own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
-        return own * max(1.0, size / abs(value) if value else size)
+        within = _tolerances(tool, settings, referred)
 
     measured = _measured(tool, run)
-    found = rows(QUANTITIES, measured, _formulas(tool), referred, PRINTED if tool == Tool() else UNKNOWN, tolerance)
+    found = rows(QUANTITIES, measured, _formulas(tool), referred, PRINTED if tool == Tool() else UNKNOWN, within.get)
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
@@ -94,27 +109,42 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     if run.stop_reason.gives_up:
         remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds")
     return Report(
-        outcome=strike_point.outcome_of(contact),
+        outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
-        quantities=(*found, *(each for each in invariants if each.ok is False)),
+        quantities=(*found, *[each for each in invariants if each.ok is False]),
         phases=contact.phases if contact is not None else (),
-        **strike_point.ran(run),
+        **ran(run),
         remarks=tuple(remarks),
-        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": strike_point.stopped(run)},
+        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
         answer=_why_not(tool, run)
         if contact is None
-        else _strike_in_words(measured, strike_point.outcome_of(contact)) + differences(found),
+        else _strike_in_words(measured, outcome_of(contact)) + differences(found),
     )
 
 
+def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, float]:
+    """Return the tolerances of the quantities that the reference knows, from the errors of its motion and the scene's."""
+    within = {}
+    for name, value in referred.items():
+        if value is not None:
+            unit = QUANTITIES[name][1]
+            # Angles are differences of two of some radians, the relative speed one of rates of the hub's size.
+            size = (
+                tool.hub.speed if name == "relative_speed_at_contact" else math.degrees(1.0) if unit == "deg" else 0.0
+            )
+            own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
+            within[name] = own * max(1.0, size / abs(value) if value else size)
+    return within
+
+
 def _strike_in_words(measured: Values, outcome: str) -> str:
-    names = ("contact_time", *strike_point.STATE, "normal_final_impulse")
-    time, lag, speed, tip, impulse = (measured[name] or 0.0 for name in names)
+    names = ("contact_time", *STATE, "normal_final_impulse")
+    time, lag, speed, tip, impulse = itemgetter(*names)(measured)
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {strike_point.beside_radial(lag)}, {relative}, its tip at"
+        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
         f" {amount(tip, 'm/s')}, with a normal impulse of {amount(impulse, 'N s')} ({outcome})."
     )
 
@@ -135,8 +165,10 @@ def _measured(tool: Tool, run: Trajectory) -> Values:
     """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
-    touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]
-    release, retraction = max(touches, default=None), None
+    release = retraction = None
+    for each in run.contacts:
+        if each.obstacle == "bar" and each.time <= until:
+            release = max(release or 0.0, each.time + each.duration)
     if release is not None:
         retraction = math.degrees(run.retraction[int(abs(run.time - release).argmin())])
     return {
@@ -144,8 +176,8 @@ def _measured(tool: Tool, run: Trajectory) -> Values:
         "release_retraction_deg": retraction,
         "largest_retraction_deg": math.degrees(run.retraction[run.time <= until].max()),
         "contact_time": None if contact is None else contact.time,
-        **strike_point.state_at_strike(tool, run, contact),
-        **strike_point.contact_quantities(contact),
+        **state_at_strike(tool, run, contact),
+        **contact_quantities(contact),
     }
 
 
@@ -171,4 +203,93 @@ def _formulas(tool: Tool) -> Values:
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
-    return {**values, **{name: float(getattr(impact, name)) for name in strike_point.IMPACT}}
+    return {**values, **dict(zip(IMPACT, map(float, attrgetter(*IMPACT)(impact)), strict=True))}
+
+
+def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
+    """Return the lag, the rate relative to the hub and the tip's speed, in the units of STATE; None without a contact.
+
+    Lag and rate of a wire that bends, whose links vibrate, are those of the line from root to tip.
+    """
+    if contact is None:
+        return dict.fromkeys(STATE)
+    lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
+    rate = contact.rates_before[0]
+    if tool.bristle.links > 1:
+        before = int(abs(run.time - contact.time).argmin())
+        (root, tip), (root_velocity, tip_velocity) = (
+            each[before, [0, -1]] @ [1.0, 1j] for each in (run.centre_line, run.centre_line_velocity)
+        )
+        lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
+        rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
+    values = math.degrees(lag), rate - tool.hub.speed, math.hypot(*contact.velocity_before)
+    return dict(zip(STATE, values, strict=True))
+
+
+def beside_radial(lag: float) -> str:
+    """Return a lag in degrees in words: ``2.74° short of radial``."""
+    if abs(lag) < RADIAL:
+        return "radial"
+    return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"
+
+
+def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
+    """Return impulses, works and rates of a contact, in the units of IMPACT; None where its law has none."""
+    if contact is None:
+        return dict.fromkeys(IMPACT)
+    impulse, work = contact.compressive_impulse or (None, None), contact.compressive_work or (None, None)
+    before, after = contact.rates_before[0], contact.rates_after[0]
+    values = (impulse[0], contact.impulse[0], impulse[1], *work, after, after / before if before else None)
+    return dict(zip(IMPACT, values, strict=True))
+
+
+def outcome_of(contact: ContactRecord | None) -> str:
+    """Return the report's word for the end of a contact; a jam is a stiction that no law resolves."""
+    if contact is None:
+        return "no contact"
+    return "stiction" if contact.outcome == "jam" else contact.outcome
+
+
+def ran(run: Trajectory) -> dict[str, Any]:
+    """Return a run's events and cost as fields of a report."""
+    return {
+        "events": tuple(map(attrgetter("name", "time"), run.events)),
+        "wall_s": run.cost.wall_s,
+        "steps": run.cost.steps,
+    }
+
+
+def resolved(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
+    """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
+    fields = {"outcome": outcome_of(contact), "phases": contact.phases, "events": tuple(events.items())}
+    return {**fields, "wall_s": cost.wall_s, "steps": cost.steps}
+
+
+def stopped(run: Trajectory) -> dict[str, Any]:
+    """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
+    reason, time = run.stop_reason, float(run.time[-1])
+    return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
+
+
+def reference_accuracy(settings: Settings) -> float:
+    """Return the accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
+    return max(1e-10, 0.1 * settings.accuracy)
+
+
+def require_rigid(tool: Tool) -> None:
+    """Refuse a wire that bends, whose lag and speed vibrate."""
+    if tool.bristle.links > 1:
+        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)")
+
+
+class GivenUpError(ValueError):
+    """The solver gave up a run; the motion that would follow is unknown."""
+
+
+def require_result(run: Trajectory, settings: Settings) -> None:
+    """Raise GivenUpError for a run that was given up."""
+    if run.stop_reason.gives_up:
+        raise GivenUpError(
+            f"accuracy = {settings.accuracy:g}: {run.stop_reason} after"
+            f" {run.cost.steps} engine steps at {run.time[-1]:g} s; {run.stop_advice}"
+        )

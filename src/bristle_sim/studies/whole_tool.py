@@ -21,8 +21,9 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
-from bristle_sim.studies.strike_point import ran, require_result, require_rigid, start_angle
+from bristle_sim.studies.strike_point import start_angle
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
+from bristle_sim.studies.whole_pass import ran, require_result, require_rigid
 from bristle_sim.trajectory import Trajectory
 
 # Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period

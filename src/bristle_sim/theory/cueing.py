@@ -194,4 +194,4 @@ def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float
     lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)
     distance, direction = tool.bar_reach + radius, lag + turn + angle
     place = (distance * np.sin(direction), distance * np.cos(direction))
-    return Cue(*(float(each) for each in (angle, radius, lag, time, turn, relative_speed, distance, direction, *place)))
+    return Cue(*map(float, (angle, radius, lag, time, turn, relative_speed, distance, direction, *place)))

@@ -175,11 +175,11 @@ def walk(
     first = _phase(state, mass, mu_1, initial, approaching & (initial != 0.0))
     second = _phase(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
     jammed = approaching & (state.normal < KNIFE_EDGE * normal)
-    compressive, compressive_tangential = state.impulse, state.impulse_tangential
+    compressive = (state.impulse, state.impulse_tangential)
 
     # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
     work = -(first.work_normal + second.work_normal) * e * e
-    target = Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
+    target = Target(work, e * compressive[0], -e * normal, -KNIFE_EDGE * normal)
     opens = (approaching ^ jammed) & (e > 0.0)
     slip = sign(state.tangential)
     third = _phase(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
@@ -193,22 +193,13 @@ def walk(
     ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
     late = first.impulse + second.impulse + third.impulse
     stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
+    slip_stop = select(initial == 0.0, 0.0, stop)
     *columns, _, _ = zip(first, second, third, fourth, strict=True)
     impulses, slips, normal_works, tangential_works = np.array(columns).swapaxes(1, -1)
-    return Impact(
-        impulse_normal=state.impulse,
-        impulse_tangential=state.impulse_tangential,
-        velocity_normal=select(approaching, state.normal, normal),
-        velocity_tangential=state.tangential,
-        compressive_impulse_normal=compressive,
-        compressive_impulse_tangential=compressive_tangential,
-        slip_stop_impulse=select(initial == 0.0, 0.0, stop),
-        phase_impulse=impulses,
-        phase_slip=slips,
-        phase_work_normal=normal_works,
-        phase_work_tangential=tangential_works,
-        outcome=select(approaching, select(jammed, JAM, ending), NO_CONTACT),
-    )
+    phases = (impulses, slips, normal_works, tangential_works)
+    impulse, velocity = (state.impulse, state.impulse_tangential), select(approaching, state.normal, normal)
+    outcome = select(approaching, select(jammed, JAM, ending), NO_CONTACT)
+    return Impact(*impulse, velocity, state.tangential, *compressive, slip_stop, *phases, outcome)
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:

@@ -56,11 +56,19 @@ def quotient(value: Number, divisor: Number) -> Number:
 
 
 def numbers(name: str, value: Any, rule: str) -> Array:
-    """Return the value as an array of floats, infinities and NaN included, or raise ValueError with the rule."""
-    found = _floats(value)
-    if found is None:
-        raise ValueError(f"{name} = {shown(value)}: {rule}")
-    return found
+    """Return the value as an array of floats, infinities and NaN included.
+
+    Raises ValueError with the rule if an entry is no real number (text, truth value, complex), or rows differ in length.
+    """
+    try:
+        array = np.asarray(value)
+        kind = "?" if _has_truth_value(value) else array.dtype.kind
+        if kind in "iuf" or (kind == "O" and all(isinstance(each, Real | None) for each in array.flat)):
+            with np.errstate(over="ignore"):  # whole numbers beyond 64 bits and fractions are objects
+                return array.astype(float, copy=False)
+    except (ValueError, OverflowError):  # rows of different lengths, numbers beyond a float
+        pass
+    raise ValueError(f"{name} = {shown(value)}: {rule}")
 
 
 def require(name: str, value: Any, holds: Any, rule: str) -> None:
@@ -68,20 +76,6 @@ def require(name: str, value: Any, holds: Any, rule: str) -> None:
     values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():
         raise ValueError(f"{name} = {values[~passed][0]:g}: {rule}")
-
-
-def _floats(value: Any) -> Array | None:
-    """Convert to a float array, or return None if an entry is not a real number (text, truth value, complex) or rows differ."""
-    if _has_truth_value(value):
-        return None
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind == "O" and not all(isinstance(each, Real | None) for each in array.flat):
-            return None
-        with np.errstate(over="ignore"):  # whole numbers beyond 64 bits and fractions are objects
-            return array.astype(float, copy=False) if array.dtype.kind in "iufO" else None
-    except (ValueError, OverflowError):
-        return None
 
 
 def _has_truth_value(value: Any) -> bool:

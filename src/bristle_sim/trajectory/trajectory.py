@@ -64,18 +64,19 @@ class Trajectory(Motion):
 
         For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
         """
-        motions = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
-        sizes = {name: np.abs(motion) for name, motion in motions.items()}
-        return tuple(
-            event
-            for event in self.events
-            if (size := sizes.get(event.name)) is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max()
-        )
+        sizes = {"largest retraction": abs(self.relative_angle), "highest relative speed": abs(self.relative_rate)}
+        notable = []
+        for event in self.events:
+            size = sizes.get(event.name)
+            if size is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max():
+                notable.append(event)
+        return tuple(notable)
 
     @property
     def stop_advice(self) -> str:
         """How to make the run go further, in terms of the obstacle touched last."""
-        return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
+        at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
+        return self.stop_detail or self.stop_reason.remedy.format(friction="bar_friction" if at_bar else "friction")
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.
@@ -83,7 +84,10 @@ class Trajectory(Motion):
         Raises ValueError for any other name.
         """
         checked_name("obstacle", obstacle, OBSTACLES)
-        return next((each for each in self.contacts if each.obstacle == obstacle), None)
+        for each in self.contacts:
+            if each.obstacle == obstacle:
+                return each
+        return None
 
     def columns(self) -> dict[str, Array]:
         """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
