@@ -1,4 +1,4 @@
-"""Types that annotations share, and equality of results that hold arrays."""
+"""Types for annotations, and equality of results that contain arrays."""
 
 import dataclasses
 from typing import Any
@@ -14,7 +14,7 @@ Number = Any
 
 
 class EqualByValue:
-    """Equality of dataclasses that hold arrays, which Python's own cannot compare: all fields equal, NaN as itself.
+    """Compare dataclasses that contain arrays: equal where all fields are equal, with NaN equal to NaN.
 
     Such a dataclass is declared with ``eq=False``.
     """
@@ -23,7 +23,7 @@ class EqualByValue:
     __hash__ = None  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
-        """Whether the other one is of the same class and has the same values."""
+        """Whether both are of one class and have equal fields."""
         if type(other) is not type(self):
             return NotImplemented
         names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 @functools.cache
 def commit() -> str:
-    """Return the commit of the checkout, or the one that the distribution was built from; empty where neither is known.
+    """Return the commit of the checkout, or of the distribution's source; empty where neither is known.
 
     A checkout with changes of its own ends in ``-dirty``.
     """

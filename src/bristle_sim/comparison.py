@@ -19,7 +19,7 @@ SIDES = ("simulated", "theory", "reference", "printed")
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """One number by simulation, theory, reference and print; None where one of them does not know it.
+    """One number by simulation, theory, reference and print; None for a side without a value.
 
     The unit of a pure number is "1". Simulated values are from the pymunk scene, theory from a closed form, reference from
     the independent solution, printed from the dissertation. ``tolerance`` is the largest relative difference that agrees
@@ -85,7 +85,7 @@ def rows(
 ) -> tuple[Quantity, ...]:
     """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name.
 
-    A tolerance, which may depend on the name, holds where there is another side.
+    A tolerance, which may depend on the name, applies where there is a value to compare with.
     """
     found = []
     for name, declared in units.items():
@@ -177,11 +177,11 @@ LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "
 """Units that are shown with a prefix, and the largest one that is customary."""
 
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
-"""The smallest customary prefix of units that do without smaller ones."""
+"""The smallest customary prefix of units for which smaller ones are unusual."""
 
 
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
-    """Return an aligned table for a terminal of so many columns, in units with prefixes, without empty columns.
+    """Return an aligned table for a terminal of that width, in units with prefixes, without empty columns.
 
     The relative difference names the side that it is from. Where the table would be too wide, the reference's own
     column is left out first, then the tolerance.
@@ -281,7 +281,7 @@ def differences(quantities: Sequence[Quantity]) -> str:
         most_different(quantities, "printed", "printed"),
     )
     found = "; ".join(filter(None, (formula, printed)))
-    return f" What differs most: {found}." if found else ""
+    return f" Largest differences: {found}." if found else ""
 
 
 def agreement(quantities: Sequence[Quantity]) -> str:

@@ -39,9 +39,8 @@ def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: 
 def complete_or_absent(target: Path) -> Iterator[Path]:
     """Yield the name of a partial file to write; it becomes the target on success and vanishes on failure.
 
-    A symbolic link stays one, and the file it names is written. What is no regular file, such as a pipe or a device,
-    receives the bytes when the partial file is complete; so does an open stream such as ``/dev/stdout``, whatever it is
-    redirected to. An OSError names the target.
+    A symbolic link stays one, and the file it names is written. A pipe, a device, or an open stream such as ``/dev/stdout``
+    receives the bytes when the partial file is complete. An OSError names the target.
     """
     import tempfile
 

@@ -1,7 +1,8 @@
 """Read a measured force history from a text file: columns of numbers, perhaps below a line of headings with units.
 
-Lines that begin with # and blank lines are remarks. Columns are separated by tab, semicolon, comma or blanks; where it is not
-the comma, the decimal sign may be one. A heading may carry a unit, ``time (ms)``; without any, s and N are assumed.
+Lines that begin with # and blank lines are remarks. Columns are separated by tab, semicolon, comma or blanks. Unless the
+comma separates columns, it may be the decimal sign. A heading may carry a unit, ``time (ms)``; without any, s and N are
+assumed.
 """
 
 from __future__ import annotations

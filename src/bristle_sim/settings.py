@@ -23,7 +23,7 @@ is good to 1e-5 only."""
 
 @dataclass(frozen=True, slots=True)
 class Settings(Declared):
-    """How accurately to compute, and at what price to give up.
+    """Accuracy, step budget and sampling of a run.
 
     ``maximum_steps`` are the engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
     iterations counts once more for each hundred. ``samples_per_period`` is the least number of samples in a period of the bristle
@@ -83,7 +83,7 @@ class StopReason(StrEnum):
     """Why a run stopped; the value is the wording that people and saved files see.
 
     Attributes:
-        remedy: what would let the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
+        remedy: a change that lets the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
         gives_up: whether the method failed, so that what comes after the stop is missing.
     """
 
@@ -125,7 +125,7 @@ class StopReason(StrEnum):
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
     """Return a name that is known.
 
-    Raises ValueError if nothing is called so; the message says which name is likely meant.
+    Raises ValueError for an unknown name; the message suggests the name that was likely meant.
     """
     names = tuple(known)
     if isinstance(name, str) and name in names:

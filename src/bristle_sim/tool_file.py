@@ -70,7 +70,7 @@ def read_tool(path: str | Path) -> Tool:
     """Read a tool from a TOML file; a key that the file leaves out has its default.
 
     Raises:
-        ValueError: in one line, for a file that is no TOML, an unknown key, or a value that is out of range.
+        ValueError: in one line, for a file that is not TOML, an unknown key, or a value that is out of range.
         OSError: for a file that cannot be read.
     """
     typed = read_keys(path)

@@ -23,7 +23,7 @@ from typing import Any
 from bristle_sim.conversion import DECIMAL_COMMA, TYPED, TYPICAL_UNITS, conversion, likely_unit
 
 ANY = (0.0, math.inf)
-"""Usual sizes of a number whose default does not say which others are likely, such as an accuracy."""
+"""Usual sizes of a number, such as an accuracy, whose default says nothing about likely values."""
 
 FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
@@ -130,7 +130,7 @@ def _meant_unit(declared: Range, text: str, default: float | None) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A declared word out of a few."""
+    """A declared field with one of a few words."""
 
     key: str
     options: tuple[str, ...]
@@ -168,7 +168,7 @@ def shown(value: Any) -> str:
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
-    """Return the word that a misspelt one was likely meant to be, as advice; else ``otherwise``, or all words."""
+    """Return advice on a misspelt key: the likely one, else ``otherwise``, or by default all keys."""
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
@@ -187,7 +187,7 @@ def quantity(
     needs: str = "",
     whole: bool = False,
 ) -> Any:
-    """Declare a dataclass field that holds a real number by its range, unit, meaning and source, as in :data:`RULE`.
+    """Declare a dataclass field for a real number; its range, unit, meaning and source are written as in :data:`RULE`.
 
     A default of None makes the parameter optional. The other arguments are the attributes of :class:`Range`.
     """
@@ -199,7 +199,7 @@ def quantity(
 
 
 count = functools.partial(quantity, usual=ANY, whole=True)
-"""Declare a dataclass field that holds a whole number between two bounds, which it may have."""
+"""Declare a dataclass field for a whole number between two bounds, both included."""
 
 
 WORDS = re.compile(r"(\w+)(?:: (.+?))?(?: \[(.+)\])?")
@@ -214,7 +214,7 @@ def words_of(rule: str) -> dict[str, Any]:
 
 
 def choice(rule: str, *options: str) -> Any:
-    """Declare a dataclass field that holds one word out of a few, by default the first, by key, meaning and source."""
+    """Declare a dataclass field for one of a few words; by default the first."""
     return declared_field(options[0], Choice(options=options, **words_of(rule)))
 
 

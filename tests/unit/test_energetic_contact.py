@@ -157,7 +157,7 @@ class TestPairs:
     def test_a_space_takes_one_contact(self) -> None:
         space = pymunk.Space()
         EnergeticContact(space, 1, 2, friction=0.0, restitution=0.0)
-        with pytest.raises(ValueError, match=r"^space: has an EnergeticContact already; take its add_pair"):
+        with pytest.raises(ValueError, match=r"^space: has an EnergeticContact already; use its add_pair"):
             EnergeticContact(space, 3, 4, friction=0.0, restitution=0.0)
 
 

@@ -88,7 +88,7 @@ LARGEST_BAR = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
         ({"hub_sped": 1.0}, r"unknown key 'hub_sped'; did you mean hub_speed\?$"),
         ({"links": 2}, r"unknown key 'links'; did you mean wire_links\?$"),
         ({"hub_speed": -1.0}, r"hub_speed = -1\.0: must be"),
-        ({"bar_radius": 0.004, "bar": None}, r"bar = None: must be there where one of its keys is given$"),
+        ({"bar_radius": 0.004, "bar": None}, r"bar = None: must be present where one of its keys is given$"),
         ({"bar": 3}, r"bar = 3: must be a Bar or None$"),
     ],
 )

@@ -65,7 +65,7 @@ class TestAnswer:
 class TestInvariants:
     def test_what_holds_is_one_sentence_and_no_row(self) -> None:
         report = whole_pass(Tool(), SETTINGS)
-        sentence = re.fullmatch(r"energy, gap, impulse law and friction hold to (\S+)", report.remarks[0])
+        sentence = re.fullmatch(r"energy, gap, impulse law and friction are satisfied to (\S+)", report.remarks[0])
         assert sentence
         largest = max(abs(each) for each in report.extra["invariants"].values())
         assert float(sentence[1]) == pytest.approx(largest, rel=0.5)

@@ -112,7 +112,7 @@ class TestForces:
             assert f" {found[name].simulated:.3g} {unit}" in report.answer
         assert f"{found['drive_power'].simulated:.4g} W" in report.answer
         _, lifted = rows(Tool(workpart=Workpart(penetration=-0.01)))
-        assert lifted.answer == "The hand holds against nothing: no bristle touches the workpart."
+        assert lifted.answer == "The hand bears no force: no bristle touches the workpart."
 
 
 class TestLoadCell:

@@ -13,12 +13,12 @@ PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "heyoka")
 
 
 def installed() -> set[str]:
-    """Return the packages that are there to be imported."""
+    """Return those of the packages that can be imported."""
     return {name for name in PACKAGES if importlib.util.find_spec(name) is not None}
 
 
 def surroundings() -> dict[str, Any]:
-    """Return processor, system, load and versions, whatever is measured."""
+    """Return processor, system, load and versions."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),

@@ -26,7 +26,7 @@ KINDS = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
     "report": (".html",),
 }  # fmt: skip
-"""Suffixes of the files that an option may name, none admits any."""
+"""File suffixes that each option accepts; an empty tuple accepts any."""
 
 ON_STANDARD_OUTPUT = ("json", "csv")  # options that take - for it
 
@@ -206,7 +206,7 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
         if path is not None and not is_special(Path(path)):
             place, shown = os.path.realpath(path), _flag(option) if option in KINDS else option
             if place in seen:
-                raise ValueError(f"{shown} = {str(path)!r}: must be another file than that of {seen[place]}")
+                raise ValueError(f"{shown} = {str(path)!r}: must differ from the file of {seen[place]}")
             seen[place] = shown
     return found
 

@@ -36,7 +36,7 @@ USUAL = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_D
 
 @contextmanager
 def progress(program: str) -> Iterator[None]:
-    """Show the progress of long work on standard error: at once, in one line, on a terminal; else in a line now and then."""
+    """Show the progress of long work on standard error: in one changing line on a terminal, else in a new line at intervals."""
     if sys.stderr is None:
         yield
         return

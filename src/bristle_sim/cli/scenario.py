@@ -40,7 +40,7 @@ class Scenario:
         plots: draws the figures of a report into a folder, or on the pages of a PDF, where there are several.
         film: returns the film of a report, with ``width`` and ``height`` in px if they are given.
         series: returns the time series of a report, by name and unit, one entry a sample; None without a motion.
-        tool: returns the tool that was found, where it is another one than that of the run.
+        tool: returns the tool that was found, if it differs from the run's.
         defaults: key values that differ from the parameter classes' own, each with its source.
         without: keys of the arguments that have no effect on the answer.
         highest: upper limits of keys that are lower than in the parameter classes, each with its reason.

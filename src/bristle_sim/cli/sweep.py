@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MOST_POINTS = 10**6
-"""Values of a key at most."""
+"""Largest number of values of a key."""
 
 MOST_ROWS = 60
-"""Points that a terminal shows; files have all."""
+"""Largest number of points shown in a terminal; files contain all."""
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
@@ -57,7 +57,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
-    """Answer a scenario's question at these values of its keys; the ValueError of a value that is refused says why."""
+    """Answer a scenario's question at these values of its keys. Raises ValueError for a value that is refused."""
     return scenario.answer(scenario.values_of([*assignments, *(f"{key}={value!r}" for key, value in keys.items())]))
 
 

@@ -79,7 +79,7 @@ class ContactPair:
         self.chained: Any = None
         self._law, self._further = law, {"tangential_compliance": compliance} if compliance else {}
         try:
-            # The law gets no argument that it does not know.
+            # The law is called without arguments that it does not accept.
             self._knows_stick = "stick_compliance" in inspect.signature(law).parameters
             answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
         except Exception as error:  # of any kind: the function is the user's

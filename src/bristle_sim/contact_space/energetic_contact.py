@@ -69,7 +69,7 @@ class EnergeticContact:
         if not (report is None or callable(report)):
             raise refusal("report", report, "must be None or a function of one LocatedImpact")
         if self.of(space) is not None:
-            raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
+            raise ValueError("space: has an EnergeticContact already; use its add_pair for further collision types")
         (self.resting_speed,) = checked_numbers(resting_speed=resting_speed)
         self.space, self.report, self.time = space, report, 0.0
         self.pairs: dict[tuple[int, int], ContactPair] = {}

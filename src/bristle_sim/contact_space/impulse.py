@@ -7,10 +7,10 @@ the part (n, t) of M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^
 
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
-An orthogonal factorization [A M^-1/2 C^T] = Q R gives that part. The part of n that is orthogonal to t as well, the motion in
-stick, tells how much K has lost to rounding where a heavy body leaves a sticking tip hardly any compliance: its square is K_nn -
-K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their effects nearly
-cancel in dV; the same dV comes without cancellation from what they do to the tip, t dv_t/K_tt and the motion in stick.
+An orthogonal factorization [A M^-1/2 C^T] = Q R gives that part. The part of n that is orthogonal to t as well is the
+motion in stick. Its square is the compliance in stick, K_nn - K_nt^2/K_tt, a difference that loses its digits where a heavy
+body leaves a sticking tip hardly any compliance. There the impulses are large, and their effects nearly cancel in dV. The
+same dV follows without cancellation from the tip's motion: t dv_t/K_tt, and the motion in stick.
 
 Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by row (Cox and Higham 1998).
 Static and kinematic bodies have no inverse mass.
@@ -177,7 +177,7 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
             _refine(basis, triangle, columns)
         return basis[:, joints:], triangle[joints:, joints:]
     free, rigid = columns[:, joints:], span(columns[:, :joints])
-    # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
+    # Twice is enough: the second pass removes the remainder that rounding left (Kahan and Parlett).
     for _ in range(2):
         free = free - rigid @ (rigid.T @ free)
     basis, triangle = np.linalg.qr(free)

@@ -46,7 +46,7 @@ REACHED = 1e-9
 
 CLOSED = 1e-14  # a rate below this fraction of the terms that it is the sum of is rounding
 
-DEPENDENT = 1e-12  # singular values below this fraction of the largest belong to joints that repeat what others say
+DEPENDENT = 1e-12  # singular values below this fraction of the largest belong to joints that repeat others
 
 
 class JointRow(NamedTuple):

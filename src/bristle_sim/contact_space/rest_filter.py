@@ -22,14 +22,14 @@ OUT_OF_REACH = 1e100  # a surface velocity apart, at which the engine's contact 
 
 
 class RestFilter:
-    """Keeps the engine from responding to contacts that approach faster than at rest.
+    """Keep the engine from responding to contacts that approach faster than at rest.
 
     Attributes:
         space: the space.
-        resting_speed: slower approach is rest.
+        resting_speed: a contact that approaches more slowly is at rest.
         met: contacts of this step. skipped: shapes of the contacts to which the engine does not respond.
         jammed: contacts that jammed in the last step; they are left to the engine while they last.
-        motion: of the bodies of skipped contacts, and of those joined to them.
+        motion: motion in the step of the bodies of skipped contacts and of bodies joined to them.
     """
 
     def __init__(self, space: pymunk.Space) -> None:

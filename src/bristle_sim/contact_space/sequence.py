@@ -29,11 +29,11 @@ LOOKED = 8  # impacts in a group after which its points that approach are counte
 
 
 class Groups:
-    """The contact points of a step, read where an impact reaches them, and the groups of bodies that they connect.
+    """Contact points of a step, read when an impact first reaches their bodies, and the groups of bodies that they connect.
 
     Attributes:
-        points: of each body that has been read.
-        impacts: number of impacts so far in each group, by the body that stands for it.
+        points: contact points of each body that has been read.
+        impacts: number of impacts so far in each group, by the group's representative body.
     """
 
     def __init__(self, contacts: Iterable[Met]) -> None:
@@ -61,7 +61,7 @@ class Groups:
         return new
 
     def head(self, body: pymunk.Body) -> pymunk.Body:
-        """Return the body that stands for its group."""
+        """Return the representative body of a body's group."""
         while body in self._heads:
             body = self._heads[body]
         return body

@@ -28,7 +28,7 @@ from bristle_sim.theory.impact import Impact
 APPROACH_ROUNDING = 1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
 
 HALVINGS = 4
-"""Most trials in the search for a touch, each half as far back in time, until the shapes overlap half of that time later."""
+"""Most trials in the search for a touch. Each goes back half as far as the one before, until the shapes overlap there."""
 
 FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at the end of the step
 

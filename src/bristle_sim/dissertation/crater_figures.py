@@ -187,7 +187,7 @@ def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
 
 
 def _friction(depth: float, angle_deg: float) -> float:
-    """The friction >= tan gamma that makes the crater so deep; NaN where none does."""
+    """Return the friction >= tan gamma that gives a crater depth, m; NaN if none does."""
     try:
         return float(friction_for_crater_depth(depth, math.radians(angle_deg)))
     except ValueError:
@@ -195,7 +195,7 @@ def _friction(depth: float, angle_deg: float) -> float:
 
 
 def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
-    """The friction with which the printed sum (4.57) is so deep; the depth grows with friction."""
+    """Return the friction at which the printed sum (4.57), which grows with friction, gives a depth, m."""
 
     def excess(logarithm: float) -> float:
         crater = dataclasses.replace(OWN, friction=math.exp(logarithm), impact_angle_deg=angle_deg)

@@ -26,7 +26,7 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 
 Impact = Callable[[float], tuple[Chain, Surface]]
-"""The rods and the surface that belong to an x."""
+"""A function that returns the rods and the surface for a value of x."""
 
 GRID = 401  # points on a curve
 
@@ -41,7 +41,7 @@ TOTAL = "total_compressive_work"
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One strike of a radial rod, as ``monofilament_impact`` takes it: SI and rad, by default at the operating point."""
+    """Arguments of ``monofilament_impact`` for one strike, in SI units and rad; by default those of the operating point."""
 
     mass: float = Bristle().mass
     friction: float = Surface().friction
@@ -250,7 +250,7 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord | None:
-    """Return the contact of a strike through the scene; None for one that comes to no end."""
+    """Return the contact of a strike through the scene; None if it does not end."""
     try:
         return strike(chain, surface, Contact(law), Settings()).contact
     except ValueError:

@@ -1,4 +1,4 @@
-"""Hold the data of a redrawn figure or table: panels of curves, what checks them as points, and how far these are off."""
+"""Data of a redrawn figure or table: panels of curves, the points that check them, and the points' distances from them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bristle_sim.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The source of points in words, and how far they may be off the curve, relative."""
+    """The source of points in words, and their largest permitted relative distance from the curve."""
 
     words: str
     tolerance: float | None
@@ -26,14 +26,14 @@ SOURCES = {
     "compliant": Source("scene, contact resolved in time", 3e-3),
     "engine": Source("scene, engine's own contact", None),
     "contact": Source("scene, contact of 50 µs", None),
-    # The equation as it stands in print, number by number; what nearly cancels in it leaves 1e-12.
+    # The equation as it stands in print, number by number; the cancellation in it leaves 1e-12.
     "printed": Source("printed equation, term by term", 1e-9),
     # The coefficients of (4.59) are rounded, 0.00303 stands for 0.00302.
     "motion": Source("printed motion, summed", 5e-3),
     "table": Source("table 3.1, mean forces", None),
     "sampled": Source("drawn from (3.5), noise 5 N", None),
 }
-"""Sources of points; None where a difference is a finding or meant to be."""
+"""Sources of points; no largest distance where a difference is a finding or intended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A closed form over x, and points that check it, x and y by source; an impact that comes to no end is left out."""
+    """A closed form over x, and points that check it, x and y by source; an impact that does not end is left out."""
 
     name: str
     x: Array
@@ -82,9 +82,9 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One pair of axes with a family of curves, distinguished by the symbol of what varies, and points and lines of note.
+    """One pair of axes with a family of curves, distinguished by the varied quantity's symbol, with marked points and lines.
 
-    ``top`` is the largest y shown, SI, where curves grow without bound; None for all there is.
+    ``top`` is the largest y shown, SI, where curves grow without bound; None shows all of the curves.
     """
 
     x: Axis

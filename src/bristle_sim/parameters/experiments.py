@@ -202,8 +202,8 @@ class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
 
     In a Sobol sequence of 26 dimensions, two for each of 13 inputs, the first 64 points leave pairs of dimensions correlated:
-    indices are then off by up to 0.4, which no bootstrap sees; with 128 by 0.2, with 256 by 0.1, with 512 by 0.03 (tried on
-    a linear model).
+    indices are then off by up to 0.4, which the bootstrap does not show; with 128 by 0.2, with 256 by 0.1, with 512 by 0.03
+    (tried on a linear model).
     """
 
     samples: int = count(

@@ -50,7 +50,7 @@ def _text(rule: str, unit: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Measurement(Declared):
-    """A measured force history that takes the place of the published curve."""
+    """A measured force history that replaces the published curve."""
 
     force_csv: str | None = _text(
         "force_csv: measured force history: columns of time and force, perhaps with headings"
@@ -86,8 +86,7 @@ class Measurement(Declared):
 class ForceHistory(Declared):
     """The contact compared with a force curve.
 
-    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
-    its force rises.
+    Where None, ``speed_ratio`` gives the curve's compressive impulse, and ``compression_time`` is the curve's.
     """
 
     speed_ratio: float | None = quantity(
@@ -133,7 +132,7 @@ class Crater(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Measured(Declared):
-    """The law that is compared with measured impacts, and the file of those that the user has."""
+    """The law that is compared with measured impacts, and the user's own file of such impacts."""
 
     tangential_compliance: float = quantity(
         1.15,

@@ -15,7 +15,7 @@ from bristle_sim.units import Choice, Declared, Range, declarations, likely_key,
 class Tool(Declared):
     """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
 
-    Raises ValueError if a part stands where another one is.
+    Raises ValueError for a part of the wrong class.
     """
 
     hub: Hub = field(default_factory=Hub)
@@ -67,7 +67,7 @@ class Tool(Declared):
             values = {keys[key][0]: value for key, value in changes.items() if key in keys and key not in found}
             owner: Any = found.get(part, getattr(self, part)) if part else self
             if values and owner is None:
-                raise ValueError(f"{part} = None: must be there where one of its keys is given")
+                raise ValueError(f"{part} = None: must be present where one of its keys is given")
             if values:
                 found |= {part: dataclasses.replace(owner, **values)} if part else values
         return dataclasses.replace(self, **found)
@@ -111,11 +111,11 @@ PARTS: dict[str, tuple[type, ...]] = {
     "workpart": (Workpart, type(None)),
     "contact": (Contact,),
 }
-"""The classes of a tool's parts; of those that may be absent also None."""
+"""The classes of a tool's parts, with NoneType for a part that may be absent."""
 
 
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return the keys of each part of a tool, and of the tool itself as part "", with fields and declarations."""
+    """Return the keys of each part of a tool ("" is the tool itself), each with its field and declaration."""
     parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
     return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
 

@@ -42,7 +42,7 @@ class Touch(NamedTuple):
 
 @dataclass(slots=True)
 class Spring:
-    """A compliant contact with energetic restitution: stiff on the way out, so that it returns e*^2 of the work it took.
+    """A compliant contact with energetic restitution: stiffer in unloading, so that it returns e*^2 of the work of loading.
 
     N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
     delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r. It is measured from where the contact began, ``surface``:
@@ -73,7 +73,7 @@ class Spring:
         return self.stiffness / self.restitution**2 * (self.surface - gap - self.left) if self.restitution else 0.0
 
     def rub(self, touch: Touch, friction: float, slip: int) -> float | None:
-        """Return the tangential force, N; None where the contact is rigid along the surface, and friction alone gives it."""
+        """Return the tangential force, N; None where the contact is rigid along the surface."""
         if not self.compliance:
             return None
         if slip:
@@ -81,7 +81,7 @@ class Spring:
         return self.stiffness / self.compliance * (self.anchor - touch.along)
 
     def foot(self, touch: Touch, friction: float, slip: int) -> float:
-        """Return the velocity of the foot in the sense of its slip, m/s; that of the point where they are one."""
+        """Return the foot's velocity in the sense of its slip, m/s; without a tangential spring that of the point."""
         stiffer = 1.0 if self.loading else self.restitution**-2
         return slip * touch.velocity[1] + friction * self.compliance * stiffer * touch.velocity[0]
 
@@ -102,7 +102,7 @@ def touch_of(
 ) -> Touch:
     """Assemble a contact from its normal, the surface point, the normal's rate of turn and that point's own velocity.
 
-    ``moving`` is how the place of contact moves, which slides along the wire, unlike the wire's material.
+    ``moving`` is the velocity of the place of contact, which slides along the wire's material.
     """
     velocity, rate, tangent = motion.velocity[link], motion.rates[link], -1j * normal
     arm = point - motion.joint[link]
@@ -198,7 +198,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
 
 
 def follows(chain: Chain, piece: int) -> bool:
-    """Tell whether a piece begins where the one before it ends: not at a wire's root."""
+    """Return whether a piece begins where the one before it ends, and not at a wire's root."""
     return piece > 0 and piece - 1 not in chain.tips
 
 

@@ -41,14 +41,14 @@ def nodes(start: float, end: float) -> Array:
 
 
 def _resolved(series: Array, values: Array, resolution: float) -> bool:
-    """Tell whether the last coefficients are rounding, so that the series is the function."""
+    """Return whether the last coefficients are rounding, so that the series represents the function."""
     return bool(np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max()))
 
 
 def crossings(function: Function, start: float, end: float, resolution: float) -> list[tuple[float, int]]:
     """Return every change of sign in [start, end], s, in order: its time, s, and +1 to positive or -1 to negative.
 
-    Values of the function that are smaller than ``resolution`` mean nothing.
+    Values of the function below ``resolution`` have no sign.
     """
     edges = {start, end}
     waiting, done = [(start, end, DEEPEST)], 0
@@ -140,7 +140,7 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
 
 
 def note_extremes(log: Log, own: Record, step: Step) -> float | None:
-    """Note where a wire lags most and its highest relative rate, up to the step's end; return the time at which the run ends there.
+    """Record a wire's largest lag and highest relative rate in a step; return the time at which one of them ends the run.
 
     The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     """

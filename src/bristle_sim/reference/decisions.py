@@ -81,7 +81,7 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
-    """Return the sense in which the foot of a tangential spring slides, 0 where it sticks, with the force cut to the cone."""
+    """Return the sense in which a tangential spring's foot slides, 0 where it sticks; limit the force to the friction cone."""
     touch, mu = instant.touch(each.point), system.friction(each.point, spring)
     pull, most = spring.rub(touch, mu, each.slip) or 0.0, mu * max(spring.force(touch.gap), 0.0)
     pull = min(max(pull, -most), most)
@@ -165,7 +165,7 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Stop contacts that part so slowly that the forces would end their hop within rounding."""
+    """Stop contacts whose rebound is too low to be distinguished from rounding."""
     if not points:
         return state
     instant = system.at(state)

@@ -31,13 +31,13 @@ ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
 GAP_ROUNDING = 1e-15  # rounding of a gap, as a fraction of hub radius and length
 
 LOCKED = 1e-6
-"""Friction is about to lock a contact where it lowers the response to a normal force to this fraction: the force has no bound."""
+"""Friction is about to lock a contact, whose force then grows without bound, at this fraction of the frictionless response."""
 
 
 class Event(NamedTuple):
     """A function of an instant whose change of sign in one direction ends an interval, and its consequence.
 
-    The gap of an obstacle and a piece has a ``place``: it need not be looked at while it is far from closing.
+    The gap of an obstacle and a piece has a ``place``: it is not evaluated while it is far from closing.
     """
 
     value: Value
@@ -54,7 +54,7 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
         return (0.5 * math.pi) ** 2 - own.relative(instant.state) ** 2
 
     def lies_down(own: Record, state: State) -> State:
-        """A wire leans over by 90 degrees, where it meets the hub."""
+        """End the run where a wire leans over by 90 degrees and meets the hub."""
         own.event("retraction limit", state.time)
         raise Finished(StopReason.RETRACTION_LIMIT, state)
 
@@ -90,7 +90,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Tell whether a piece's nearest point is in contact already, or the corner that is."""
+    """Return whether a piece's nearest point, or its corner, is in contact already."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
     if isinstance(system.obstacles[obstacle], Workpart):
         return any(point.piece == system.chain.corners[piece] for point in points)
@@ -99,18 +99,18 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 
 
 def _force_events(system: System, log: Log, number: int) -> list[Event]:
-    """The force of a rigid sustained contact falls to zero, or friction locks it."""
+    """Return the events of a rigid sustained contact: its force falls to zero, or friction locks it."""
     acceleration = ROUNDING * system.size * system.fastest**2
 
     def pressing(at: Instant) -> float:
-        """Return the force times its response, m/s^2, which stays bounded where friction locks the contact."""
+        """Return force times response, m/s^2, a product that stays bounded where friction locks the contact."""
         acting = at.contacts[number]
         response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
         # Beyond zero by rounding, so that the decision that follows finds the contact open.
         return float(at.balance.normal[number]) * response + acceleration
 
     def free(at: Instant) -> float:
-        """Return the response to a normal force with friction over that without."""
+        """Return the response to a normal force with friction, divided by the one without."""
         touch, ratio = at.contacts[number].touch, at.contacts[number].ratio
         return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
 
@@ -131,7 +131,7 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
 
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
-    """Compression ends; when the spring unloads, the force falls to zero, or the penetration is as deep as before."""
+    """Return the events of a spring: compression ends, or unloading ends at zero force or by reloading."""
     speed, depth = ROUNDING * system.size * system.fastest, max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
 
     def opening(instant: Instant) -> float:
@@ -155,7 +155,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
 
 def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
-    """Slip of a sustained contact stops, or begins."""
+    """Return the events at which slip of a sustained contact stops or begins."""
     each, go_on = system.sustained[number], partial(decide, system, log)
     mu, slip = system.friction(each.point, each.spring), each.slip
     speed, force = system.size * system.fastest, ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
@@ -171,7 +171,7 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
         return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
 
     def beyond(value: Value, rounding: float) -> Value:
-        """Return a function less rounding, and less its value where the interval begins if that is below 0."""
+        """Return a function minus its rounding and minus its initial value if that is negative."""
         level = min(value(system.at(state)), 0.0) - rounding
         return lambda at: value(at) - level
 
@@ -183,7 +183,7 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
 
 
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
-    """A contact with the bar passes from a flank to a corner or back."""
+    """Return the events at which a contact with the bar passes from a flank to a corner or back."""
     (name, index, corner), feet = each.point, system.at(state).feet
     length, past = float(system.chain.pieces.lengths[index]), PAST * system.chain.length
 

@@ -26,7 +26,8 @@ EDGE = 1e-10  # at the edge of the friction cone both stick and slip are consist
 
 
 class Acting(NamedTuple):
-    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its forces where springs tell them."""
+    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and the forces of its springs, if
+    any."""
 
     touch: Touch
     friction: float
@@ -36,7 +37,7 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Tell whether friction stops it. A rigid contact of a single moving link keeps that at rest, and friction idles."""
+        """Return whether friction makes it stick. It does not for a rigid contact that alone keeps a single link at rest."""
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
         idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
         return self.slip == STICK and self.friction > 0.0 and self.rub is None and not idle
@@ -86,7 +87,7 @@ def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float)
 
     Args:
         mass, forces: of the links.
-        contacts: those that are closed and do not open with a velocity; their slip is found anew.
+        contacts: closed contacts without an opening velocity. The sense of their slip is determined here.
         still: tangential velocity below which a contact may stick, m/s.
     """
     options: list[tuple[int | None, ...]] = []
@@ -105,7 +106,7 @@ def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float)
 def _consistent(
     mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
-    """Tell whether every chosen contact pushes within its friction cone and every other one opens."""
+    """Return whether every chosen contact pushes within its friction cone and every other one opens."""
     try:
         found = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
@@ -119,14 +120,14 @@ def _consistent(
 
 
 def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
-    """Tell whether a contact pushes, and friction can stick or does not lock it. A spring's force may end below 0 by rounding."""
+    """Return whether a rigid contact pushes without locking, and a sticking contact is within its friction cone."""
     if each.push is None and (normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)):
         return False
     return not each.sticks or abs(tangential) <= (1.0 - EDGE) * each.friction * normal
 
 
 def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, still: float) -> bool:
-    """Tell whether slip that begins from rest has its own sense. A single link's contact at rest stays at rest."""
+    """Return whether slip that begins from rest has its own sense, or a single link's contact at rest stays so."""
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True
     terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])

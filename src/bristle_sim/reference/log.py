@@ -46,11 +46,11 @@ class Record:
         self.events.append(Event(name, time))
 
     def seen(self, name: str) -> bool:
-        """Tell whether an event of that name has been noted."""
+        """Return whether an event of that name has been noted."""
         return any(each.name == name for each in self.events)
 
     def note_largest_retraction(self, states: Sequence[State]) -> None:
-        """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
+        """Record the largest retraction before the strike, if the relative rate is zero there."""
         strike = next((each.time for each in self.events if each.name == STRIKE), math.inf)
         reached = [state for state in states if state.time <= strike]
         turned = [each for each in self.turned if each.time <= strike]
@@ -123,8 +123,8 @@ class Record:
 class Log:
     """The records of all wires of a run; ``interval`` is the time between samples, s.
 
-    ``pairs`` are the wires of which each contact of two wires consists, by its number. A sample is a state and the sums of
-    the normal and the tangential force on each wire, N.
+    ``pairs`` are the two wires of each contact between wires, by its number. A sample is a state and the sums of the normal
+    and the tangential force on each wire, N.
     """
 
     def __init__(
@@ -172,12 +172,12 @@ class Log:
             own.event(f"{point.obstacle} release", time)
 
     def check_stop(self, state: State) -> None:
-        """End the run where every wire has had the event that it was to stop after. Raises Finished."""
+        """Raise Finished once every wire has had the event that ends the run."""
         if self.stop_after is not None and all(record.seen(self.stop_after) for record in self.records):
             raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:
-        """Note that friction or geometry locks the wires; return the end of the run."""
+        """Record that friction or geometry locks the wires; return the exception that ends the run."""
         for record in self.records:
             record.event("jam", state.time)
         return Finished(StopReason.JAM, state)

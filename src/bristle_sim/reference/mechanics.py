@@ -42,7 +42,7 @@ class Pieces(NamedTuple):
 
     @property
     def ends(self) -> Complexes:
-        """Their ends, from the links' joints."""
+        """Ends of the pieces, from the links' joints."""
         return np.asarray(self.starts + self.lengths * self.directions)
 
 
@@ -64,8 +64,8 @@ class Chain:
 
     ``masses`` and ``inertias``, about their middles, are those of the pieces.
     ``before`` has a 1 in row k and column i where link k is before link i on its wire, ``first`` where a link begins one;
-    ``apart`` takes the links' angles to each one's less that of the link before it.
-    ``tips`` are the pieces that end at a wire's tip, ``corners`` those whose end can touch a flat surface: before a knee too.
+    ``apart`` turns the links' angles into differences from the link before. ``tips`` are the pieces that end at a wire's
+    tip, ``corners`` those whose end can touch a flat surface: before a knee too.
     """
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
@@ -115,7 +115,7 @@ class Chain:
 
     def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
         """Return the generalized forces of inertia, belt, hinges and gravity, N m; turn is e^{i theta}."""
-        # c_i'' holds -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
+        # c_i'' contains -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
         inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
         carried = -(self.speed**2) * self.roots(time) + 1j * self.gravity
         inertia -= (np.conj(1j * self.moments * turn) * carried).real

@@ -79,7 +79,7 @@ def simulate_reference(
         tool: its bar and workpart may be None.
         start_hub_angle: psi at t = 0, rad; by default the bristle points along -x.
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
-        hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
+        hub_turn: angle by which the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
         accuracy: relative, of the motion; the integrator's tolerance is a hundredth of it, but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just after the impact.

@@ -32,7 +32,7 @@ PALE: dict[str, Any] = {"color": OTHERS, "linewidth": 0.8, "marker": ".", "marke
 """Our curves, the peers' best, and the others."""
 
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
-"""Errors, the first of which is compared; where a package does not reach it, the next that it reaches."""
+"""Target errors in order of preference; packages are compared at the first one that is reached."""
 
 LEAST = 1e-16  # an error of less is drawn here: an answer that is right to the last digit has no logarithm
 

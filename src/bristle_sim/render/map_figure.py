@@ -38,7 +38,7 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
         place = (1.5 + 7.9 * (number % 2), 9.0 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
         _draw_map(axes, maps, None if name not in maps else factor * maps[name].values, unit, signed=number == 0)
-        axes.autoscale_view()  # matplotlib puts it off until something asks for the limits
+        axes.autoscale_view()  # matplotlib puts it off until the limits are read
         axes.autoscale(enable=False)
         axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
         for direction, look in places.values():

@@ -48,7 +48,8 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """Return the events that are labelled, in order of time: of each name one up to the strike and one after it.
 
-    Of several it is the first that counts; of releases, after a few taps, the last. At most nine are returned.
+    Of several events of one name the first is returned; of releases, which follow a few taps, the last. At most nine are
+    returned.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}

@@ -34,7 +34,7 @@ g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the ang
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """What acts in a scene besides its links, in engine units; None, 0 and () leave an effect out altogether.
+    """Springs, damping and gravity of a scene, in engine units; None, 0 and () leave an effect out altogether.
 
     ``stiffness`` and ``damping`` are those of the torsion spring between hub and first link, ``hinges`` the (stiffness,
     damping) at each joint between two links of a wire, straight at rest. Gravity acts along -y.
@@ -237,7 +237,7 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """The scale of errors, a rate relative to the hub: the one that a free bristle reaches, at most 1.
+    """Return the scale of errors: the rate relative to the hub that a free bristle reaches, at most 1.
 
     A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
     with an obstacle, because the bar turns the hub's speed into the bristle's.

@@ -133,7 +133,7 @@ class EngineSteps:
 
 
 class Placer:
-    """Sets centre (x, y), angle, velocity (u, v) and rate of every body by one call each, from numbers that the engine reads.
+    """Set centre (x, y), angle, velocity (u, v) and rate of every body by one call each, from numbers that the engine reads.
 
     Attributes:
         values: these numbers, as they were last set or kept.

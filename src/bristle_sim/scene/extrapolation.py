@@ -187,7 +187,7 @@ class Extrapolation:
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; in either case it determines the next interval.
 
-        An interval that was cut far short of the proposed one is no evidence against that.
+        An interval that was cut far short of the proposed one does not shorten the next proposal.
         """
         proposed = self.length
         self.length = self.learnt(result, duration)

@@ -161,7 +161,7 @@ class SmoothMotion:
     def up_to_first_event(self, interval: Interval) -> Change | None:
         """Accept an interval up to its first event, and return the change of the contacts, if any."""
         progress, whole, (of_contacts, of_motion) = self.progress, interval, self.events
-        # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
+        # Changes of contact come first: a link that slides onto its neighbour does not touch before that.
         interval, happens = first_change(progress, of_contacts, interval)
         active, changed = [each.obstacle for each in self.sustained], interval
         interval, touch = first_touch_of_all(progress, interval, active, self.separating)

@@ -69,7 +69,8 @@ class Recording:
     ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that a
     sustained contact's geometry gives. Two of ``states`` at one time are the end of one smooth motion and the start of the
     next. ``events`` come with the numbers of their wires, ``contacts`` with those of their links. ``summed`` are the intervals'
-    error estimates. ``error`` is that of the last state, unless an impact with an approach as small has made it unknown.
+    error estimates. ``error`` is that of the last state; it is unknown after an impact whose approach is no larger than the
+    error.
     """
 
     states: list[State] = field(default_factory=list)
@@ -114,7 +115,7 @@ class Progress:
 
     @property
     def slip_error(self) -> float:
-        """Possible error of a slip velocity by now; the sense of a slip no faster than this is unknown."""
+        """Possible error of a slip velocity; the sense of a slower slip is unknown."""
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(self.state)
 
     def approach(self, obstacle: Obstacle) -> float:
@@ -170,8 +171,8 @@ class Progress:
     def propagate(self, obstacle: Obstacle, before: State, record: ContactRecord) -> None:
         """Propagate the error over an impact, by two motions that are off by it in angle, and in rate with either sign.
 
-        These touch at another instant, and their rates jump there in proportion to their approach. If the law has adjusted the
-        slip so that it ends with the approach, it is uncertain what sticks or jams.
+        These touch at another instant, and their rates jump there in proportion to their approach. If the law has adjusted
+        the slip so that it ends with the approach, it is uncertain whether the contact sticks or jams.
         """
         recording, error = self.recording, self.recording.error
         if recording.lost is not None:

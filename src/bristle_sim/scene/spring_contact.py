@@ -145,7 +145,7 @@ def _penetration(motion: SmoothMotion, contact: Sustained, spring: Spring) -> fl
 
 
 def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
-    """Whether a contact ends where the rigid-body law stops: in its limit, and if only a single lone link's is of interest."""
+    """Whether a rigid-body limit ends where that law stops, if only a lone link's single contact is of interest."""
     halts = not spring.expected.moves or (motion.progress.plan.single_contact and motion.progress.mechanism.lone)
     return halts and spring.expected.outcome == Outcome.STICTION
 

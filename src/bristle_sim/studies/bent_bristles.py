@@ -32,7 +32,7 @@ REST = 1e-4  # Fraction of the fastest slip below which the tip is at rest
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """Describes how a tip slides on the workpart in its first strike; m and s from the first touch.
+    """The slide of a tip on the workpart in its first strike; m and s from the first touch.
 
     ``forward`` is the longest distance ahead of the first touch, ``total`` the displacement in the whole contact, negative for
     a tip that has retracted. The first slip may end, in ``compression`` or ``restitution``: it ``turns``, or it ``stops``, the
@@ -140,7 +140,7 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
     ending = ""
     if soonest.ending is not None:
         after = amount(soonest.ending_time, "s")
-        ending = f" {NAMES[first].capitalize()} slip {soonest.ending} first, {after} after the touch."
+        ending = f" The slip of the {NAMES[first]} tip {soonest.ending} first, {after} after the touch."
     words = ", ".join(parts)
     return f"{words[0].upper()}{words[1:]}; in the high-speed film only the forward bent one retracts at once.{ending}"
 

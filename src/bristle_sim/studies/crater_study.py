@@ -92,13 +92,13 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     words, constant = "C for the measured depth", _constant_deg(crater)
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
-        "The depth by work and energy grows with the number of plies, because the force begins near zero; (4.66) takes a ratio"
-        " of two sums for it.",
+        "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
+        " place (4.66) prints a ratio of two sums.",
         *([f"no chip by (4.35): {study.no_chip}"] if study.no_chip else []),
         f"no contact simulated: {study.no_contact}"
         if study.no_contact
-        else "By the contact's depths all of its force, or all of its energy, cuts a chip by Merchant's relation on a straight"
-        " path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it.",
+        else "The contact's depths assume that all of its force, or all of its energy, cuts a chip by Merchant's relation on a"
+        " straight path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it.",
     ]
     return Report(
         **contact_fields(study.contact),

@@ -45,10 +45,10 @@ MOST_DAMPED = 10.0
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release from a retraction, rad, up to the highest relative speed, and the bars that it and the formula need.
+    """A simulated release from a retraction, rad, up to the highest relative speed, and the cues by simulation and formula.
 
-    The passes are those with the bar where the release needs it, if anywhere, and where it stands, ``bar``. The readings are
-    those of the belt stiffness, and ``own`` if the tool's is another.
+    ``passes`` are whole passes with the bar at the release's cue, if it has one, and with the bar as it stands, ``bar``.
+    ``readings`` has the release for each reading of the printed belt stiffness, and ``own`` for another one of the tool.
     """
 
     tool: Tool

@@ -94,7 +94,7 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of strikes by name, divided by the rigid bristle's, over the contact stiffness and over the number of links.
+    """Measures of strikes, as ratios to the rigid bristle's, over the contact stiffness and over the number of links.
 
     The stiffness is given as the duration of the rigid bristle's contact, s.
     """

@@ -2,8 +2,8 @@
 
 The curve (3.19) is a ball's on a plate, carried over to the bristle. It is compared with the bristle's contact in the scene,
 on a spring, with the same compressive impulse and compression time. A curve of the form (3.3), fitted to a measured record, may
-take its place. Two checks independent of the form show whether the record has it: the impulse as a sum over the points, and
-residuals beyond the noise, which is estimated from second differences.
+take its place. Two checks show whether the record has that form: the impulse is compared with a sum over the points, and
+the residuals with the noise, which is estimated from second differences.
 """
 
 from __future__ import annotations

@@ -83,6 +83,6 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return a contact resolved in time over its normal impulse, the integral of cubics through the force of each phase."""
+    """Return a contact resolved in time over its normal impulse, which integrates cubics through the force of each phase."""
     impulse = cubics(history.time, history.normal_force).antiderivative()(history.time)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

@@ -1,8 +1,8 @@
 """The least pitch of bristles in one plane by the motion of one alone: from what spacing do two wires touch each other?
 
-On a hub of constant speed each bristle that touches no other one does what the one before it did, a pitch beta of the hub's
-turn later. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of A(t) and of its
-follower A(t - beta/omega) do, A being the motion of a lone bristle.
+On a hub of constant speed each bristle that touches no other one repeats the motion of the one before it, when the hub has
+turned by the pitch beta. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of
+A(t) and of its follower A(t - beta/omega) do, A being the motion of a lone bristle.
 """
 
 from __future__ import annotations

@@ -125,7 +125,7 @@ def read_ellipse(path: str) -> Ellipse:
         bounces = np.atleast_1d(loadmat(path, squeeze_me=True, struct_as_record=False)["bounce_array"])
         chosen = [each for each in bounces if not np.any(each.flags)]
         states = np.array([each.states for each in chosen], dtype=float).reshape(-1, 12)
-    except Exception:  # scipy raises what the file's bytes lead to
+    except Exception:  # scipy raises errors of any type
         raise ValueError(
             f"data = {path}: must be a MATLAB file with an array bounce_array of states and flags"
         ) from None

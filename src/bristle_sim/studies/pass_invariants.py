@@ -77,7 +77,7 @@ def invariants_in_words(invariants: Sequence[Quantity]) -> str:
     """Return a sentence with the invariants that hold and the largest of their errors."""
     kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
     *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
-    return f"{' and '.join(filter(None, [', '.join(others), last]))} hold to {max(kept.values()):.0e}"
+    return f"{' and '.join(filter(None, [', '.join(others), last]))} are satisfied to {max(kept.values()):.0e}"
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:

@@ -139,7 +139,7 @@ def sweep_scenario(
     found = sweep(functools.partial(_quantities, run), space, **options).load()
     known = [np.isfinite(each.values) for name, each in found.data_vars.items() if name != FAILURE]
     finished = np.argwhere(np.any(known, axis=0))
-    if finished.size:  # a report there knows labels and units
+    if finished.size:  # a report there has labels and units
         point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
         quantities = run(**point).quantities
         for each in quantities:

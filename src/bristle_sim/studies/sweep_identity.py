@@ -62,7 +62,7 @@ def _reduced(value: Any) -> Any:
 
 
 def _parts(value: Any) -> Any:
-    """Return the parts that identify a value; None where pickle knows them."""
+    """Return the parts that identify a value; None leaves the value to pickle."""
     module = value.__name__ if isinstance(value, types.ModuleType) else getattr(value, "__module__", "")
     found: Any = None
     if isinstance(value, types.ModuleType | types.FunctionType | type) and _is_library(module or "__main__"):

@@ -93,7 +93,7 @@ class SweepStore:
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
         """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
 
-        Raises ValueError for a result that is named as a parameter, or as no array can be.
+        Raises ValueError for a result with the name of a parameter, or with a name that no array can have.
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         for name, value in (item for _, (values, _) in outcomes for item in values.items()):
@@ -111,9 +111,9 @@ class SweepStore:
         self._put(FAILURE, numbers, reasons)
 
     def _add(self, name: str, inner: list[int]) -> None:
-        """Add a result, which points that are computed already do not have."""
+        """Add a result that points computed earlier do not have."""
         if name in {*self.grid.coords, *self.grid.sizes}:
-            raise ValueError(f"function: its result {name} must not be named as a parameter or dimension")
+            raise ValueError(f"function: its result {name} must not have the name of a parameter or dimension")
         check_name("function: its result", name)
         self.shapes[name] = inner
         self.group.attrs["results"] = json.dumps(self.shapes)

@@ -1,4 +1,4 @@
-"""A bristle's contact resolved in time: force and motion of one of a given compression time, and perhaps of a given impulse.
+"""Force and motion of a bristle's contact resolved in time, with a given compression time and perhaps a given impulse.
 
 In the 50 us of a contact the hub turns by 0.75 deg and the bristle by more, so that impulse and duration differ from the
 rigid-body limit by some per cent. Speed and stiffness are adjusted until the contact in the scene has those requested.

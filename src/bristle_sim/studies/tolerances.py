@@ -181,8 +181,8 @@ def sobol_study(
     """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
 
     Function and workers are those of ``sweep``; each argument is uniform in its interval, and there are at least two outputs.
-    The number of samples is a power of 2. The seed is that of the sequence's scrambling and of the bootstrap, for which scipy's
-    own takes none.
+    The number of samples is a power of 2. The seed sets the sequence's scrambling and the bootstrap; scipy's own bootstrap
+    takes none.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.

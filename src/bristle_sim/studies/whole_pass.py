@@ -28,8 +28,8 @@ LEAST_ERROR = 1e-8
 """Least relative error of the motion that is expected; the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
 
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
-"""Factors by which these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
-small slope."""
+"""Factors by which these quantities magnify an error of the motion: the wire's end grazes the bar, where its force falls to
+zero at a small slope."""
 
 STATE = {
     "lag_deg_at_contact": ("lag at the strike", "deg"),
@@ -100,14 +100,14 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    estimate += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
+    estimate += "" if cost.holds_until is None else f", valid up to {1e3 * cost.holds_until:.4g} ms"
     remarks = [
         invariants_in_words(invariants),
         f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
         f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
     ]
     if run.stop_reason.gives_up:
-        remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds")
+        remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there")
     return Report(
         outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.

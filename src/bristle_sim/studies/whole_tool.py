@@ -145,9 +145,9 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     quantities = _quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy))
     value = {each.name: each.simulated or 0.0 for each in quantities}
     answer = (
-        f"The hand presses with {value['mean_normal_force']:.3g} N and holds back"
+        f"The hand presses with {value['mean_normal_force']:.3g} N and bears"
         f" {abs(value['mean_tangential_force']):.3g} N along the workpart and"
-        f" {abs(value['mean_hand_torque']):.3g} N m; the drive gives {value['drive_power']:.4g} W; a load cell"
+        f" a torque of {abs(value['mean_hand_torque']):.3g} N m; the drive gives {value['drive_power']:.4g} W; a load cell"
         f" with a bandwidth of {assembly.bandwidth:g} Hz shows {value['force_envelope_low']:.3g} to"
         f" {value['force_envelope_high']:.3g} N for 90 % of the time."
     )
@@ -157,7 +157,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         remarks=(settled, "theory: the energy that a turn loses"),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
-        answer=answer if value["impact_rate"] else "The hand holds against nothing: no bristle touches the workpart.",
+        answer=answer if value["impact_rate"] else "The hand bears no force: no bristle touches the workpart.",
     )
 
 

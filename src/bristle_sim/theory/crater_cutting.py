@@ -42,10 +42,10 @@ NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """What a contact's compression did, from first touch to deepest penetration, and the craters that follow; SI.
+    """Results of a contact's compression, from first touch to deepest penetration, and the craters that follow; SI.
 
-    ``path`` is the length of the tip's; ``shear_plane_emerges`` says whether eta >= gamma with the friction used; where not,
-    ``parallel`` depths are formal.
+    ``path`` is the length of the tip's path; ``shear_plane_emerges`` says whether eta >= gamma with the friction used;
+    where not, ``parallel`` depths are formal.
     """
 
     compression_time: float

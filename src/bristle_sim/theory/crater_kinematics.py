@@ -2,7 +2,7 @@
 
 The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda t)) (4.1) and takes
 c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows from the bristle's geometry. The printed
-constants carry the rounding of hand calculation; CraterKinematics holds them as they stand and ``of_tool`` works them
+constants carry the rounding of hand calculation; CraterKinematics keeps them as they stand and ``of_tool`` works them
 out unrounded.
 """
 

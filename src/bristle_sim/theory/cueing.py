@@ -1,7 +1,7 @@
 """Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs. 2.1-2.3).
 
-The bar lets go of the bristle when it lags its radial direction by the retraction theta_p. The tip then lags the hub's
-root radius by A. The belt throws the bristle forward, and after the cue time t_c, in which the hub turns by theta_1, it is
+The bar releases the bristle when it lags its radial direction by the retraction theta_p. The tip then lags the hub's root
+radius by A. The belt throws the bristle forward, and after the cue time t_c, in which the hub turns by theta_1, it is
 fastest; it should then touch the workpart radially, at the impact angle gamma. Hence the bar's direction from the
 workpart's normal, A + theta_1 + gamma.
 

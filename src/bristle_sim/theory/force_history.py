@@ -4,10 +4,10 @@ The dissertation fits a measured impact of a steel ball on a plate with (3.3), o
 
     F(t) = c e^(-lambda t) (F*/2) [cos(2 pi t_o/T) - cos(2 pi (t + t_o)/T)],   t_o = t_f/10,  T = t_f + 2 t_o,
 
-and carries its shape over to the bristle by sharing out the impulse. The bracket vanishes at t = 0 and t = t_f, and its
-constant part is fixed by the swing: offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 whatever t_f.
-The printed 145 and 26 N are 145.059 and 25.981, rounded, which leaves the printed curves with F(0) = -0.083 N (ball) and
-+0.020 N (bristle) where (3.3) has zero.
+and applies its shape to the bristle by dividing the bristle's impulse in the same fractions. The bracket vanishes at t = 0
+and t = t_f, and its constant part is fixed by the swing: offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T =
+1/12 whatever t_f. The printed 145 and 26 N are 145.059 and 25.981, rounded, which leaves the printed curves with F(0) =
+-0.083 N (ball) and +0.020 N (bristle) where (3.3) has zero.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ LEAD_RATIO = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 class ForceCurve:
     """F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N (Zhang 2020, eq. 3.3).
 
-    The amplitude c is dimensionless, the decay lambda in 1/s, offset and swing in N, lead t_o < T/2 and period T in s; of one
-    impact as (3.3) has it, offset = swing cos(2 pi lead/period).
+    The amplitude c is dimensionless, the decay lambda in 1/s, offset and swing in N, lead t_o < T/2 and period T in s. For
+    an impact of the form (3.3), offset = swing cos(2 pi lead/period).
     """
 
     amplitude: float
@@ -134,9 +134,9 @@ def segment_impulses(
 ) -> Array:
     """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
-    p_c, shape (...), N s, is that of the impact that takes the curve's shape over; the compression time, s, is by default the
-    curve's peak time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of
-    the compression time; their sum is the impulse.
+    p_c, shape (...), N s, is the compressive impulse to be divided; the compression time, s, is by default the curve's peak
+    time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of the
+    compression time; their sum is the impulse.
     """
     end = curve.peak_time() if compression_time is None else compression_time
     edges = np.linspace(0.0, end, segments + 1)

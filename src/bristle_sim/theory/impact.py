@@ -1,9 +1,9 @@
 """Planar impact at one point with Coulomb friction: one law for a body, a chain of bodies or a whole machine.
 
-All that an impact needs to know of the bodies is the contact-space inverse mass K, which turns an impulse
-p = (p_n, p_t) on the contact point into the change of its velocity, dv = K dp, and the velocity v = (v_n, v_t) with which
-the point arrives. The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n, so within a phase of constant slip
-direction (or stick) the velocities are linear and the works are quadratic in p_n, and every phase ends in closed form:
+An impact depends on the bodies only through the contact-space inverse mass K, which turns an impulse p = (p_n, p_t) on the
+contact point into the change of its velocity, dv = K dp, and the velocity v = (v_n, v_t) of the point before the impact.
+The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n, so within a phase of constant slip direction (or stick) the
+velocities are linear and the works are quadratic in p_n, and every phase ends in closed form:
 
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);
@@ -12,7 +12,7 @@ direction (or stick) the velocities are linear and the works are quadratic in p_
   restitution is W_r = -e*^2 W_c, Poisson's when the normal impulse in restitution is e times that of compression,
   Newton's when v_n is -e times its value before the impact.
 
-So compression and restitution have two phases each: the slip that is there, and what follows after it stops. Where
+So compression and restitution have two phases each: the initial slip, and the stick or slip that follows it. Where
 restitution's friction is larger than compression's, slip can drive the point back into compression as soon as v_n > 0; the
 only motion that obeys both coefficients then keeps v_n = 0 until slip stops ("slip at rest").
 
@@ -128,8 +128,8 @@ def newton_impact(
     """Resolve an impact with Newton's coefficient e: restitution ends at the normal velocity v_n = -e v_n(0).
 
     Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses it can gain energy, as in
-    Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it is here to be compared. Springs define no velocity of separation, so that the
-    tangential compliance must be 0.
+    Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it serves for comparison. Springs
+    define no velocity of separation, so that the tangential compliance must be 0.
     """
     _require_rigid(tangential_compliance)
     return _resolve(
@@ -142,9 +142,9 @@ LAWS: dict[str, Callable[..., Impact]] = {
     "poisson": poisson_impact,
     "newton": newton_impact,
 }
-"""The impact laws by name; each takes the same arguments, so that one can stand for another.
+"""The impact laws by name; all take the same arguments, so that they are interchangeable.
 
-To add a law, write the normal impulse at which restitution ends, in which they differ, and name it here."""
+They differ in the normal impulse at which restitution ends. To add a law, write that and name the law here."""
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
@@ -281,7 +281,7 @@ def _first(values: tuple[Number, ...], holds: Number) -> str:
 
 
 def _check_result(impact: Impact, arguments: list[Number]) -> None:
-    """Refuse impulses, velocities and works that are no numbers: they overflow, or K is too small for its inverse."""
+    """Refuse impulses, velocities and works that are not finite: they overflow, or K is too small for its inverse."""
     entries = (impact.impulse_normal, impact.impulse_tangential, impact.velocity_normal, impact.velocity_tangential)
     total, works = sum(entries), (impact.phase_work_normal, impact.phase_work_tangential)
     if isinstance(total, float):

@@ -8,9 +8,10 @@ outcome depends on K, v, mu, e* and eta^2; k sets the time alone, and is 1 here.
 * slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t + mu s eta^2 kappa v_n are linear in the normal impulse p,
   and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p) p^2/2): it ends where the foot stops, the line ends or N = 0, each a root of a polynomial.
 
-Loading ends where v_n = 0, and the contact with it if e* = 0: what both springs hold is lost. In unloading mu_2 holds. A T beyond
-its cone jumps onto it. A point that is pressed on beyond its deepest point loads further, with mu_1. The works are those on the
-bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick; as springs begin and end without force, or lose it, energy never grows.
+Loading ends where v_n = 0, and the contact with it if e* = 0: the energy of both springs is then lost. In unloading mu_2
+holds. A T beyond its cone jumps onto it. A point that is pressed on beyond its deepest point loads further, with mu_1. The
+works are those on the bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick; as springs begin and end without force,
+or lose it, energy never grows.
 
 As eta^2 falls the result tends to that of the rigid point. Where that sticks, the impulse differs by terms of order eta^2. Of order
 eta are the impulse where slip reverses, as T takes such a time from one edge of the cone to the other, or where slip and approach
@@ -96,7 +97,7 @@ def _slip(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
 def _foot(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
     """Return the gains of v_n and v_t per impulse in slip, the foot's velocity in its sense, and that one's gain.
 
-    The latter two over 1 + mu eta^2 kappa, so that no friction makes them overflow.
+    The latter two are divided by 1 + mu eta^2 kappa, so that no friction makes them overflow.
     """
     along = contact.k_nt - contact.friction * slip * contact.k_tt
     gain = contact.stick + contact.tie * along
@@ -140,7 +141,7 @@ def _turned(contact: Contact, event: Number) -> Contact:
 
 
 class _Contacts:
-    """The contacts of an array, in columns of ``rows``, each as far as it has gone.
+    """The contacts of an array in their present state, in columns of ``rows``.
 
     ``totals`` are impulses and works by the four rows of ``impact_phases.PHASES``, ``slips`` the slip in them. The second row of
     compression, and of restitution, collects all that follows its first stick or slip. A point that is pressed on beyond

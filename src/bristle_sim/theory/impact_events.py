@@ -57,7 +57,7 @@ LEAST_RATE = 1e-300  # squared rate of a mode that has none
 
 
 class Modes(NamedTuple):
-    """What does not change in a phase of stick; by mode (fast, slow), and by event function (edge, edge, line).
+    """Constants of a phase of stick, by mode (fast, slow) and by event function (edge, edge, line).
 
     At its beginning the oscillators are at w and G. A function is ``constant`` plus the modes' ``parts`` of G, or of w for the end
     of loading; ``terms`` bounds what the parts of the edges add up of. ``bend``, ``jerk`` bound its derivatives, ``swing`` its fast

@@ -1,9 +1,8 @@
 """The result of an impact at one point, and its phases in order: the same for every coefficient of restitution.
 
 Within a phase of constant slip direction (or stick) the velocities are linear and the works quadratic in the normal
-impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where a
-function of the velocity, the compliance and what is left to reach says. The same lines serve floats, for speed in a
-scene, and arrays.
+impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where its target
+is reached, a normal work, impulse or velocity. The same lines serve floats, for speed in a scene, and arrays.
 """
 
 from __future__ import annotations
@@ -23,13 +22,12 @@ INFINITE = math.inf
 
 NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
 OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
-"""What an outcome code means.
+"""The outcomes, by their codes.
 
 ``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0, or
-what restitution has to give is spent with v_n = 0, in slip at rest (Poisson's impulse) or below the smallest float.
-``stiction``: compression ends, but no impulse can part the point from the surface again (the jam of one degree of
-freedom, mu >= tan gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body
-law has no solution.
+restitution reaches its target with v_n = 0, in slip at rest (Poisson's impulse) or below the smallest float. ``stiction``:
+compression ends, but no impulse can part the point from the surface again (the jam of one degree of freedom, mu >= tan
+gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body law has no solution.
 """
 
 PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
@@ -126,7 +124,7 @@ class InverseMass(NamedTuple):
 
 
 class Target(NamedTuple):
-    """What restitution still has to reach: normal work, normal impulse, or (Newton) a normal velocity.
+    """The quantity that restitution must still reach: normal work, normal impulse, or (Newton) a normal velocity.
 
     A point that cannot be set in motion and moves no faster than ``least`` is at rest.
     """
@@ -138,7 +136,7 @@ class Target(NamedTuple):
 
 
 class _Phase(NamedTuple):
-    """What one phase did; ``stopped``: slip came to an end in it; ``unfinished``: its part of the impact goes on."""
+    """Result of one phase; ``stopped``: slip ended in it; ``unfinished``: its part of the impact goes on."""
 
     impulse: Number
     slip: Number

@@ -24,7 +24,7 @@ STEEPEST_CONE = 1e150  # tangent of the cone's angle in the modes' units beyond 
 
 
 class Contact(NamedTuple):
-    """Contacts as far as they have gone: the bodies and coefficients, which stay, and from ``normal`` on the motion, which changes.
+    """Contacts in their present state: bodies and coefficients, which stay, and from ``normal`` on the motion, which changes.
 
     The bodies: K by its entries, its compliance in stick, K_nt/K_tt; mu of both phases, e*, eta, and the speed of approach. The
     motion: velocity, normal and tangential force (push, rub), largest push; ``loading`` 1 in loading and 0 in unloading, ``steep``

@@ -35,7 +35,7 @@ def square_root(value: Number) -> Number:
 
 
 def isfinite(value: Number) -> Number:
-    """Tell whether a value is neither infinite nor NaN."""
+    """Return whether a value is neither infinite nor NaN."""
     return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
 
 
@@ -79,7 +79,7 @@ def require(name: str, value: Any, holds: Any, rule: str) -> None:
 
 
 def _has_truth_value(value: Any) -> bool:
-    """Tell whether True or False is among the values; an array of NumPy would turn them into 1 and 0 beside numbers."""
+    """Return whether True or False is among the values; a NumPy array would turn them into 1 and 0 beside numbers."""
     if isinstance(value, list | tuple):
         return any(map(_has_truth_value, value))
     return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")
@@ -102,7 +102,7 @@ RANGES: dict[str, Range] = {
     )
     for key in keys.split()
 }
-"""By the argument's name; the source of each is the reason of its bounds."""
+"""Ranges by the argument's name; the source of each gives the reason for its bounds."""
 
 
 def checked_numbers(**values: float) -> list[float]:

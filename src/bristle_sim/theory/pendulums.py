@@ -78,7 +78,7 @@ def single_pendulum_impact(
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulumImpact:
-    """Impact of a double pendulum: rates after it in rad/s, impulses p_c, p_f and p_s in N s, and what C does, in order.
+    """Impact of a double pendulum: rates after it in rad/s, impulses p_c, p_f and p_s in N s, and the phases of C, in order.
 
     ``slip_stop_impulse`` is inf for a slip that lasts; ``kinetic_energy_ratio`` is that after over before the impact.
     """
@@ -147,7 +147,7 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
 
 
 class _Rods:
-    """The rods at their angles: what speeds q = (q_1, q_2), m/s, and impulses on C do; a change is dq/dp_y."""
+    """The rods at their angles: effects of speeds q = (q_1, q_2), m/s, and of impulses on C, whose change of q is dq/dp_y."""
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
         self.mass, self.ratio, self.angles = mass, ratio, angles
@@ -189,7 +189,7 @@ class _Rods:
 
 
 class _RodImpact:
-    """The rods' impact as far as it has gone: speeds q, normal impulse, and normal work."""
+    """The present state of the rods' impact: speeds q, normal impulse, and normal work."""
 
     def __init__(self, rods: _Rods, speeds: Array) -> None:
         self.rods, self.speeds = rods, speeds

@@ -32,7 +32,8 @@ class Cost:
     """The cost of a run: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
 
     ``error_estimate`` is the method's own estimate of the last state's error relative to the motion's size, or None where
-    the method has none. It does not hold after ``holds_until``, s: an impact there is decided within the error, as in a chatter.
+    the method has none. It is not valid after ``holds_until``, s, because the outcome of an impact there depends on the
+    error, as in a chatter.
     """
 
     wall_s: float

@@ -24,7 +24,7 @@ SINGULAR = {"angles": "angle", "rates": "rate"}
 
 
 def summary(run: Trajectory) -> str:
-    """Describe samples, strike, events, why the run stopped, and cost: one line each."""
+    """Describe samples, strike, events, stop reason and cost, one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     notable, contact = run.notable_events, run.first_contact("workpart")
     events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN])
@@ -35,7 +35,7 @@ def summary(run: Trajectory) -> str:
         speeds = f"tip speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
     error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    error += "" if cost.holds_until is None else f" that holds up to {1e3 * cost.holds_until:.4g} ms"
+    error += "" if cost.holds_until is None else f", valid up to {1e3 * cost.holds_until:.4g} ms"
     return (
         f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
         f"strike: {strike}\n"

@@ -1,7 +1,7 @@
 """The cases: each computed quantity with its exact answer and the source of that answer.
 
-Each case has an answer of a few numbers. An error is the largest of their differences from the exact ones, each
-relative to its own natural size, so that one definition serves closed forms and converged references alike.
+The answer of a case is a few numbers. Its error is the largest difference from the exact numbers, each relative to its own
+natural size. One definition thus serves closed forms and converged references.
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ class Case:
     """A problem with its exact answer.
 
     Attributes:
-        exact: of a flight relative angle (rad) and rate (rad/s) at its end, of a pass time (s), relative angle and relative
-            rate at the strike on the workpart, of a strike the rates of the rods after it (rad/s).
+        exact: the answer. A flight has the relative angle (rad) and rate (rad/s) at its end; a pass has the time (s),
+            relative angle and relative rate at the strike on the workpart; a strike has the rates of the rods after it
+            (rad/s).
         scale: natural size of each of these numbers.
         source: of the exact answer.
         notes: remarks on how each package takes part, or why it cannot.
@@ -68,7 +69,7 @@ class StrikeCase(Case):
 
 
 def release_flight() -> Case:
-    """Return the undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
+    """Return the undamped release on a turning hub, up to the radial direction, where the energy integral gives the speed."""
     tool, retraction = Tool(bar=None, workpart=None), RETRACTION_AT_RELEASE
     bristle, hub = tool.bristle, tool.hub
     centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)

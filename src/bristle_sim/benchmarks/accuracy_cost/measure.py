@@ -1,8 +1,8 @@
 """Error and time of attempts at a case, in separate passes.
 
-First every attempt is run once and its error noted, which also warms it up. Then all attempts are timed in rounds, each
-round going through all of them in turn, so that other work on the machine disturbs all of them alike. The cost of an
-attempt is the least CPU time of the process in all rounds.
+Every attempt is first run once for its error, which also warms up caches. Then all attempts are timed in turn, round after
+round, so that other work on the machine disturbs all of them alike. The cost of an attempt is the least CPU time of the
+process in all rounds.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ OURS = "bristle_sim"
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """The case's numbers as an attempt finds them, and the number of its steps (or right-hand sides)."""
+    """An attempt's answer to a case, and its number of steps (or right-hand sides)."""
 
     values: tuple[float, ...]
     steps: int
@@ -32,7 +32,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One method with one setting; ``run`` does all that is timed. ``method`` begins with the package's name."""
+    """One method with one setting; ``run`` is the timed part, and ``method`` begins with the package's name."""
 
     method: str
     setting: str
@@ -41,7 +41,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Error, CPU time (s) and steps of an attempt; of one that broke down the error is infinite and ``failure`` says why."""
+    """Error, CPU time (s) and steps of an attempt; a failed one has an infinite error and its reason in ``failure``."""
 
     case: str
     method: str
@@ -71,7 +71,7 @@ def by_method(points: Iterable[Point]) -> list[list[Point]]:
 
 
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
-    """Find errors first, then times, of every attempt; an exception is the result of its attempt, and ends nothing."""
+    """Measure the error of every attempt, then the CPU time of those that raise no exception."""
     points, working = list[Point](), list[Callable[[], Run]]()
     for attempt in tried:
         error, steps, failure = math.inf, 0, ""
@@ -106,8 +106,8 @@ def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
     """Return the cheapest point within a target error whose method's next finer setting is within it too.
 
-    That a setting is right by luck, where its error changes sign, does not count. Points of one method go from coarse to
-    fine.
+    A setting that is accurate only because its error changes sign there does not count. Points of one method go from coarse
+    to fine.
     """
     candidates = []
     for own in by_method(point for point in points if not point.failure):

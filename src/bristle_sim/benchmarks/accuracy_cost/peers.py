@@ -1,8 +1,8 @@
 """Other packages at the cases: heyoka and MuJoCo, each with its model made beforehand, MuJoCo's in the scene's units.
 
-Of MuJoCo the hub is a hinge so heavy that nothing changes its speed, the belt a stiffness of the bristle's hinge. Its
-contacts are soft: with impedance near 1 the contact point obeys a = -b v - k r, which becomes the inelastic bar as it
-gets stiffer. No setting makes the returned work e*^2 of that of compression, so that it takes no part in the strikes.
+In MuJoCo the hub is a hinge so heavy that nothing changes its speed, and the belt is a stiffness of the bristle's hinge.
+Contacts are soft: with impedance near 1 the contact point obeys a = -b v - k r, which becomes the inelastic bar as it gets
+stiffer. No setting returns the fraction e*^2 of the work of compression, so MuJoCo takes no part in the strikes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
-    """Return attempts by Taylor series with tolerances of their remainder, each compiled to a program of its own."""
+    """Return attempts by Taylor series, with one compiled program for each tolerance of the remainder."""
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
     tool, bristle = case.tool, case.tool.bristle

@@ -63,7 +63,7 @@ QUICK_SETTINGS = 2
 
 @dataclasses.dataclass(slots=True)
 class AccuracyCost:
-    """The cases and the points that were measured, in order, and the packages that do not take part, with their reason."""
+    """The cases, the measured points in order, and the packages that do not take part, with the reason."""
 
     cases: tuple[Case, ...] = ()
     points: tuple[Point, ...] = ()
@@ -75,7 +75,7 @@ class AccuracyCost:
 
 
 class Comparison(NamedTuple):
-    """Our cheapest point in time within a target error and the cheapest peer's; None where there is none."""
+    """Our cheapest time-stepping point within a target error, and the cheapest peer's; None for a side without one."""
 
     case: str
     target: float

@@ -12,7 +12,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Result of one trial: a text that is equal at every run, whether the promise was kept, and the number of engine steps."""
+    """Result of one trial: a reproducible text, whether the promise was kept, and the number of engine steps."""
 
     reached: str
     ok: bool
@@ -58,12 +58,12 @@ def row(
 
 
 def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
-    """Return whether the size of a figure is at most its limit; that of NaN is not."""
+    """Return whether a figure's magnitude is at most its limit; NaN never is."""
     return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
 
 
 def refusal(call: Callable[[], object], *words: str) -> Finding:
-    """Return whether a call raises ``ValueError`` in one line that holds all of the words: the parameter, its value, its unit."""
+    """Return whether a call raises ``ValueError`` in one line with all of the words: parameter, value, unit."""
     try:
         answer = call()
     except ValueError as error:
@@ -81,5 +81,5 @@ def all_of(*findings: Finding) -> Finding:
 
 
 def worst(values: Iterable[float]) -> float:
-    """Return the largest size, 0 of no values and NaN if one of them is NaN."""
+    """Return the largest magnitude: 0 without values, NaN if any value is NaN."""
     return float(np.max(np.abs([0.0, *values])))

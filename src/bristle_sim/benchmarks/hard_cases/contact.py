@@ -36,9 +36,9 @@ SLOWEST = 1e-8
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield taps on the bar, whose stiff and damped belt presses the wire on it, and falls on the workpart from a hinge.
+    """Yield taps on the bar by a wire on a stiff, damped belt, and falls on the workpart from a hinge.
 
-    A tap of restitution e leaves e of the speed, so that each hop lasts e times as long as the one before.
+    A tap with restitution e leaves the fraction e of the speed, so each hop lasts e times as long as the one before.
     """
     pressed = TOOL.replace(belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None)
     for e in (0.5, 0.9):
@@ -54,14 +54,14 @@ def chatter() -> Iterator[HardCase]:
 
 
 def _chatters(name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start) -> HardCase:
-    """Return a case of at most twice the taps that take a speed down to ``SLOWEST``; twice for the motion in between."""
+    """Return a case limited to twice the taps that reduce a speed to ``SLOWEST``; the factor covers the motion in between."""
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"
     return row("chatter", name, promise, _comes_to_rest, tool, obstacle, most, settings, start)
 
 
 def _comes_to_rest(tool: Tool, obstacle: str, most: int, settings: Settings, start: Start) -> Finding:
-    """Return whether a finite number of taps ends in contact, and none of them gains energy."""
+    """Return whether 2 to ``most`` taps end in sustained contact, and none of them gains energy."""
     run = simulate(tool, settings, **start)
     sustained = [each.time for each in run.contacts if each.law not in IMPACT_LAWS and each.obstacle == obstacle]
     taps = [each for each in impacts_of(run, obstacle) if each.time <= min(sustained, default=math.inf)]
@@ -113,9 +113,9 @@ def touching() -> Iterator[HardCase]:
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float | None = 0.0, gap: float | None = 0.0
 ) -> Tool:
-    """Return a tool whose bristle, at an absolute angle (rad), has bar and workpart at the given gaps (m); None leaves one out.
+    """Return a tool with bar and workpart at given gaps (m) from its bristle at an absolute angle (rad); None leaves one out.
 
-    The bar stands ahead of the wire, at a part of its length; neither rubs nor restores.
+    The bar stands ahead of the wire, at the fraction ``at`` of its length. Neither obstacle has friction or restitution.
     """
     along = np.array([math.sin(angle), -math.cos(angle)])
     root = ROOT * np.array([math.sin(hub_angle), -math.cos(hub_angle)])
@@ -132,7 +132,7 @@ def between(
 
 
 def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start, float]:
-    """Return a tool with one obstacle, touched at the start or off it by a gap, the start, and the lever of its force, m."""
+    """Return a tool with one obstacle at a gap, m, from the bristle; its start; and the lever of the contact force, m."""
     hub_angle, relative = STARTS[obstacle]
     start: Start = {"start_hub_angle": hub_angle, "start_relative_angle": relative}
     if obstacle == "bar":
@@ -159,7 +159,7 @@ def _jams(tool: Tool) -> Finding:
 
 
 def _remains(tool: Tool, start: Start, lever: float = 0.0) -> Finding:
-    """Return whether a bristle on a resting hub stays where it is, pressed by the belt with a force at a lever, if given."""
+    """Check that a bristle on a resting hub stays at rest and, given a lever (m), that the contact balances the belt."""
     run = simulate(tool, **start)
     moved = within(float(np.ptp(run.angles)), 1e-12, "moved by", run.cost.steps)
     found = [moved, Finding(run.stop_reason, run.stop_reason is StopReason.END)]

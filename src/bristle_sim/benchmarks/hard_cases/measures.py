@@ -20,7 +20,7 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 ACCURACY = Settings().accuracy
-"""Requested accuracy where a case says nothing else; a result must be right to it, relative to the motion's size."""
+"""Default requested accuracy; errors of results, relative to the motion's size, must be within it."""
 
 MORE_ACCURATE = 1e-3
 """Accuracy of the reference over that of the run which is compared with it."""
@@ -103,7 +103,7 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
 
 
 def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Compare highest speed and its time of an undamped bristle released from rest with the energy integral's."""
+    """Compare an undamped release from rest, its highest speed and the time of it, with the energy integral."""
     run = simulate(tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed")
     expected = stiffened_cue(replace(Tool(), hub=tool.hub, belt=tool.belt, bristle=tool.bristle))
     late = float(run.time[-1]) / expected.cue_time - 1.0
@@ -112,7 +112,7 @@ def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
 
 
 def spends_budget(tool: Tool, budget: int, settings: Settings | None = None, start: Start | None = None) -> Finding:
-    """Return whether a run that needs more steps than its budget says so, within an interval of it, with finite numbers only."""
+    """Return whether a run stops within an interval of its step budget, gives that reason, and has finite numbers only."""
     run = simulate(tool, replace(settings or Settings(), maximum_steps=budget), **(start or {}))
     excess, said, finite = run.cost.steps - budget, run.stop_reason is StopReason.STEP_BUDGET, is_finite(run)
     result = f"{excess} beyond" + ("" if said else f", {run.stop_reason}") + ("" if finite else ", not finite")

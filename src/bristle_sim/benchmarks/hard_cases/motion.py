@@ -31,7 +31,7 @@ FINE = 1e-9
 """Accuracy of runs that are requested a thousand times more accurate."""
 
 BUDGET = 20_000
-"""Engine steps of a run that is to spend them."""
+"""Step budget that a run must exhaust."""
 
 
 def released(theme: str, name: str, accuracy: float, **changes: float) -> HardCase:
@@ -77,7 +77,7 @@ def hub_speed() -> Iterator[HardCase]:
 def size() -> Iterator[HardCase]:
     """Yield passes of tools of any size, rigid and resolved in time.
 
-    Lengths, masses and times are multiplied by powers of two: nothing is rounded, so that not a bit may differ.
+    Lengths, masses and times are multiplied by powers of two. This rounds nothing, so results must agree to the last bit.
     """
     huge, tiny = (2.0**9, 2.0**24, 2.0**5), (2.0**-15, 2.0**-26, 2.0**-8)
     promise = "the default's motion to the last bit"
@@ -102,7 +102,7 @@ def _scales(law: str, length: float, mass: float, time: float) -> Finding:
 
 
 def budget() -> Iterator[HardCase]:
-    """Yield motions that need more engine steps than they have, in flight, in contact and in a contact resolved in time."""
+    """Yield motions that exceed their step budget: in flight, in contact, and in a contact resolved in time."""
     case, promise, turns = partial(row, "budget"), f"{SPENT}, within an interval of it", Settings(hub_turn=1e4)
     soft = TOOL.replace(bar=None, contact="compliant", contact_duration=1e-3)
     yield case("flight; 1 engine steps", promise, spends_budget, FREE, 1, turns, RELEASED)
@@ -118,7 +118,7 @@ THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
 
 
 def tunnelling() -> Iterator[HardCase]:
-    """Yield every accuracy with every speed, and bars too thin to have a side.
+    """Yield passes of every accuracy and speed, and passes at bars too thin to have a side.
 
     A straight bristle without gravity remains radial until it touches something, so that the instant is plain geometry.
     """
@@ -129,7 +129,7 @@ def tunnelling() -> Iterator[HardCase]:
 
 
 def with_bar_at(distance: float, radius: float, speed: float = TOOL.hub.speed, angle: float = 1.2) -> Tool:
-    """Return a tool with a bar at a distance (m), ``angle`` before the workpart's direction, and a wire of no width."""
+    """Return a tool with a bar at a distance (m), ``angle`` (rad) before the workpart's direction; its wire has no width."""
     bar = Bar(radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle))
     return TOOL.replace(hub_speed=speed, bar=bar, wire_diameter=0.0)
 

@@ -129,7 +129,7 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
-    """Compare passes on both sides of the jam. Nothing before the strike knows its friction, so a first run finds its angle."""
+    """Compare passes on both sides of the jam. A first run gives the strike's angle, which friction does not change."""
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
     rough = [tool.replace(friction=edge * (1.0 + side)) for side in (-distance, distance)]
@@ -139,7 +139,7 @@ def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
 NAMES = {"bar": ("bar touch", "bar not touched"), "workpart": ("strike", "workpart not reached")}
 
 TOUCH_GAP = 1e-12
-"""Ratio to the length to which a touch must lie on the obstacle: ten times the engine's own for a path that is exact."""
+"""Largest gap at a touch, as a fraction of the length: ten times the scene's own, since the path is exact."""
 
 
 def grazing() -> Iterator[HardCase]:
@@ -187,7 +187,8 @@ def _dips(obstacle: str, depth: float) -> Finding:
 
 
 LATER = 1e-13
-"""Gap at the workpart when the bar is met, m: closed, but of a hundred roundings, which would decide on the first impact."""
+"""Gap at the workpart when the bar is met, m. It counts as closed, but exceeds rounding, which would choose the first
+impact."""
 
 
 def _three_at_once() -> Finding:

@@ -1,4 +1,4 @@
-"""The bench's server. Each request holds the whole state, so that several people never mix."""
+"""The bench's server. Each request carries the whole state, so that several users share none."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_CLIENTS = 64
 
 
 class SlowRuns:
-    """Runs of a process of their own. A newer run of the same client stops the older one."""
+    """Runs in processes of their own, where a client's newer run stops its older one."""
 
     def __init__(self) -> None:
         """Begin without a run."""

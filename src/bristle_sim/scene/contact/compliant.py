@@ -52,8 +52,8 @@ class CompliantLaw(ContactLaw):
             for a rigid wire without friction. With None every contact is short enough for the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
-        stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only
-            expected.
+        stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only an
+            estimate.
         tangential_compliance: eta^2.
     """
 

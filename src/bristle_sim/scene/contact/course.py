@@ -21,7 +21,7 @@ BETWEEN = np.linspace(0.0, 1.0, 6)[1:-1, None, None]
 
 ONE_INSTANT = 1e-6
 """Samples nearer to each other than this fraction of the contact are two sides of one instant: over a shorter time the
-rounding of positions, some 1e-16 m of nanometres of penetration, would be a speed of its own."""
+rounding of positions, some 1e-16 m against nanometres of penetration, would appear as a speed."""
 
 
 class SpringPhase(NamedTuple):
@@ -40,7 +40,7 @@ class ContactCourse:
         rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
             time are the end of a phase and the start of the next.
         compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
-        stopped: where the rigid-body law jams: the state, the sums, and the numbers of rows and phases there.
+        stopped: the state, the sums, and the numbers of rows and phases where the rigid-body law jams.
     """
 
     phases: list[SpringPhase] = field(default_factory=list)
@@ -71,7 +71,7 @@ class ContactCourse:
         return tuple(name for name, _ in itertools.groupby(names))
 
     def history(self, inverse_mass: Array | None) -> ContactHistory:
-        """Return the samples; given a constant K, with others on the cubics in time between those at an interval's ends.
+        """Return the samples; given a constant K, add samples on the cubics in time between the ends of intervals.
 
         Between two samples of one phase forces are linear in the penetration, d(delta)/dt = -v_n and dv/dt = K (N, T).
         """

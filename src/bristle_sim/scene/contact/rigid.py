@@ -1,9 +1,10 @@
 """Rigid sustained contacts: two ways to keep them closed, and a load that sums their forces.
 
 A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
-engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as dear.
-Contacts of several links, and of a lone one whose friction is too high for the engine's iterations, are solved for together
-with the joints (:mod:`bristle_sim.scene.contact.solver`). :func:`rigid_contacts` alone decides between the two.
+engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as
+expensive. Contacts of several links, and of a lone one whose friction is too high for the engine's iterations, are solved
+for together with the joints (:mod:`bristle_sim.scene.contact.solver`). :func:`rigid_contacts` alone decides between the
+two.
 """
 
 from __future__ import annotations

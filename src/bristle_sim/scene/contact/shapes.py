@@ -94,7 +94,7 @@ class ContactShapes:
 
 
 class ImpulseRecord:
-    """Makes the engine record a contact's impulses step by step, and the link's motion where it slips with friction.
+    """Make the engine record a contact's impulses step by step, and the link's motion where it slips with friction.
 
     All are read at once, as a Python callback at each step would take longer than the step.
 

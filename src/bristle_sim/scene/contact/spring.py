@@ -45,7 +45,7 @@ SPRING_TOTALS = 6
 
 
 class Expectation(NamedTuple):
-    """What the impact law predicts of a contact (duration, outcome), and how it is integrated (longest interval, stepper).
+    """The impact law's prediction of a contact (duration, outcome), and its integration (longest interval, stepper).
 
     In a contact of given duration the bodies move noticeably (``moves``); otherwise it is the rigid-body limit with constant K.
     ``compliance`` is eta^2; 0 is rigid along the surface.
@@ -65,7 +65,7 @@ class Spring:
 
     Attributes:
         stiffness: in compression, engine units.
-        obstacle: that is touched, with its coefficients.
+        obstacle: the touched obstacle, with its coefficients.
         surface: gap at the first touch, from which the penetration is measured.
         inverse_mass: K at the first touch or of the interval.
         deepest: penetration at which unloading began; None while the spring loads, unloading is steeper.

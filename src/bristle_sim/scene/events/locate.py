@@ -66,7 +66,7 @@ class EventFunction:
         final: why the run stops there; None if the run continues.
         act: returns the change of the contacts; None if there is none.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
-        difference: whether the value is made of a difference of rates over a step, and carries its rounding.
+        difference: whether the value contains a difference of rates over a step, and so its rounding.
         tolerance: replaces the run's own for its location; values then have a sign down to rounding.
         turns: whether it may change its sign twice within an interval.
         positive: whether the value is known to be positive where the motion begins, or to rise from zero there.

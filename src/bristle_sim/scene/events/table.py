@@ -143,9 +143,9 @@ def contact_events(
 
 
 def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The compliance in slip gets too small, the force vanishes, stick breaks, slip reverses, or the contact passes a corner.
+    """Return the events of a rigid contact: locked slip, zero force, end of stick, reversal of slip, a passed corner.
 
-    With too little of it friction locks the link; without friction, the link then meets the obstacle end-on.
+    With too little compliance friction locks the link, or a frictionless link meets the obstacle end-on.
     """
     obstacle, gaps, reached = rigid.obstacles[index], progress.gaps, [0.0]
 
@@ -189,9 +189,9 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
 
 
 def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """The contact slides over a joint onto a neighbouring link, or another piece of a bent link meets the same bar.
+    """Return the events at which a contact slides over a joint, or another piece of a bent link meets the same bar.
 
-    That piece takes over by an impact.
+    Contact passes to the other piece by an impact.
     """
     gaps, found = progress.gaps, []
     lower, upper = neighbour(progress, obstacle, -1), neighbour(progress, obstacle, 1)
@@ -216,7 +216,7 @@ def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, ind
 
 
 def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first: int) -> list[EventFunction]:
-    """Compression ends; in unloading the force falls to zero or penetration exceeds its maximum; slip stops or begins.
+    """Return the events of a spring: compression ends, unloading ends at zero force or by reloading, slip stops or begins.
 
     The contact's totals begin at the index ``first``. Each function is a velocity: a penetration over the contact's duration.
     """
