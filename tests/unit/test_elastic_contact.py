@@ -17,6 +17,7 @@ from bristle_sim.studies.impacts import oblique_impact
 
 GAMMA = math.radians(23.4)
 BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,), 0.0275, 261.8, -GAMMA)
+ROD = Chain((6.3,), (1.0,), (-0.575,), (0.856,))  # on a hub at rest: all of it stands still where slip stops
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 ACCURACY = 1e-7
 
@@ -43,6 +44,16 @@ def test_a_shorter_contact_tends_to_the_law(
     assert second < 1e-3
     assert first / second == pytest.approx(10.0, rel=0.05)
     assert np.abs(struck(chain, surface, Contact("compliant", None, squared)) - law).max() < 1e-5
+
+
+@pytest.mark.parametrize(("chain", "mu", "squared"), [(BRISTLE, 0.2, 1.21), (ROD, 0.487, 0.01)])
+def test_rounding_does_not_decide_what_ends_together(chain: Chain, mu: float, squared: float) -> None:
+    """Slip and approach of one degree of freedom end at one instant; the start's last digits change the order they are found in."""
+    surface = Surface(mu, None, 1.0)
+    law = struck(chain, surface, Contact(tangential_compliance=squared))
+    for digits in range(-12, 13):
+        start = dataclasses.replace(chain, angles=(chain.angles[0] + digits * 1e-15,))
+        assert struck(start, surface, Contact("compliant", None, squared)) == pytest.approx(law, abs=1e-5)
 
 
 def test_the_oblique_strike_is_as_it_was_predicted() -> None:

@@ -86,7 +86,7 @@ class SmoothMotion:
         progress, gaps = self.progress, self.progress.gaps
         for each in self.ordered:
             if each.slip is None and each.obstacle.friction:
-                each.slip = sense_of_slip(gaps, each.obstacle, progress.state, progress.slip_error)
+                each.slip = sense_of_slip(gaps, each.obstacle, progress.state, progress.slip_error(progress.state))
         if self.ordered:
             obstacles, slips = [each.obstacle for each in self.ordered], [each.slip for each in self.ordered]
             self.rigid = rigid_contacts(progress.scene, obstacles, slips, paired=not self.springs)
@@ -115,9 +115,13 @@ class SmoothMotion:
     def integrate(self) -> Interval | Change | None:
         """Integrate over an interval; return it, or a change of contacts if their forces have vanished, or None to retry."""
         progress, start, instant = self.progress, self.progress.state, self.progress.plan.instant
+        first = self.before is None
+        for function in self.events[0] if first else ():
+            if function.is_due and function.act is not None:
+                return function.act()
         for each, spring in self.springs:
             follow_bodies(progress, each.obstacle, spring)
-        length, first = _proposed(self), self.before is None
+        length = _proposed(self)
         again = functools.cache(functools.partial(progress.stepper.advance, progress.scene, start, load=self.load))
         result = again(length)
         if self.rigid is not None:

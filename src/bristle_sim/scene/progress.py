@@ -113,10 +113,9 @@ class Progress:
         """Speed below which the rest of an approach or of a rebound is not followed."""
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
-    @property
-    def slip_error(self) -> float:
-        """Possible error of a slip velocity; the sense of a slower slip is unknown."""
-        return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(self.state)
+    def slip_error(self, fastest: State) -> float:
+        """Return the possible error of a slip velocity in a motion with this fastest state; a slower slip has no known sense."""
+        return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
     def approach(self, obstacle: Obstacle) -> float:
         """Return the normal velocity of a pair's contact point, negative where it approaches."""

@@ -56,7 +56,7 @@ def after_impact(motion: SmoothMotion) -> list[Sustained]:
 def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let a point slip in the sense of its motion, or stick, and record the new phase."""
     slip = motion.progress.gaps.closest(contact.obstacle, motion.progress.state).velocity[1]
-    if abs(slip) > motion.progress.slip_error and not spring.elastic:
+    if abs(slip) > _slip_error(motion, contact) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
     else:
         _settle_slip(motion, contact, spring)
@@ -150,12 +150,17 @@ def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
     return halts and spring.expected.outcome == Outcome.STICTION
 
 
+def _slip_error(motion: SmoothMotion, contact: Sustained) -> float:
+    """Return the error of a slip velocity, from the speed at the first touch: a lone rod comes to rest where slip stops."""
+    return motion.progress.slip_error(contact.start or motion.progress.state)
+
+
 def _settle_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
     progress, obstacle = motion.progress, contact.obstacle
     if spring.elastic:
         touch, joint = progress.gaps.closest(obstacle, progress.state), progress.gaps.poses(progress.state)
-        spring.settle(touch, joint[obstacle.link].joint[0] + touch.arm[0], progress.slip_error)
+        spring.settle(touch, joint[obstacle.link].joint[0] + touch.arm[0], _slip_error(motion, contact))
         return
     spring.slip = 0
     follow_bodies(progress, obstacle, spring)

@@ -70,6 +70,7 @@ class EventFunction:
         tolerance: replaces the run's own for its location; values then have a sign down to rounding.
         turns: whether it may change its sign twice within an interval.
         positive: whether the value is known to be positive where the motion begins, or to rise from zero there.
+        ends_together: whether it may end a phase together with another event: of two that coincide either may be located first.
         noise, sign: values below this have no sign; the last sign, None while it is unknown.
         reached: the value at the end of the last interval.
     """
@@ -85,6 +86,7 @@ class EventFunction:
     tolerance: float | None = None
     turns: bool = False
     positive: bool = False
+    ends_together: bool = False
     noise: float = LEAST_VALUE
     sign: float | None = None
     reached: float = math.nan
@@ -95,6 +97,11 @@ class EventFunction:
         value = self.value(at_state(state))
         if not (self.positive and abs(value) <= ROUNDED_TOLERANCES * (self.tolerance or 0.0)):
             self.sign = self.sign_of(value)
+
+    @property
+    def is_due(self) -> bool:
+        """Whether an event that falls through zero has done so before the motion begins, together with the last event."""
+        return self.ends_together and self.sign != 1.0
 
     def sign_of(self, value: float) -> float | None:
         """Return the sign of a value, or the last one where the value has none."""

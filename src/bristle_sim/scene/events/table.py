@@ -218,7 +218,8 @@ def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, ind
 def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first: int) -> list[EventFunction]:
     """Return the events of a spring: compression ends, unloading ends at zero force or by reloading, slip stops or begins.
 
-    The contact's totals begin at the index ``first``. Each function is a velocity: a penetration over the contact's duration.
+    The contact's totals begin at the index ``first``. Each function is a velocity, or a penetration over the contact's duration.
+    Of two events that end a phase together, each located to the tolerance, the later one may lie just before the other.
     """
     obstacle, gaps, duration = contact.obstacle, progress.gaps, spring.expected.duration
     tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
@@ -227,8 +228,8 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     def touch(state: State) -> ClosestApproach:
         return gaps.closest(obstacle, state)
 
-    def opening(at: Advance) -> float:
-        return touch(at.state).velocity[0]
+    def closing(at: Advance) -> float:
+        return -touch(at.state).velocity[0]
 
     def slip(at: Advance) -> float:
         return spring.slip * spring.foot_speed(touch(at.state).velocity)
@@ -242,24 +243,30 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
         penetration = spring.surface - touch(at.state).gap
         return spring.spare_friction(penetration, at.totals[first + 5]) / (spring.stiffness * duration)
 
-    def event(what: SpringEvent, value: Callable[[Advance], float], falling: bool) -> EventFunction:
+    def event(
+        what: SpringEvent, value: Callable[[Advance], float], *, falling: bool = True, together: bool = False
+    ) -> EventFunction:
         # In the rigid-body limit, and but for the last event of a lone link, nothing turns back within an interval.
-        turning = spring.expected.moves and (not progress.mechanism.lone or what is SpringEvent.UNLOADED)
+        turns = spring.expected.moves and (not progress.mechanism.lone or what is SpringEvent.UNLOADED)
         begins = what in (SpringEvent.SLIP_STOPS, SpringEvent.STICK_BREAKS)  # slip in its sense, stick below its limit
-        act = partial(SpringChange, contact, what)
-        return EventFunction(value, falling, act=act, tolerance=tolerance, turns=turning, positive=begins)
+        function = EventFunction(
+            value, falling, tolerance=tolerance, turns=turns, positive=begins, ends_together=together
+        )
+        function.act = partial(SpringChange, contact, what)
+        return function
 
     if spring.deepest is None:
-        found = [event(SpringEvent.COMPRESSION_ENDS, opening, False)]
+        # A tip at rest that its load presses on may still open at first.
+        found = [event(SpringEvent.COMPRESSION_ENDS, closing, together=contact.sums[0] > 0.0)]
     else:
         found = [
-            event(SpringEvent.UNLOADED, partial(beyond, spring.residual), True),
-            event(SpringEvent.PRESSED_ON, partial(beyond, spring.deepest), False),
+            event(SpringEvent.UNLOADED, partial(beyond, spring.residual), together=True),
+            event(SpringEvent.PRESSED_ON, partial(beyond, spring.deepest), falling=False),
         ]
     if spring.slip:
-        found.append(event(SpringEvent.SLIP_STOPS, slip, True))
+        found.append(event(SpringEvent.SLIP_STOPS, slip))
     elif spring.compliance_in_stick:
-        found.append(event(SpringEvent.STICK_BREAKS, spare, True))
+        found.append(event(SpringEvent.STICK_BREAKS, spare))
     return found
 
 
