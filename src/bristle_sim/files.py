@@ -18,7 +18,7 @@ _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 
 
 def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False) -> Path:
-    """Return the path of a file (or folder) that can be written. Without suffixes any name is accepted.
+    """Return the path of a file (or folder) that can be written; its name has one of the suffixes, if any are given.
 
     Raises ValueError in one line that begins with the option, if one names the path, or with the path itself.
     """
@@ -79,7 +79,7 @@ def _descriptor(path: Path) -> int | None:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """Open a special file for writing. Opening an open stream by its name would empty its file, so the stream itself is used."""
+    """Open a special file for writing; an open stream is used itself, as opening it by name would empty its file."""
     number = _descriptor(path)
     if number is None:
         return path.open("wb")

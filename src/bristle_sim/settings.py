@@ -84,7 +84,7 @@ class StopReason(StrEnum):
 
     Attributes:
         remedy: a change that lets the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
-        gives_up: whether the method failed, so that what comes after the stop is missing.
+        gives_up: whether the method failed, so that the motion after the stop is missing.
     """
 
     remedy: str

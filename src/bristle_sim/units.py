@@ -257,7 +257,7 @@ class UnusualValueWarning(UserWarning):
 
 
 class Declared:
-    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values are warned of.
+    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values cause a warning.
 
     The docstring of such a class lists key, meaning, unit, range, default and source of each declared field.
     """

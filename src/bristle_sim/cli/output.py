@@ -100,7 +100,7 @@ def ending_in_order() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """Raise the exception that ends the work; later where the engine or the hook is calling, which would print and forget it."""
+    """Raise the exception that ends the work, or try again later within a callback or the hook, where it would be lost."""
     while frame is not None:
         code = frame.f_code
         callback = (

@@ -47,7 +47,7 @@ class LocatedImpact(Impact):
 
 
 class ContactPair:
-    """Two collision types, their coefficients and their law. All values are checked: a bad one can abort the engine's process.
+    """Two collision types, their coefficients and their law, all checked, since a bad value can abort the engine's process.
 
     Attributes:
         friction: Coulomb's mu in compression and at rest.

@@ -137,7 +137,7 @@ class EnergeticContact:
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
-        """Return the space's EnergeticContact, or None. Use it to find that of a copied space."""
+        """Return the EnergeticContact of a space, for example of a copied one, or None."""
         owners = (_owner(each.pre_solve) for each in space._handlers.values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 

@@ -208,7 +208,7 @@ def resolve_at_once(
 
 
 def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
-    """Close the joints of bodies; return a basis of their scaled rows, shape (3 bodies, rank). Reached limits are rigid."""
+    """Close the joints of bodies, with reached limits as rigid; return a basis of their scaled rows, shape (3 bodies, rank)."""
     found, left = [np.zeros((3 * len(index), 0))], [each for each in index if each._constraints]
     while left:
         bodies, joints = joined(left[:1])

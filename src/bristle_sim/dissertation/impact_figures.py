@@ -189,7 +189,7 @@ def _panel(quantity: str, sweep: Sweep) -> Panel:
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
-    """Return a curve closer in x where it grows without bound, and points by law: ends and steps, middles between them."""
+    """Return a curve, sampled more densely where it grows without bound, and points by law at ends, steps and middles."""
     low, high, simulated = sweep.low, sweep.high, sweep.high
     grid = np.linspace(low, high, GRID)
     if sweep.until_stiction:

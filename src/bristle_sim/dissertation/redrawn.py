@@ -112,8 +112,8 @@ def curve_of(
 class Redrawn:
     """A figure or table of the dissertation with its own data.
 
-    The number is e.g. ``2.24`` or ``table_3.1``; the note, one line, is what a reader should know; the rows of a table, the
-    head first, are empty for a figure.
+    The number is e.g. ``2.24`` or ``table_3.1``; the note is one line for the reader; the rows of a table, the head first,
+    are empty for a figure.
     """
 
     number: str

@@ -37,7 +37,7 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Return whether friction makes it stick. It does not for a rigid contact that alone keeps a single link at rest."""
+        """Return whether friction makes it stick; a rigid contact that by itself keeps a single link at rest needs none."""
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
         idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
         return self.slip == STICK and self.friction > 0.0 and self.rub is None and not idle

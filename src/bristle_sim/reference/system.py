@@ -29,7 +29,7 @@ class State(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Sustained:
-    """A contact that lasts: its place, the sense of its slip (0 sticks), since when, and its spring if it is compliant.
+    """A contact that lasts: its place, the sense of its slip (0 sticks), its start, and its spring if it is compliant.
 
     ``sums`` are the normal and tangential impulse, N s, and the normal and tangential work, J; ``compression`` those up to
     the last end of a compliant contact's compression.

@@ -84,7 +84,7 @@ def slow_motion(
 
 
 class Film(ABC):
-    """A film: its picture at any film time. A subclass draws the part below the header and moves it.
+    """A film, as its picture at any film time; a subclass draws the part below the header and moves it.
 
     Attributes:
         size, letter_size: width and height of the picture by default, px, and height of its letters, px.
@@ -136,7 +136,7 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a film time, s. The parts that do not move are drawn once, with the first frame."""
+        """Return the picture at a film time, s; the still parts are drawn once, with the first frame."""
         self.show(film_time)
         if self._still is None:
             with styled():

@@ -30,7 +30,7 @@ COLOUR_PERCENTILE = 97.0
 def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
     """Draw lag, tip speed, normal work and crater depth over the bar's position.
 
-    ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
+    ``maps`` is the result of :func:`bristle_sim.studies.cue_map.position_map`.
     """
     figure, places = blank_figure(16.0, 15.3), _places(found)
     for number, name in enumerate(MAPS):

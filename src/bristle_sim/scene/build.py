@@ -135,7 +135,7 @@ class Scene:
 
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps. For several links it also solves joints, damping and contacts."""
+    """Return the object that takes the engine's steps; for several links it also solves joints, damping and contacts."""
     mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
     if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, *bodies)

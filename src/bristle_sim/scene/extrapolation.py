@@ -171,7 +171,7 @@ class Extrapolation:
             if row + 1 >= table.least_rows:
                 columns, differences = [*zip(*results, strict=True)], table.differences[row]
                 errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
-                # The largest of numbers one of which is NaN depends on their order.
+                # With a NaN among them, the largest of numbers depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if error <= self.noise and step <= self.damped_step:
                     break

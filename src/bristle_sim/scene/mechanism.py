@@ -103,7 +103,7 @@ class Mechanism:
         return Mechanism(self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
 
     def poses(self, state: State) -> list[Pose]:
-        """Return the poses of all links. The last few are cached, as the same state is needed repeatedly."""
+        """Return the poses of all links; the last few are cached, as the same state is needed repeatedly."""
         for known, poses in self._known:
             if known is state:
                 return poses

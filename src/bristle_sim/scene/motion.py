@@ -92,7 +92,7 @@ class SmoothMotion:
             self.rigid = rigid_contacts(progress.scene, obstacles, slips, paired=not self.springs)
             progress.state = self.rigid.set_back(gaps, progress.state)
             if progress.mechanism.lone and not self.springs:
-                # From here on the geometry gives angle and rate, whatever they were off before.
+                # From here on the geometry gives angle and rate, whatever their errors before.
                 progress.recording.error = progress.recording.summed
         for each in self.sustained:
             each.begin(progress.state)
@@ -266,6 +266,6 @@ def _overdue(motion: SmoothMotion) -> Change | None:
 
 
 def follow_bodies(progress: Progress, obstacle: Obstacle, spring: Spring) -> None:
-    """In stick update K from the bodies' positions. In a contact short enough for the rigid-body limit K is constant."""
+    """In stick update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
     if spring.expected.moves and not spring.slip:
         spring.inverse_mass = contact_at(progress.scene, progress.state, obstacle)[1].inverse_mass

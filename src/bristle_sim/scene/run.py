@@ -183,7 +183,7 @@ def _begin_contact(motion: SmoothMotion, obstacle: Obstacle, name: str, rests: b
         return None
     contact = None
     if rests and not progress.mechanism.lone:
-        # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
+        # Coupled links would pass a hop on to each other for ever: all touching links come to rest together.
         contact = Sustained(obstacle)
     elif not law.at_once and -progress.approach(obstacle) > progress.slow:
         try:

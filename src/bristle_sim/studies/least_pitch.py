@@ -36,7 +36,7 @@ NEXT_SEARCH = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LeastPitch:
-    """A pitch above which two wires do not touch up to an instant of a pass; ``by_theory`` by a lone bristle's motion, deg.
+    """A pitch, deg, above which two wires do not touch up to an instant of a pass; ``by_theory`` from a lone bristle's motion.
 
     The instant ``until``, s, is one of the pass of the bristle in front, or of the follower's own pass, a pitch later. It is
     None without a strike.

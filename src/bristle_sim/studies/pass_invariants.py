@@ -129,7 +129,7 @@ def _flights(run: Trajectory) -> NDArray[np.intp]:
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
-    """Whether the law of instantaneous impacts applies: not in a sustained contact, one as long as requested, or a jam."""
+    """Whether the rigid-body law applies: not to a sustained contact, a contact of requested duration, or a jam."""
     lasting = contact.duration and tool.contact.duration is not None
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 

@@ -63,7 +63,7 @@ def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
 def evaluated(
     function: Function, points: Iterator[Point], workers: int | Executor | None
 ) -> Generator[tuple[Point, Outcome], None, None]:
-    """Yield points with their outcomes as they are finished. Points during which a worker was lost come last, one by one.
+    """Yield points with their outcomes as they are finished; points that lost a worker come last, one by one.
 
     Until a point has results one batch is under way at a time, so that their shapes do not depend on the workers.
 
@@ -123,7 +123,7 @@ def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callabl
     pure: dict[str, Any] = {"pure": False} if client else {}
 
     def call(*arguments: Any) -> Any:
-        """Wait for the points that an executor evaluates. Pure functions are off: Dask would recall points that lost a worker."""
+        """Wait for the points that an executor evaluates, as impure calls: Dask would recall pure ones that lost a worker."""
         return executor.submit(evaluate_points, *arguments, **pure).result()
 
     return joblib.Parallel(2 * int(number or 1), backend="threading", **options), call

@@ -28,7 +28,7 @@ from bristle_sim.trajectory import Trajectory
 
 # Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period
 MOST_TURNS = 24
-REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn
+REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that is no change from turn to turn
 # Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten
 # times the accuracy
 MAGNIFIED = 100.0

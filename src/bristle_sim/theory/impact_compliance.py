@@ -54,8 +54,8 @@ One contact in a thousand of random K has more: those of modes whose rates diffe
 
 CHATTER, FURTHER = 500, 20
 """Times that a point is pressed on again before its slip loses a half at rest, and before it loses a further half. With mu_2 > mu_1
-slip can press the point on as soon as it begins to part, a million times in one of some thousand impacts: each time changes the slip
-by less than a part in this many."""
+slip can press the point on as soon as it begins to part. In one of some thousand impacts this happens a million times; each
+of them changes the slip by less than one part in that number."""
 
 LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
 

@@ -60,8 +60,8 @@ class Modes(NamedTuple):
     """Constants of a phase of stick, by mode (fast, slow) and by event function (edge, edge, line).
 
     At its beginning the oscillators are at w and G. A function is ``constant`` plus the modes' ``parts`` of G, or of w for the end
-    of loading; ``terms`` bounds what the parts of the edges add up of. ``bend``, ``jerk`` bound its derivatives, ``swing`` its fast
-    part and ``slow_bend`` the bend of its slow part.
+    of loading; ``terms`` bounds the terms of which the parts of the edges are sums. ``bend``, ``jerk`` bound its
+    derivatives, ``swing`` its fast part and ``slow_bend`` the bend of its slow part.
     """
 
     speeds: Number
@@ -183,7 +183,7 @@ class _Functions(NamedTuple):
         return fast * first + slow * second
 
     def leave(self, event: Number) -> None:
-        """Take steps from zeros of functions that leave them, and note the events of those that fall instead, by more than rounding."""
+        """Step away from zeros of functions that rise, and note the events of functions that fall by more than rounding."""
         flat = np.flatnonzero(self.value <= self.modes.close)
         if not flat.size:
             return

@@ -35,8 +35,8 @@ PHASES = ("compression", "compression after slip", "restitution", "restitution a
 
 KNIFE_EDGE = 1e-6
 """One degree of freedom that sticks with less than this fraction of its approach left, or already regained, is at rest: a
-radial bristle, up to rounding and to where its strike was located. It is neither a jam, nor has it a rebound, for which the
-work rule would ask an impulse of W/v_n, without bound."""
+radial bristle, up to rounding and to where its strike was located. It neither jams nor rebounds: for a rebound the work
+rule would require an unbounded impulse W/v_n."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
 

@@ -55,8 +55,8 @@ class Contact(NamedTuple):
 def stick(contact: Contact, settles: Number, patient: bool) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance to the end of a phase of stick; return the contact, event, and impulses and works along the normal and the surface.
 
-    Where ``settles``, the fast mode's swing is taken from the motion instead, with the energy that it holds. Few may be left
-    without an event; without patience those whose rates differ much are.
+    Where ``settles``, the fast mode's swing and its energy are taken from the motion instead. A few contacts may be left
+    without an event; unless ``patient``, so are those whose rates differ much.
     """
     steep, eta = contact.steep, contact.eta
     modes, (cosine, sine) = _modes(contact)

@@ -11,7 +11,7 @@ gamma). ``surface="inclined"`` takes that: least work then gives eta - gamma = p
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
-and the shear plane comes out of the surface for every mu > 0, where (4.43) asks mu >= tan(gamma) of the chip.
+and the shear plane comes out of the surface for every mu > 0, where (4.43) requires mu >= tan(gamma).
 
 Stresses in Pa, angles in rad, mu > 0 and 0 <= gamma < pi/2; everything broadcasts.
 """

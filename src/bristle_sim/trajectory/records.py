@@ -141,7 +141,7 @@ class ContactHistory(EqualByValue):
 
 @dataclass(frozen=True, slots=True)
 class ContactRecord:
-    """One contact. Vectors are (normal, tangential); the normal points out of the obstacle.
+    """One contact; vectors are (normal, tangential), and the normal points out of the obstacle.
 
     Attributes:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.

@@ -142,7 +142,7 @@ def _fits(value: Any, hint: Any) -> bool:
 
 
 def _finite(number: str) -> float:
-    """Return a number of the metadata, which JSON writes as ``NaN`` or ``Infinity`` too."""
+    """Return a number of the metadata after a check, as JSON may contain ``NaN`` and ``Infinity``."""
     _require(number, math.isfinite(float(number)), "be finite")
     return float(number)
 

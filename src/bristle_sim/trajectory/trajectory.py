@@ -34,7 +34,7 @@ class Trajectory(Motion):
     Attributes:
         time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
-        stop_reason, cost: why the run stopped, and what it cost.
+        stop_reason, cost: why the run stopped, and its cost.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
         inner_samples: motion between the samples in sustained contact, used by ``at``; None without any.
@@ -156,7 +156,7 @@ class Trajectory(Motion):
     def _repr_html_(self) -> str:
         return str(drawn_by().summary_page(self))
 
-    # A function of the run, in the file of its concern, is its method.
+    # These functions of a run are its methods; each stands in the file of its concern.
     to_dataframe = to_dataframe
     to_xarray = to_xarray
     __repr__ = summary

@@ -88,7 +88,7 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 
 
 class MujocoModel:
-    """Hub and bristle, compiled, with a tool's bar. The strike lies within the first step that ends below the workpart."""
+    """MuJoCo's compiled hub, bristle and bar of a tool; a strike lies within the first step that ends below the workpart."""
 
     def __init__(self, tool: Tool, integrator: str) -> None:
         self.library: Any = importlib.import_module("mujoco")

@@ -129,7 +129,7 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
-    """Compare passes on both sides of the jam. A first run gives the strike's angle, which friction does not change."""
+    """Compare passes on both sides of the jam, at the strike angle of a first run, which friction does not change."""
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
     rough = [tool.replace(friction=edge * (1.0 + side)) for side in (-distance, distance)]

@@ -58,7 +58,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def takes_seconds(pass_of: Scenario, assignments: Sequence[str]) -> bool:
-    """Whether a run takes seconds: the wire bends, or its contacts are resolved in time. A refusal takes none."""
+    """Whether a run takes seconds: its values are valid, and the wire bends or its contacts are resolved in time."""
     try:
         values = pass_of.values_of(assignments)
     except ValueError:

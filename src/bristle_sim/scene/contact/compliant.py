@@ -93,7 +93,7 @@ class CompliantLaw(ContactLaw):
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle, duration)
-        # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
+        # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
         stiffness = self.stiffness or (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
         self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE

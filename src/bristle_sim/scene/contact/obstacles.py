@@ -143,7 +143,7 @@ class BarObstacle:
     ) -> ClosestApproach:
         x, y = place[0] - self.centre[0], place[1] - self.centre[1]
         distance = math.hypot(x, y)
-        scale = distance or 1.0  # at the very centre no direction is the normal's
+        scale = distance or 1.0  # at the centre the normal is undefined
         normal = (x / scale, y / scale)
         arm = (
             place[0] - pose.joint[0] - self.wire_radius * normal[0],
@@ -245,7 +245,7 @@ class WirePair:
             piece = min(range(4), key=lambda end: math.dist(*found[end]))
         (x, y), (u, v) = found[piece]
         distance = math.hypot(x - u, y - v)
-        scale = distance or 1.0  # where centre lines meet no direction is the normal's
+        scale = distance or 1.0  # where centre lines meet the normal is undefined
         normal = ((x - u) / scale, (y - v) / scale)
         x, y = x - self.wire_radius * normal[0], y - self.wire_radius * normal[1]
         arms = [(x - poses[link].joint[0], y - poses[link].joint[1]) for link in links]
@@ -266,7 +266,7 @@ def _sides(line: Line, points: Line) -> float:
 
 
 Obstacle = BarObstacle | WorkpartObstacle | WirePair
-"""A pair of a link and what it can touch."""
+"""A pair of a link and an obstacle."""
 
 
 def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:

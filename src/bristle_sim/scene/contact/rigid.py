@@ -58,7 +58,7 @@ class RigidContacts(ABC):
 
     @abstractmethod
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback to run before each step; it notes the previous step's impulses."""
+        """Reset the sums; return a callback to run before each step, which notes the previous step's impulses."""
 
     @abstractmethod
     def totals(self) -> list[float]:
@@ -117,7 +117,7 @@ class RigidContacts(ABC):
         return (normal - obstacle.friction * slip * coupling) / free
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
-        """Return the piece that touches from now on. At a corner two pieces touch, a moment later only one."""
+        """Return the piece that touches a moment from now; at a corner two pieces touch."""
         if obstacle.partner is None and not self.scene.mechanism.links[obstacle.link].knees:
             return 0
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))

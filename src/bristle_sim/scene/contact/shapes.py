@@ -44,7 +44,7 @@ class ContactShapes:
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
         """From now on, let the engine act only on the contact of this straight piece of a link with the obstacle."""
-        # Its surface may be another one by now, as that of a dent is.
+        # Its surface may have changed, as in a dent.
         key = obstacle.name, obstacle.link, obstacle.corner
         if key not in self._shapes:
             self._shapes[key] = self._add(obstacle)

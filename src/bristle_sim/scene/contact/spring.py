@@ -161,9 +161,9 @@ class Spring:
 class SpringForce:
     """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums.
 
-    The force that stops the point in a step undoes the rest of its motion from the step before, due to forces of the spring and of
-    inertia alike. So the second step applies the force of stick at the beginning, and one more step would apply that at the end,
-    both up to powers of the step.
+    In each step the force of stick cancels the motion left from the step before, whether due to the spring or to inertia.
+    So the second step has the force at the interval's beginning, and one more step would have the force at its end, both up
+    to powers of the step.
 
     Attributes:
         totals: returns ``SPRING_TOTALS`` numbers; the forces in stick are 0 in slip.
@@ -183,7 +183,7 @@ class SpringForce:
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback that pushes for a step, by the phase that the spring is in."""
+        """Reset the sums; return a callback that applies the force of the spring's present phase for a step."""
         spring, push, place_of, velocity_of = self._spring, self._push, self._place, self._velocity
         stiffness, height, foot = self._stiffness, self._height, spring.foot
         ratio, stop, rigidity = self._ratio, 0.0, self._rigidity
@@ -233,7 +233,7 @@ class ContactLoad:
         self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums. Return a callback to run before each step."""
+        """Reset the sums; return a callback to run before each step."""
         if len(self._parts) == 1:
             return self._parts[0].begin(step)
         calls = [each.begin(step) for each in self._parts]

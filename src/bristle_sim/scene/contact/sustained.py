@@ -15,7 +15,7 @@ from bristle_sim.trajectory import ContactRecord
 
 
 class Outcome(StrEnum):
-    """How a contact ends. A sustained one may instead give the obstacle that ended it, or why the run stopped."""
+    """The end of a contact; a sustained one may instead name the obstacle that ended it, or why the run stopped."""
 
     REBOUND = "rebound"
     NO_REBOUND = "no rebound"

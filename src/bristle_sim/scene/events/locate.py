@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12  # time, and fraction of the searched interval, of an instant
 LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
 LOCATED_VALUE = 1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
-RATE_ROUNDING = (
-    1e-13  # of the difference of two rates of which an acceleration is made, and of a force times a duration
-)
+RATE_ROUNDING = 1e-13  # of the difference of two rates that give an acceleration, and of a force times a duration
 
 EXTREME_ERROR = 0.1
 """Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
@@ -144,7 +142,7 @@ def _change(function: EventFunction, interval: Interval) -> tuple[float, float] 
     left = -right if math.isnan(left) else left
     if exact is not None:
         left, right = exact(start), exact(interval.end.state)
-        if sign * right > 0.0 or sign * left < -noise:  # the differences have misled
+        if sign * right > 0.0 or sign * left < -noise:  # the differences had the wrong sign
             function.reached = right
             return None
     return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
@@ -275,8 +273,9 @@ SLOPE_SPAN = 1e-4  # fraction of an interval over which a slope is taken, before
 GUESS_TOLERANCE = 1e-7  # to which a guess is located, relative; the polynomial is hardly better
 
 MOST_MOVED = 0.1
-"""Longest time by which a result is moved by its accelerations, in time scales of the fastest motion and times the square root of
-the error that an interval may have. The rates are then off by a tenth of that error if the accelerations are by its root."""
+"""Longest time by which a result is moved with its accelerations, in units of the fastest motion's time scale times the
+square root of an interval's permitted error. With accelerations wrong by that root, the rates are then off by a tenth of
+the error."""
 
 
 def settle(

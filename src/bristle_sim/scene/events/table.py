@@ -178,7 +178,7 @@ def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, 
     if contact.slip == 0:
         found.append(EventFunction(spare, True, act=slips, difference=True))
     elif contact.slip:
-        # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
+        # Geometry and hub alone determine how a lone link slips: it turns back where several may stick.
         following = -contact.slip if progress.mechanism.lone else 0
         found.append(EventFunction(slip, True, act=partial(Slip, contact, following)))
     elif obstacle.friction:

@@ -30,7 +30,7 @@ GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an e
 LOCATED_GAP = 1e-6  # to which a touch is located, over the accuracy: a slow approach makes more of it in time
 SHORTEST_INTERVAL = 1e-13  # in the scene's time units; none shorter is accurate. A motion of that length is an instant
 OPENING = 1.0 / 16.0  # fraction of an interval between samples in which the gap of a released pair opens, or it hops
-LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound is none
+LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound counts as none
 MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
 
 Found = tuple[Interval, Touch | None]
@@ -106,7 +106,7 @@ def _search_hop(progress: Progress, interval: Interval, obstacle: Obstacle) -> F
     if time < length and above > 0.0:
         near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
         closed = settle(progress, partial(gaps.gap, obstacle), interval, near, GAP_TOLERANCE)
-        # The zero at its beginning is none.
+        # A zero at the interval's start does not count.
         if closed is not None and gaps.gap_and_rate(obstacle, closed.state)[1] < 0.0:
             return interval.up_to(closed), Touch(obstacle)
     while (gap := gaps.gap(obstacle, again(time).state)) < -GAP_ROUNDING and time > shortest:
