@@ -88,6 +88,7 @@ def test_a_narrow_terminal_leaves_the_reference_out_and_a_wide_one_shows_it():
     assert "  reference" not in narrow.splitlines()[0]
     assert "+2e-08 reference" in narrow
     assert "  reference" in wide.splitlines()[0]
+    assert "within" not in table(found, 10).splitlines()[0]  # no terminal is too narrow for a table
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from bristle_sim.comparison import Quantity
 from bristle_sim.dissertation import impact_figures
-from bristle_sim.dissertation.figures import NUMBERS, redrawn
+from bristle_sim.dissertation.figures import NUMBERS, _answer, redrawn
 from bristle_sim.dissertation.redrawn import SOURCES, Axis, Panel, Redrawn, curve_of, largest_differences
 
 MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
@@ -97,3 +98,5 @@ def test_a_point_off_its_curve_is_seen():
     panel = Panel(Axis("x"), Axis("y"), (curve,))
     # 0.01 off where the larger of the two curve values is 1.
     assert largest_differences(Redrawn("0", "a line", (panel,))) == {"printed": pytest.approx(0.01)}
+    judged = [Quantity(name, "1", off, 0.0, tolerance=0.001) for name, off in (("line", 0.01), ("arc", 0.0))]
+    assert _answer(judged) == "No: 1 of 2 sets of points are off their curves: line."

@@ -85,6 +85,7 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
         ([0, 1, 2], [0, 1, 0], {}, "3 points"),
         ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"duration": 3.0}, "duration = 3"),
         ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"peak_force": math.nan}, r"peak_force = nan: must be .* \(in N\)"),
+        (range(6), [0, 0, 5, 6, 0, 0], {"duration": 2.0, "start": None}, "no contact found"),
         ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"duration": -1.0}, r"duration = -1: must be .* \(in s\)"),
         ([0, 1e-294, 2e-294, 3e-294], [0, 1, 2, 0], {}, r"time: spans 3e-294: must be 1e-12 to 1e\+06 \(in s\)"),
     ],
@@ -153,6 +154,7 @@ RAMP = np.arange(12.0)
         (RAMP, RAMP, "no contact found|its end must be after the peak"),
         (RAMP, 11 - RAMP, "no contact found|its start must be before that of the contact"),
         (RAMP, np.where(RAMP == 6, 5.0, 0.0), "force: no contact found"),
+        (RAMP, np.where(abs(RAMP - 5) < 2, -1.0, -9.0), "force: no contact found"),
         (*record(baseline=6.0), "force: begins at 6.0"),
         (*record(baseline=-6.0), "force: begins at -5.9"),
         (

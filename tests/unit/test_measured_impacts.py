@@ -57,6 +57,16 @@ def test_ratio_of_stiffnesses() -> None:
     assert (elastic_compliance(0.0), elastic_compliance(0.5)) == (1.0, 1.5)
 
 
+@pytest.mark.parametrize("states", [np.zeros((3, 12)), np.full((4, 12), math.nan)])
+def test_few_impacts_or_gaps_are_refused(tmp_path: Path, states: np.ndarray) -> None:
+    from scipy.io import savemat
+
+    path = tmp_path / "bounces.mat"
+    savemat(path, {"bounce_array": [{"states": each, "flags": np.zeros(2)} for each in states]})
+    with pytest.raises(ValueError, match="must hold at least four impacts of finite numbers"):
+        read_ellipse(str(path))
+
+
 @measured
 def test_the_arms_are_those_of_the_file_but_for_the_sense_of_the_tangential_one() -> None:
     """The file gives them to fractions of a millimetre; the angle runs clockwise."""

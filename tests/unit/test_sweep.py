@@ -232,15 +232,18 @@ def test_damaged_and_lost_parts_are_computed_again(
 
 
 def test_a_store_holds_data_alone(tmp_path: Path):
-    """No pickle: its protocols begin with \\x80; and nothing of an interrupted writing is left."""
+    """No pickle: its protocols begin with \\x80; and nothing of an interrupted writing is left, but a new one goes on."""
     sweep(power, SPACE, store=tmp_path)
     (store,) = tmp_path.iterdir()
     leftover = store / "power" / "c" / "0" / "0.abc.partial"
-    leftover.write_bytes(b"half")
+    written = leftover.with_name("0.def.partial")
+    for each in (leftover, written):
+        each.write_bytes(b"half")
     os.utime(leftover, (0, 0))
     sweep(power, SPACE, store=tmp_path)
     files = [each for each in store.rglob("*") if each.is_file()]
     assert leftover not in files
+    assert written in files
     assert not [each for each in files if each.read_bytes().startswith(b"\x80")]
 
 

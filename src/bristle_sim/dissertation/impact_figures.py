@@ -243,8 +243,7 @@ def impact_curve(
     for law, at in places.items():
         records = ((each, _struck(*impact(each), law)) for each in at.tolist())
         found = [(each, value) for each, record in records if record and (value := read(record)) is not None]
-        if found:
-            points[law] = tuple(zip(*found, strict=True))
+        points[law] = tuple(zip(*found, strict=True))
     return curve_of(name, formula, x, points)
 
 

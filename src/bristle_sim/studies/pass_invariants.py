@@ -171,10 +171,9 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
         gain = arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root
         change = np.subtract(strike.velocity_after, strike.velocity_before)
         errors["impulse_momentum_error"] = float(np.abs(change - gain).max()) / speed
-    if pushed > 0.0:
-        compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
-        cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
-        errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / pushed
+    compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
+    cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
+    errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
     works = strike.compressive_work, strike.restitutive_work
     if strike.outcome != "stiction" and works[0] and works[1] and works[0][0]:  # stiction leaves no restitution
         errors["restitution_work_error"] = abs(works[1][0] + part.restitution**2 * works[0][0]) / abs(works[0][0])

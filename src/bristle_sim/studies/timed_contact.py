@@ -223,8 +223,7 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
         found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings())
-        if found.contact.history is None:
-            raise ValueError("contact: must be resolved in time")
+        assert found.contact.history is not None  # it is resolved in time
         return found, (compression_end(found.contact.history),)
 
     try:

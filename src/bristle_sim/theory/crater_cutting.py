@@ -110,13 +110,11 @@ def depth_from_force(
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
     """Find the root of a rising function by Newton's method from a start close below it, or at it if that is 0."""
-    root = np.asarray(start, dtype=float)
-    for _ in range(NEWTON_STEPS):
+    root, step, tries = np.asarray(start, dtype=float), np.array(math.inf), 0
+    while tries < NEWTON_STEPS and np.any(np.abs(step) > 1e-14 * np.abs(root)):
         value, slope = excess(root)
         step = np.divide(value, slope, out=np.zeros(np.broadcast(value, slope).shape), where=np.asarray(slope) > 0.0)
-        root = root - step
-        if np.all(np.abs(step) <= 1e-14 * np.abs(root)):
-            break
+        root, tries = root - step, tries + 1
     return root[()]
 
 
