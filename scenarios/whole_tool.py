@@ -1,4 +1,4 @@
-"""The whole tool: what does a hand hold against, and what does a load cell under the workpart see?
+"""The whole tool: which forces does a hand bear, and what does a load cell under the workpart show?
 
 One bristle is turned until its motion repeats. The tool's forces are the sum of its copies, one for each bristle, which
 must not touch each other; torque and power are compared with the energy that a turn loses, and the force behind a load
@@ -36,7 +36,7 @@ def series(report: Report) -> Columns:
 
 SCENARIO = Scenario(
     name="whole_tool",
-    question="What does a hand hold against, and what does a load cell see?",
+    question="Which forces does a hand bear, and what does a load cell show?",
     run=run,
     plot=plot,
     series=series,

@@ -51,7 +51,7 @@ def test_the_answer_is_that_of_the_slides() -> None:
     first = f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
     assert report.answer.startswith(first)
     away = dataclasses.replace(TOOL, workpart=Workpart(penetration=-0.001))
-    assert bent_bristles(away, Settings()).answer == "None slides: no tip strikes the workpart."
+    assert bent_bristles(away, Settings()).answer == "No tip slides, because none strikes the workpart."
 
 
 def test_a_tip_that_retracts_at_once_is_named() -> None:

@@ -211,7 +211,7 @@ def test_printed_force_and_printed_motion_are_of_two_events():
     assert work_along_path() == pytest.approx(work, rel=1e-10)
     # 4.05 mJ of work against 15.6 mJ given up.
     assert work < 0.3 * (kinetic_energy(0.0) - kinetic_energy(END))
-    # The motion asks for its largest force at first touch, the force history has its largest at the end.
+    # The motion requires its largest force at first touch, the force history has its largest at the end.
     assert path_force(0.0) == pytest.approx(8.387e-5 / 3 * 92400 * 30, rel=1e-13)
     assert path_force(END) < 0.05 * BRISTLE(END)
 

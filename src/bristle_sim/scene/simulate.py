@@ -206,8 +206,8 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
         raise ValueError(
-            f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
-            " whose rest rounding hides (dimensionless)"
+            f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for so small and slow a motion,"
+            " or rounding would hide its errors (dimensionless)"
         )
     damping, stiffness, rate = scene.effects.damping, scene.effects.stiffness, damping_rate(scene)
     if not scene.mechanism.lone:

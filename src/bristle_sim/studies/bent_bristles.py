@@ -130,7 +130,7 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
     """Return which tips slide and which retract at once, and the slip that turns or stops first."""
     struck = {shape: slide for shape, slide in slides.items() if slide is not None}
     if not struck:
-        return "None slides: no tip strikes the workpart."
+        return "No tip slides, because none strikes the workpart."
     least = RETRACTS * max(slide.forward for slide in struck.values())
     sliding = {shape: slide for shape, slide in struck.items() if slide.forward > least}
     parts = [f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm" for shape, slide in sliding.items()]

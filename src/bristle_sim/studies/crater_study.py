@@ -38,7 +38,7 @@ MEASURED = 1.3e-4  # Depth of the crater on the micrograph, m (Zhang 2020, fig. 
 
 FORMULA_DEPTHS = {
     "merchant_crater_depth": ("depth by Merchant's plies", "m"),
-    "merchant_crater_depth_limit": ("depth by plies without end", "m"),
+    "merchant_crater_depth_limit": ("depth by infinitely many plies", "m"),
     "energy_crater_depth": ("depth by work and energy", "m"),
 }
 CONTACT_DEPTHS = {

@@ -174,8 +174,8 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
     estimate = run.cost.error_estimate
     if estimate is not None and estimate > _tolerance(settings):
         raise ValueError(
-            f"accuracy = {settings.accuracy:g}: must be at least {0.1 * estimate:.2g} for this release, in whose"
-            f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
+            f"accuracy = {settings.accuracy:g}: must be at least {0.1 * estimate:.2g} for this release, as over"
+            f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn its error grows to {estimate:.2g}"
             " (dimensionless)"
         )
     found, referred, places = _cue(tool, retraction, run), None, [(bar.horizontal, bar.vertical)]

@@ -131,7 +131,7 @@ def flexible_wire(
     """
     for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
         if not value:
-            raise ValueError(f"{key} = 0: must be above 0, or no wire strikes that bends back (in {unit})")
+            raise ValueError(f"{key} = 0: must be above 0, or no elastic wire strikes (in {unit})")
     gamma = math.radians(strike.impact_angle_deg)
     tool = tool_at_surface(hub, belt, bristle, surface, gamma)
     struck = FlexibleStrike(tool, gamma, strike.speed_ratio * hub.speed, contact, settings)

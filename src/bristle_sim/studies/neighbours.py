@@ -84,7 +84,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     if not roots < row.pitch_deg < (360.0 - roots) / (row.bristles - 1):
         raise ValueError(
             f"pitch_deg = {row.pitch_deg:g}: must be above {roots:g} and below {(360.0 - roots) / (row.bristles - 1):g}, or"
-            " wires stand in each other (in deg)"
+            " wires overlap (in deg)"
         )
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
