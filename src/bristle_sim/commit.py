@@ -8,7 +8,7 @@ from pathlib import Path
 def commit() -> str:
     """Return the commit of the checkout, or of the distribution's source; empty where neither is known.
 
-    A checkout with changes of its own ends in ``-dirty``.
+    The commit of a modified checkout ends in ``-dirty``.
     """
     package = Path(__file__).parent
     built, checkout = package / "commit.txt", package.parents[1]

@@ -17,18 +17,18 @@ wire that bends 12 to 20 s."""
 MOST_SAMPLES = 1_000_000_000  # more than a run could hold
 
 LEAST_NEEDED, MOST_NEEDED = 8, 24
-"""Samples in a period by default: fewer make a poor picture, and more are not worth their time, although the cubic through 24
-is good to 1e-5 only."""
+"""Default samples in a period. Fewer make a poor picture; more are not worth their time, although the cubic through 24 is
+accurate to 1e-5 only."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings(Declared):
     """Accuracy, step budget and sampling of a run.
 
-    ``maximum_steps`` are the engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
-    iterations counts once more for each hundred. ``samples_per_period`` is the least number of samples in a period of the bristle
-    on its belt; None takes as many, from 8 to 24, as give a cubic through them the accuracy: its error is h^4/384 of a motion that
-    is sampled every h rad.
+    ``maximum_steps`` is the number of engine steps after which a run stops for that reason; a step that takes the engine's
+    solver hundreds of iterations counts once more for each hundred. ``samples_per_period`` is the least number of samples
+    in a period of the bristle on its belt; None chooses 8 to 24, so that a cubic through them meets the accuracy: its error
+    is h^4/384 of a motion sampled every h rad.
     """
 
     accuracy: float = quantity(

@@ -38,10 +38,10 @@ class EnergeticContact:
         ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
             EnergeticContact already.
 
-    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration. Impacts
-    of bodies that touch each other are resolved one by one at the instants of touch, the earliest first, of simultaneous ones
-    the fastest; after ``sequence.MOST`` of them the rest at once. For a copied or unpickled space :meth:`of` returns its object,
-    without ``report``.
+    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration.
+    Impacts of bodies that touch each other are resolved one by one at the instants of touch, the earliest first, and of
+    simultaneous ones the fastest first. After ``sequence.MOST`` impacts the rest are resolved at once. For a copied or
+    unpickled space :meth:`of` returns its object, without ``report``.
 
     Just before an impact, velocities are projected onto the joints, which only loses energy, as ``energetic_impact`` does (moving
     kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain energy: it solves

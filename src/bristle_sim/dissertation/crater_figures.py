@@ -49,7 +49,7 @@ FAMILIES: dict[str, Family] = {
     "4.15": ("the impact angle", ANGLE, "impact_angle_deg", (0.5, 23.4), "friction", (0.5, 1.0, 2.0, 4.0)),
     "4.17": ("the shear yield stress", STRESS, "shear_yield_stress", (0.8e8, 2.4e8), "impact_angle_deg", ANGLES),
 }
-"""Depth over a field of Crater, its axis, name and range, by another one and its values."""
+"""By figure: the varied quantity, its axis, its field of Crater and range; and the field and values of the family."""
 
 
 def map_figure() -> Redrawn:
@@ -168,7 +168,7 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 
 
 def _over_time(axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array) -> Panel:
-    """A printed course of the compression with the simulated contact's."""
+    """Return a panel with a printed course of the compression and the simulated one."""
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
     kept, grid = time <= COMPRESSION_TIME, np.linspace(0.0, COMPRESSION_TIME, 101)
     return Panel(MICROSECONDS, axis, (curve_of(name, formula, grid, {"contact": (time[kept], values[first][kept])}),))

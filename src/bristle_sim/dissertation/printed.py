@@ -86,7 +86,7 @@ def above(value: Any, bound: float, *further: Any) -> Figure:
 
 
 def grows(*families: Any) -> Figure:
-    """Return the least increase along the last axis, over the range of the values; the statement is that all grow."""
+    """Return the least increase along the last axis, relative to the values' range; the statement is that all grow."""
     return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
 
 

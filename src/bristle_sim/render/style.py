@@ -44,7 +44,7 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the look: a context in which to build or save figures, or a decorator of functions that do."""
+    """Apply the look, as a context in which figures are built or saved, or as a decorator."""
     with mpl.rc_context(_LOOK):
         yield
 

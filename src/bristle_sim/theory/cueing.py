@@ -143,11 +143,12 @@ def _phase(damping_ratio: Number) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """Where the bar of a tool must stand; rad, m, s, rad/s.
+    """The position of the bar that cues a tool's strike; rad, m, s, rad/s.
 
-    The impact angle is gamma, the tip's lag A as it slips off the bar, t_c the cue time, in which the hub turns by theta_1 =
-    omega t_c, and the highest speed that of the bristle relative to the hub. The bar is S away in the direction A + theta_1 +
-    gamma from the workpart's normal, S_H along the workpart and S_V from it.
+    gamma is the impact angle, A the tip's lag as it slips off the bar, and t_c the cue time, in which the hub turns by
+    theta_1 = omega t_c. The highest speed is the bristle's relative to the hub. The bar is at the distance S from the hub's
+    centre, in the direction A + theta_1 + gamma from the workpart's normal; S_H is measured along the workpart and S_V
+    normal to it.
     """
 
     impact_angle: float

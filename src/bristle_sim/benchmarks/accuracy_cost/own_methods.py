@@ -61,7 +61,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts by each contact law; by the compliant one at several accuracies."""
+    """Return attempts by each contact law, with several accuracies of the compliant one."""
 
     def by_law(law: str) -> Callable[[float], Run]:
         def run(accuracy: float) -> Run:

@@ -51,8 +51,8 @@ REQUESTED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""Methods that take a requested accuracy, and the least accuracy that is judged. Not far below it are rounding, the rounding
-of a short contact's penetrations, and the accuracy of the pass's reference."""
+"""Methods that take a requested accuracy, and the finest accuracy that is judged. Finer ones are limited by rounding, by
+the rounding of a short contact's penetrations, and by the accuracy of the pass's reference."""
 
 ROUNDS = {"full": 7, "quick": 2}
 """Number of times that each attempt is timed."""

@@ -82,8 +82,8 @@ def _unequal(lengths: tuple[float, ...]) -> Finding:
 
 
 ROUNDINGS = 40
-"""Roundings of friction, sine, cosine, their products and K, here and in the closed form: an impulse may be off by as many
-epsilons, and near the jam by as many over the distance from it."""
+"""Roundings of friction, sine, cosine, their products and K, here and in the closed form: an impulse may be off by this
+number of epsilons, divided near the jam by the distance from it."""
 
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
 """Two rods whose slip drives the tip into the surface; it stops before restitution ends, so that little is magnified."""

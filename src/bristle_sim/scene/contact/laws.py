@@ -35,7 +35,7 @@ class ContactLaw:
     """The base class of impact laws.
 
     Attributes:
-        name: in contact records.
+        name: the law's name in contact records.
         at_once: whether its impacts take no time.
     """
 
