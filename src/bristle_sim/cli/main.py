@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NoReturn
 from warnings import catch_warnings, simplefilter
@@ -123,7 +124,7 @@ class Work:
                 tell(f"{_flag(option)}: wrote {target}")
         shown = "json" if options.json == "-" else "csv" if options.csv == "-" else ""
         say(texts.get(shown) or in_words(report))
-        return status or (MISSED if False in [row.ok for row in report.quantities] else 0)
+        return status or (MISSED if False in map(attrgetter("ok"), report.quantities) else 0)
 
     def sweep(self) -> None:
         """Run the scenario over one or two keys."""

@@ -105,7 +105,11 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
         return float((0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])).sum())
 
     found, uncertain = [0.0], [0.0]
-    for first, last in _flights(run):
+    middle, free = 0.5 * (run.time[1:] + run.time[:-1]), np.diff(run.time) > 0.0
+    for each in run.contacts:
+        free &= (middle < each.time) | (middle > each.time + each.duration)
+    # A flight lasts from one contact to the next.
+    for first, last in np.flatnonzero(np.diff(free, prepend=False, append=False)).reshape(-1, 2):
         flight = np.arange(first, last + 1)
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + lost(flight)))
         uncertain.append(abs(lost(flight) - lost(np.append(flight[:-1:2], flight[-1]))))
@@ -118,14 +122,6 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
             moment = float(_arms_at(tool, run, each)[0] @ each.impulse)
             found.append(abs(0.5 * inertia * (after**2 - before**2) - work + omega * moment))
     return max(found), max(uncertain)
-
-
-def _flights(run: Trajectory) -> NDArray[np.intp]:
-    """Return the first and last sample of each flight, from one contact to the next, shape (flights, 2)."""
-    middle, free = 0.5 * (run.time[1:] + run.time[:-1]), np.diff(run.time) > 0.0
-    for each in run.contacts:
-        free &= (middle < each.time) | (middle > each.time + each.duration)
-    return np.flatnonzero(np.diff(free, prepend=False, append=False)).reshape(-1, 2)
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:

@@ -58,9 +58,8 @@ QUANTITIES = {
     **IMPACT,
 }
 
-RADIAL = (
-    0.005  # lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown
-)
+RADIAL = 0.005
+"""Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
 
 PRINTED = {
     "release_retraction_deg": printed_number("eq. 2.2: retraction angle at release"),
@@ -115,7 +114,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         phases=contact.phases if contact is not None else (),
         **ran(run),
         remarks=tuple(remarks),
-        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
+        extra={"invariants": dict(map(attrgetter("name", "simulated"), invariants)), "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
         answer=_why_not(tool, run)
         if contact is None
