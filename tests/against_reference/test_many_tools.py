@@ -1,4 +1,4 @@
-"""Random tools at the default accuracy, 1e-6, against 1e-9 and the reference: strikes, whole passes, and friction's work.
+"""Random tools, most at the default accuracy, against finer runs and the reference: strikes, passes, friction's work, releases, samples.
 
 Every third strike is without restitution, friction goes up to 3 and damping beyond critical. A few run with the suite, the
 list of 300 without a bar and 300 with one at night.
@@ -14,6 +14,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
@@ -88,6 +89,33 @@ def faults(seed: int, bar: bool) -> list[str]:
 @pytest.mark.parametrize("seed", range(6))
 def test_a_tool(seed: int, bar: bool) -> None:
     assert faults(seed, bar) == []
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6])
+@pytest.mark.parametrize("seed", [9, 13, 19])
+def test_a_release_is_located_in_a_short_interval(seed: int, accuracy: float) -> None:
+    """A lone bristle in contact is where the geometry puts it: only the force's error moves the release, some 1e-9 of a time unit."""
+    tool = tool_of(seed, bar=True)
+    own, other = simulate(tool, Settings(accuracy=accuracy)), simulate_reference(tool, accuracy=1e-11)
+    release, expected = own.event_time("bar release"), other.event_time("bar release")
+    assert release is not None
+    assert expected is not None
+    assert abs(release - expected) < 1e-7 * tool_units(tool).time
+
+
+@pytest.mark.parametrize(("seed", "bar"), [(10, False), (9, True), (18, True)])
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6])
+def test_motion_between_samples_has_the_accuracy(seed: int, bar: bool, accuracy: float) -> None:
+    """At random instants, away from impacts; rates in the scene's units, where the fastest motion has the rate 1."""
+    tool = tool_of(seed, bar)
+    own = simulate(tool, Settings(accuracy=accuracy), stop_after="strike")
+    fine = simulate(tool, Settings(accuracy=1e-10, samples_per_period=200), stop_after="strike")
+    times, end = np.array([event.time for event in fine.events]), 0.999 * fine.time[-1]
+    instants = np.random.default_rng(seed).uniform(0.0, end, 500)
+    instants = instants[np.abs(instants[:, np.newaxis] - times).min(axis=1) > 1e-3 * end]
+    found, expected = own.at(instants), fine.at(instants)
+    assert np.abs(found.angles - expected.angles).max() < accuracy
+    assert np.abs(found.rates - expected.rates).max() * tool_units(tool).time < accuracy
 
 
 @pytest.mark.nightly

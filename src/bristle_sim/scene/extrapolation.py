@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 PLACING_COST = 6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
+LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
 LEAST_CORRECTED_STEP = 1e-6  # shorter steps, in time units, open joints by less than rounding matters
 
 
@@ -174,6 +175,8 @@ class Extrapolation:
                 # With a NaN among them, the largest of numbers depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if error <= self.noise and step <= self.damped_step:
+                    if self.damped_step < math.inf:
+                        error = min(max(error, LEAST_GAIN * known.get(row - 1, 0.0)), self.noise)
                     break
         weights, others = table.weights[len(results) - 1], table.first_order[len(results) - 1]
         best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]

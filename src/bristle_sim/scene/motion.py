@@ -45,6 +45,10 @@ OVERDUE_DURATIONS = 10.0  # after which a contact in the rigid-body limit is no 
 SHORTEST_SAMPLED = 2e-3  # shorter intervals are left to the cubic: its error falls with their third power
 CUBIC_RATE_ERROR = 0.1  # fraction of the requested error of the rate above which the middle alone is not enough
 
+QUINTIC_RATE_ERROR = 2.4e-5
+"""Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest
+motion: the largest slope of (s (s - 1/2) (s - 1))^2, 0.0174, over 6!."""
+
 
 class SmoothMotion:
     """One smooth motion of the links, up to the next change of contact.
@@ -176,7 +180,7 @@ class SmoothMotion:
             # The function that is zero at a new end has changed its sign; the later ones have not yet.
             known = interval is whole or each is happens
             each.sign = each.sign_of(each.reached if known else each.value(interval.end))
-        self._commit(interval)
+        self._commit(interval, alone=self.before is None and touch is not None)
         if happens is None:
             return touch or _overdue(self)
         if happens.final is not None:
@@ -185,8 +189,11 @@ class SmoothMotion:
             progress.event(happens.event, (happens.wire,))
         return None if happens.act is None else happens.act()
 
-    def _commit(self, interval: Interval) -> None:
-        """Accept an interval's end; links in sustained contact are set back onto their obstacles."""
+    def _commit(self, interval: Interval, *, alone: bool) -> None:
+        """Accept an interval's end; links in sustained contact are set back onto their obstacles.
+
+        A flight of one interval, ``alone``, gets one more sample where the polynomial through three is less accurate than the run.
+        """
         progress, gaps, result, length = self.progress, self.progress.gaps, interval.end, interval.length
         progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
         progress.recording.error += result.error
@@ -194,6 +201,9 @@ class SmoothMotion:
         if self.sustained:
             self._add(interval)
         else:
+            turned = length / progress.plan.time_scale
+            if alone and result.middle and QUINTIC_RATE_ERROR * turned**5 > progress.plan.accuracy:
+                progress.sample(state=interval.again(0.5 * length).middle)
             if result.middle is not None and (self.before is None or length > progress.plan.longest_interval):
                 progress.sample(state=result.middle)
             progress.sample()

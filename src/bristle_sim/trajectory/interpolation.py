@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,10 @@ Pieces = list[tuple[int, int]]
 """First and last sample of each interval in which a function is smooth."""
 
 MOST_SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
-UNEVEN = 10.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
+MOST_ON_ONE_SIDE = 4  # beyond an interval; with six, an interval without any on the other side magnifies errors by 20
+SHORTEST_DISTANCE, LONGEST_DISTANCE = 0.4, 20.0
+"""Of a polynomial's neighbouring samples, over the interval that it is for. Shorter ones, as next to an event, would magnify the
+errors of their samples far away from them."""
 
 
 class Interpolation:
@@ -111,12 +115,11 @@ class Interpolation:
         """Return values and slopes of angles and corners at instants, shape (2, instants, columns)."""
         chosen = _chosen(self._time, self._pieces, instants, side)
         both = zip(chosen.tolist(), instants.tolist(), strict=True)
-        windows = np.array([_window(self._time, self._pieces[piece], instant) for piece, instant in both], dtype=int)
-        low, high = windows.reshape(-1, 2).T
-        found = np.empty((2, instants.size, self._states.shape[2]))
-        for size in np.unique(high - low):
-            own = np.flatnonzero(high - low == size)
-            rows = low[own, np.newaxis] + np.arange(size + 1)
+        windows = [_window(self._time, self._pieces[piece], instant) for piece, instant in both]
+        sizes, found = np.array([*map(len, windows)]), np.empty((2, instants.size, self._states.shape[2]))
+        for size in np.unique(sizes):
+            own = np.flatnonzero(sizes == size)
+            rows = np.array([windows[each] for each in own])
             found[:, own] = _hermite(self._time[rows], self._states[rows], instants[own])
         return found
 
@@ -157,19 +160,22 @@ def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[
     return np.searchsorted(ends, instants, side="left")
 
 
-def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, int]:
-    """Return first and last sample of the polynomial for an instant; the window grows while its intervals are alike."""
+def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
+    """Return the samples of the polynomial for an instant, on both sides of it as far as there are any at suitable distances."""
     first, last = piece
     low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
-    high, own = low + 1, time[low + 1] - time[low]
-
-    def alike(start: int) -> bool:
-        return first <= start < last and bool(own <= UNEVEN * (time[start + 1] - time[start]) <= UNEVEN**2 * own)
-
-    while high - low + 1 < MOST_SAMPLES and (alike(low - 1) or alike(high)):
-        low -= alike(low - 1)
-        high += high - low + 1 < MOST_SAMPLES and alike(high)
-    return low, high
+    chosen, own = deque([low, low + 1]), time[low + 1] - time[low]
+    shortest, longest = SHORTEST_DISTANCE * own, LONGEST_DISTANCE * own
+    for _ in range(MOST_ON_ONE_SIDE):
+        each = int(np.searchsorted(time, time[chosen[0]] - shortest, side="right")) - 1
+        if each >= first and time[chosen[0]] - time[each] <= longest:
+            chosen.appendleft(each)
+        each = int(np.searchsorted(time, time[chosen[-1]] + shortest))
+        if each <= last and time[each] - time[chosen[-1]] <= longest:
+            chosen.append(each)
+        if len(chosen) >= MOST_SAMPLES:
+            break
+    return tuple(chosen)
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:

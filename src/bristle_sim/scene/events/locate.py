@@ -28,6 +28,14 @@ EXTREME_ERROR = 0.1
 """Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
 between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384 = 1 % of its amplitude."""
 
+LONGEST_OF_A_FORCE = 0.025
+"""Longest interval, in time scales of the fastest motion, in which a zero of a force is located: extrapolation from h/4, h/5, h/6
+and h/7 leaves h^4/840 of the force's fourth derivative, and its error is not estimated."""
+
+ROUGH_VALUE, BEFORE_ZERO = 0.01, 0.95
+"""Fraction of the ends' values to which a zero of a force is located in a longer interval, and fraction of the time to it after which
+a shorter interval begins."""
+
 ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a function hardly moves
 
 
@@ -122,7 +130,9 @@ def first_change(
             break
         part = _to_the_extreme(function, interval) if function.turns else interval
         ends = _change(function, part) if part.length > instant else None
-        if ends is not None:
+        if ends is not None and _is_far(progress, function, part):
+            interval, first = interval.up_to(_before_zero(function, part, *ends)), None
+        elif ends is not None:
             interval, first = interval.up_to(_zero(progress, function, part, *ends, instant)), function
     return interval, first
 
@@ -164,6 +174,20 @@ def _may_have_changed(function: EventFunction, interval: Interval, right: float)
     rates = zip(start.rates, interval.at(moment).rates, strict=True)
     left = function.value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
     return left * right < 0.2 * interval.length * right**2
+
+
+def _is_far(progress: Progress, function: EventFunction, interval: Interval) -> bool:
+    """Whether a zero of a force must be looked for in a shorter interval, which begins just before it."""
+    longest = LONGEST_OF_A_FORCE * progress.plan.time_scale
+    return function.difference and function.exact is None and interval.length > longest
+
+
+def _before_zero(function: EventFunction, interval: Interval, left: float, right: float) -> Advance:
+    """Return the result just before a force's zero in a long interval."""
+    again, rough = interval.again, ROUGH_VALUE * max(abs(left), abs(right))
+    return again(
+        BEFORE_ZERO * locate(lambda time: function.value(again(time)), 0.0, interval.length, left, right, rough)
+    )
 
 
 def _zero(
