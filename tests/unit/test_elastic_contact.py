@@ -56,6 +56,14 @@ def test_rounding_does_not_decide_what_ends_together(chain: Chain, mu: float, sq
         assert struck(start, surface, Contact("compliant", None, squared)) == pytest.approx(law, abs=1e-5)
 
 
+def test_compression_that_a_swing_along_the_surface_ends() -> None:
+    """The first swing after slip carries the tip of two rods out of compression and would carry it back in."""
+    chain = Chain((0.564, 1.395), (1.0, 1.0), (-0.283, -0.266), (0.56, 0.792))
+    surface = Surface(0.711, 0.24, 1.0)
+    law = struck(chain, surface, Contact(tangential_compliance=0.01))
+    assert struck(chain, surface, Contact("compliant", None, 0.01)) == pytest.approx(law, abs=1e-5)
+
+
 def test_the_oblique_strike_is_as_it_was_predicted() -> None:
     """By hand for one degree of freedom, eta^2 = 1.21: 1.750 mN s and a rebound ratio of -0.858 instead of -0.540."""
     for contact in (Contact(tangential_compliance=1.21), Contact("compliant", None, 1.21)):

@@ -246,8 +246,10 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     def event(
         what: SpringEvent, value: Callable[[Advance], float], *, falling: bool = True, together: bool = False
     ) -> EventFunction:
-        # In the rigid-body limit, and but for the last event of a lone link, nothing turns back within an interval.
-        turns = spring.expected.moves and (not progress.mechanism.lone or what is SpringEvent.UNLOADED)
+        # A lone link turns back within an interval before its last event only. Several links also do where a tangential spring
+        # swings and carries their normal velocity beyond zero and back; else they do not in the rigid-body limit.
+        moves = spring.expected.moves
+        turns = moves and what is SpringEvent.UNLOADED if progress.mechanism.lone else moves or spring.elastic
         begins = what in (SpringEvent.SLIP_STOPS, SpringEvent.STICK_BREAKS)  # slip in its sense, stick below its limit
         function = EventFunction(
             value, falling, tolerance=tolerance, turns=turns, positive=begins, ends_together=together
