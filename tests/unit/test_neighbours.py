@@ -157,3 +157,11 @@ class TestPictures:
         scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
         rate = strike.rates_before[0] - Tool().hub.speed
         assert scene.texts[0] == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
+
+
+def test_the_reference_judges_the_last_bristle_of_a_row():
+    """A touch between the wires leaves the row without theory; the independent row agrees within the tolerances."""
+    found = neighbours(Tool(), Neighbours(search="no"), Settings(1e-4, hub_turn=2.3), with_reference=True)
+    judged = [each for each in found.quantities if each.tolerance is not None]
+    assert {each.name for each in judged} >= {"wire_contacts", "normal_final_impulse"}
+    assert all(each.judge_name == "reference" and each.ok for each in judged)

@@ -70,6 +70,8 @@ def test_words_and_numbers_stay_what_they_are(tmp_path: Path):
         mixed = sweep(kind, {"word": [1, "a", "1"]}, store=store)
         assert mixed["result"].values.tolist() == [1.0, 0.0, 0.0]
         assert mixed["word"].values.tolist() == [1, "a", "1"]
+        fixed = sweep(kind, {"word": np.array(["a", "bc"])}, store=store)  # an array of words of one width
+        assert fixed["word"].values.tolist() == ["a", "bc"]
 
 
 def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():

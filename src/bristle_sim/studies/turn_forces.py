@@ -106,8 +106,7 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
         # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
         first, last = np.searchsorted(run.time, begin, "right") - 1, np.searchsorted(run.time, end, "left")
-        if last > first:
-            lost += float(CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end))
+        lost += float(CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end))
     return lost
 
 
