@@ -180,7 +180,7 @@ class SmoothMotion:
             # The function that is zero at a new end has changed its sign; the later ones have not yet.
             known = interval is whole or each is happens
             each.sign = each.sign_of(each.reached if known else each.value(interval.end))
-        self._commit(interval, alone=self.before is None and touch is not None)
+        self._commit(interval)
         if happens is None:
             return touch or _overdue(self)
         if happens.final is not None:
@@ -189,10 +189,11 @@ class SmoothMotion:
             progress.event(happens.event, (happens.wire,))
         return None if happens.act is None else happens.act()
 
-    def _commit(self, interval: Interval, *, alone: bool) -> None:
+    def _commit(self, interval: Interval) -> None:
         """Accept an interval's end; links in sustained contact are set back onto their obstacles.
 
-        A flight of one interval, ``alone``, gets one more sample where the polynomial through three is less accurate than the run.
+        The first interval of a flight after a contact, which may be the only one, gets one more sample where the polynomial through
+        three is less accurate than the run.
         """
         progress, gaps, result, length = self.progress, self.progress.gaps, interval.end, interval.length
         progress.state = result.state if self.rigid is None else self.rigid.set_back(gaps, result.state)
@@ -202,7 +203,8 @@ class SmoothMotion:
             self._add(interval)
         else:
             turned = length / progress.plan.time_scale
-            if alone and result.middle and QUINTIC_RATE_ERROR * turned**5 > progress.plan.accuracy:
+            hops = self.before is None and progress.recording.contacts
+            if hops and result.middle and QUINTIC_RATE_ERROR * turned**5 > progress.plan.accuracy:
                 progress.sample(state=interval.again(0.5 * length).middle)
             if result.middle is not None and (self.before is None or length > progress.plan.longest_interval):
                 progress.sample(state=result.middle)
