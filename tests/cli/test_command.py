@@ -109,6 +109,7 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
                     ".html",
                     ".js",
                     ".css",
+                    ".toml",
                 ):
                     archive.write(path, f"{place}/{path.relative_to(folder).as_posix()}")
         archive.extractall(site)
