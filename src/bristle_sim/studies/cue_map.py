@@ -74,7 +74,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     within = dict.fromkeys(QUANTITIES, tolerance) | {
         "bar_vertical": tolerance * max(1.0, steep),
         "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
+        "bar_direction_for_highest_tip_speed_deg": tolerance + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
     }
     if tool == Tool():
         names = ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg", "bar_horizontal", "bar_vertical")
