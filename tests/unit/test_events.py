@@ -5,7 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene.events.locate import Interval, at_state, locate
+from bristle_sim.scene.events.locate import Interval, at_state
+from bristle_sim.scene.events.root import locate
 from bristle_sim.scene.events.touches import first_touch
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 

@@ -7,7 +7,7 @@ import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.obstacles import Held, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import ClosedPair, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
 
@@ -38,7 +38,7 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     part = WorkpartObstacle(0.9, 0.0, 0.0, 0.0, link=1)
     scene = Scene(upright, Effects(hinges=((5.0, 0.0),), obstacles=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
-    scene.joint_solver.contacts = (Held(part, None, None),)
+    scene.joint_solver.contacts = (ClosedPair(part, None, None),)
     scene.joint_solver.solve(1.0)
     assert scene.joint_solver.impulses == [(0.0, 0.0, 0.0)]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)

@@ -19,7 +19,7 @@ import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.joints import Connected
-from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, Held, Obstacle
+from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, ClosedPair, Obstacle
 from bristle_sim.scene.contact.shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -122,9 +122,9 @@ class Scene:
         """The solver of joints and sustained contacts of several links."""
         return cast("WireSteps", self.engine).joint_solver
 
-    def hold(self, contacts: Sequence[Held]) -> None:
+    def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
         """From now on, solve for these sustained contacts of several links in every engine step."""
-        cast("WireSteps", self.engine).hold(contacts)
+        cast("WireSteps", self.engine).keep_closed(contacts)
 
     def correct_joints(self, *, completely: bool) -> None:
         """Choose whether every step closes the joints or leaves them alone."""

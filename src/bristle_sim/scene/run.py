@@ -141,7 +141,7 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
     if outcome is None or spring is None:
         return _following(progress, motion.sustained, motion.separating)
     if outcome is Outcome.REBOUND:
-        spring.course.let_go()
+        spring.course.release()
     _end(motion, outcome, [obstacle])
     gap = progress.gaps.gap(obstacle, progress.state)
     if gap < -progress.plan.accuracy and obstacle.partner is None:

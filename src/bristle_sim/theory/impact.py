@@ -268,9 +268,9 @@ def _check(values: list[Number], k_tn: Number) -> None:
     ]
     for each in given:
         rules.append(("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)))
-    for name, rule, holds, told in rules:
+    for name, rule, holds, checked in rules:
         if holds is not True and not np.all(holds):
-            raise ValueError(f"{name} = {_first(told, holds)}: must be {rule}")
+            raise ValueError(f"{name} = {_first(checked, holds)}: must be {rule}")
 
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:

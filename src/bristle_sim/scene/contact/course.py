@@ -53,7 +53,7 @@ class ContactCourse:
         """Speed of approach at the first touch."""
         return abs(self.rows[0][4])
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
         time, _, _, *motion = self.rows[-1]
         self.rows[-1] = (time, 0.0, 0.0, *motion)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -31,7 +32,7 @@ def energetic_at(obstacle: Obstacle, space: ContactSpace, tangential_compliance:
     return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
 
 
-class ContactLaw:
+class ContactLaw(ABC):
     """The base class of impact laws.
 
     Attributes:
@@ -50,9 +51,9 @@ class ContactLaw:
         del scene, state, obstacle, press
         return None
 
+    @abstractmethod
     def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
         """Apply an instantaneous impact to the scene; all values are in engine units."""
-        raise NotImplementedError
 
     def _after(self, scene: Scene, obstacle: Obstacle, before: State, **entries: Any) -> tuple[State, ContactRecord]:
         """Return the state after an impact that has changed the scene's rates, and its record with further entries."""

@@ -60,7 +60,7 @@ class ClosestApproach(NamedTuple):
         return (self.normal[1], -self.normal[0])
 
 
-class Held(NamedTuple):
+class ClosedPair(NamedTuple):
     """A sustained contact: the pair, the touching straight piece of its link, and the sense of slip (0 in stick)."""
 
     obstacle: Obstacle

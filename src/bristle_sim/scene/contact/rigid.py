@@ -18,7 +18,7 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
-from bristle_sim.scene.contact.obstacles import Held, Obstacle
+from bristle_sim.scene.contact.obstacles import ClosedPair, Obstacle
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.mechanism import State, cross
 
@@ -187,7 +187,9 @@ class SolvedContacts(RigidContacts):
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
-        self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
+        self.scene.keep_closed(
+            [ClosedPair(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)]
+        )
         return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.obstacles)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:

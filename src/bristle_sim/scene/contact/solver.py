@@ -32,7 +32,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
+from bristle_sim.scene.contact.obstacles import ClosedPair, ClosestApproach, Obstacle
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
@@ -159,7 +159,7 @@ class WireVelocities:
         links: Sequence[pymunk.Body],
     ) -> None:
         self.symmetric = self.correct = False
-        self.contacts: Sequence[Held] = ()
+        self.contacts: Sequence[ClosedPair] = ()
         self.impulses: list[tuple[float, float, float]] = []
         self._springs = [
             (each, each.damping) for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
@@ -259,11 +259,11 @@ class WireSteps(EngineSteps):
         super().set_iterations(count)
         self._price = max(self._price, math.ceil(len(self._links) / LINKS_OF_A_STEP))
         self._always = self._bending and count == 1
-        self.hold(())
+        self.keep_closed(())
         if self._bending:
             self._last_length = 0.0
 
-    def hold(self, contacts: Sequence[Held]) -> None:
+    def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
         """From now on, solve for these sustained contacts together with the joints; with none the steps are those of flight."""
         active = bool(contacts) or self._always
         self._step = self._step_and_solve if active else self._engine_step

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING, behind_joint
 from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.events.locate import Interval, guess, locate, settle
+from bristle_sim.scene.events.locate import Interval, guess, settle
+from bristle_sim.scene.events.root import locate
 from bristle_sim.scene.events.table import Touch
 from bristle_sim.scene.mechanism import Mechanism, State
 
