@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import gc
 import hashlib
 import math
 import os
 import subprocess
 import sys
+import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
+import numpy as np
 import pymunk
 import pytest
 
@@ -20,6 +23,7 @@ from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 
 SETTINGS = Settings(accuracy=1e-6)
@@ -36,7 +40,7 @@ TOOLS = {
 """Passes by each contact law and with what else a scene can hold."""
 
 
-def falling_rods() -> list[tuple[float, float, float]]:
+def falling_rods(steps: int = 400) -> list[tuple[float, float, float]]:
     """Let rods fall on a floor in a space of the engine's own."""
     space = pymunk.Space()
     space.gravity = (0.0, -9.81)
@@ -49,7 +53,7 @@ def falling_rods() -> list[tuple[float, float, float]]:
         shape.collision_type = kind
     space.add(floor, *rods, *shapes)
     contact = EnergeticContact(space, 1, 2, friction=0.4, restitution=0.6)
-    for _ in range(400):
+    for _ in range(steps):
         contact.step(1e-3)
     return [(body.position.x, body.position.y, body.angle) for body in rods]
 
@@ -100,6 +104,88 @@ def test_again_among_other_runs_and_in_threads(first: dict[str, str]) -> None:
     with ThreadPoolExecutor(4) as pool:
         again = dict(zip(reversed(RUNS), pool.map(lambda name: bits(RUNS[name]()), reversed(RUNS)), strict=True))
     assert again == first
+
+
+def strike_impulse(friction: float) -> float:
+    """Return the final normal impulse of a strike, the coarsest run there is."""
+    tool = Tool(workpart=Workpart(friction=friction))
+    return simulate(tool, Settings(accuracy=1e-3), stop_after="strike").contacts[-1].impulse[0]
+
+
+def equal_in_threads(runs: int) -> bool:
+    """Compare runs of eight threads with serial ones; the collector of each frees what others have left."""
+    frictions = (0.2, 0.31, 0.5)
+    expected = [*map(strike_impulse, frictions), falling_rods(200)]
+
+    def same(number: int) -> bool:
+        kind = number % len(expected)
+        found = strike_impulse(frictions[kind]) if kind < len(frictions) else falling_rods(200)
+        return found == expected[kind]
+
+    with ThreadPoolExecutor(8) as pool:
+        return all(pool.map(same, range(runs)))
+
+
+@pytest.mark.parametrize("runs", [160, pytest.param(4000, marks=pytest.mark.nightly)])
+def test_eight_threads_run_side_by_side(runs: int) -> None:
+    """In a process of its own, which a fault would end."""
+    in_a_process(f"assert equal_in_threads({runs})")
+
+
+def equal_in_threaded_sweeps() -> bool:
+    """Compare sweeps whose points run in the threads of a pool, or of a Dask worker, with a serial one."""
+    import distributed
+
+    from bristle_sim.studies.sweep import sweep
+
+    space = {"friction": np.linspace(0.1, 0.6, 200)}
+    expected = sweep(strike_impulse, space, progress=False)
+    with ThreadPoolExecutor(8) as pool:
+        equal = sweep(strike_impulse, space, workers=pool, progress=False).identical(expected)
+    layout = {"n_workers": 1, "threads_per_worker": 8, "dashboard_address": ":0"}
+    with distributed.LocalCluster(**layout, processes=False) as cluster, distributed.Client(cluster) as client:
+        return equal and sweep(strike_impulse, space, workers=client.get_executor(), progress=False).identical(expected)
+
+
+@pytest.mark.nightly
+def test_sweeps_in_threads_equal_the_serial_one() -> None:
+    pytest.importorskip("distributed", reason="needs the extra sweep")
+    in_a_process("assert equal_in_threaded_sweeps()")
+
+
+def test_a_space_is_freed_while_it_holds_its_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were they garbage already, the collector of another thread would remove them at the same time."""
+    engine, left = pymunk.space.lib, []
+    scene, _ = build_tool(Tool())
+    bodies = weakref.WeakSet(scene.links)
+
+    class Recorded:
+        def __getattr__(self, name: str) -> object:
+            if name == "cpSpaceEachBody":
+                gc.collect()
+                left.append(len(bodies))
+            return getattr(engine, name)
+
+    shapes = scene.effects.obstacles[0]
+    scene.contacts.engage(shapes, friction=0.1, elasticity=0.0, iterations=1)
+    record = scene.contacts.record(shapes, slips=True)
+    monkeypatch.setattr("pymunk.space.lib", Recorded())
+    del scene
+    gc.collect()
+    assert left == []  # the record reads the space
+    del record
+    gc.collect()
+    assert left == [1]
+
+
+def in_a_process(statement: str) -> None:
+    """Run a statement with the names of this file in a process of its own."""
+    subprocess.run(
+        [sys.executable, "-c", f"from promises.test_repeatability import *\n{statement}"],
+        timeout=300.0,
+        check=True,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
 
 
 def test_in_another_process_without_asserts_and_with_other_hashes(first: dict[str, str]) -> None:

@@ -42,6 +42,7 @@ class EnergeticContact:
     Impacts of bodies that touch each other are resolved one by one at the instants of touch, the earliest first, and of
     simultaneous ones the fastest first. After ``sequence.MOST`` impacts the rest are resolved at once. For a copied or
     unpickled space :meth:`of` returns its object, without ``report``.
+    Threads may step spaces of their own at the same time; Chipmunk does not allow two threads to use one space at once.
 
     Just before an impact, velocities are projected onto the joints, which only loses energy, as ``energetic_impact`` does (moving
     kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain energy: it solves

@@ -12,7 +12,15 @@ from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.contact_space.contact_pair import ContactPair
 from bristle_sim.contact_space.joints import joined
-from bristle_sim.contact_space.touching import APPROACH_ROUNDING, BODIES, Met, Shapes, StepMotion, overlaps, shapes_of
+from bristle_sim.contact_space.touching import (
+    APPROACH_ROUNDING,
+    Met,
+    Shapes,
+    StepMotion,
+    overlaps,
+    room_for_bodies,
+    shapes_of,
+)
 
 STEPS_OF_GRAVITY = 2.0
 """An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a
@@ -39,6 +47,7 @@ class RestFilter:
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
         self._still_jammed: set[Shapes] = set()
+        self._bodies: Any = None  # room for an arbiter's bodies within a step; a copy cannot take it along
 
     @property
     def resting(self) -> float:
@@ -51,10 +60,11 @@ class RestFilter:
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
         self.resting_speed, self._resting, self._active = resting_speed, -1.0, True
+        self._bodies = room_for_bodies()
 
     def end(self) -> None:
         """End a step: contacts that jammed and were not met again are over."""
-        self._active = False
+        self._active, self._bodies = False, None
         if self.jammed:
             self.jammed, self._still_jammed = self._still_jammed, set()
 
@@ -70,7 +80,7 @@ class RestFilter:
             return
         raw = arbiter._arbiter
         found = lib.cpArbiterGetContactPointSet(raw)
-        approach, speeds = _approach(raw, found)
+        approach, speeds = _approach(raw, found, *self._bodies)
         lib.cpArbiterSetRestitution(raw, 0.0)
         rests = approach <= max(self.resting, APPROACH_ROUNDING * speeds)
         # Contacts at rest are many; their shapes are not even looked up.
@@ -97,9 +107,11 @@ class RestFilter:
         lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
 
 
-def _approach(raw: Any, found: Any) -> tuple[float, float]:
-    """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding."""
-    first, second = BODIES
+def _approach(raw: Any, found: Any, first: Any, second: Any) -> tuple[float, float]:
+    """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding.
+
+    ``first``, ``second``: where the engine writes the bodies.
+    """
     lib.cpArbiterGetBodies(raw, first, second)
     fastest = (0.0, 0.0)
     for index in range(found.count):

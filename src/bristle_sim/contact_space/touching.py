@@ -34,8 +34,12 @@ FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at t
 
 Shapes = frozenset[pymunk.Shape]
 
-_SHAPES = ffi.new("cpShape *[1]"), ffi.new("cpShape *[1]")
-BODIES = ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]")  # where the engine writes the bodies of an arbiter
+_SHAPE, _BODY = ffi.typeof("cpShape *[1]"), ffi.typeof("cpBody *[1]")
+
+
+def room_for_bodies() -> tuple[Any, Any]:
+    """Return the memory to which the engine writes the two bodies of an arbiter; no two threads may share it."""
+    return ffi.new(_BODY), ffi.new(_BODY)
 
 
 Motion = tuple[float, float, float]
@@ -138,7 +142,7 @@ def overlaps(found: Any) -> list[Overlap]:
 
 def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
     """Return the shapes of the engine's own arbiter."""
-    first, second = _SHAPES
+    first, second = ffi.new(_SHAPE), ffi.new(_SHAPE)
     lib.cpArbiterGetShapes(arbiter, first, second)
     return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(lib.cpShapeGetUserData(second[0]))
 
@@ -155,7 +159,7 @@ class Met(NamedTuple):
 
     def bodies(self) -> list[pymunk.Body]:
         """Return the dynamic ones of the two bodies, in any order."""
-        first, second = BODIES
+        first, second = room_for_bodies()
         lib.cpArbiterGetBodies(self.arbiter, first, second)
         both = [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in (first, second)]
         return [each for each in both if each.body_type == pymunk.Body.DYNAMIC]

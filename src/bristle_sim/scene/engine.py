@@ -56,7 +56,7 @@ class EngineSteps:
         self._links = [link._body for link in links]
         self._last_length = math.inf
         space.step(0.0)  # all that was added is in the space from here on
-        self._step: Callable[[float], None] = partial(lib.cpSpaceStep, space._space)
+        self._step: Callable[[float], None] = partial(lib.cpSpaceStep, bare_space(space))
         self._price = 1
 
     @property
@@ -130,6 +130,15 @@ class EngineSteps:
             self._kept(None)
         for joint in self.joints:
             joint.max_force = math.inf
+
+
+def bare_space(space: pymunk.Space) -> Any:
+    """Return the engine's pointer to a space, valid only as long as the space lives.
+
+    ``space._space`` owns the engine's space. Kept beyond the pymunk.Space, it would free the engine's space when bodies, shapes
+    and constraints are garbage already. The collector of another thread could then remove them from it at the same time.
+    """
+    return ffi.cast("cpSpace *", space._space)
 
 
 class Placer:

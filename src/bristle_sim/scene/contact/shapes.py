@@ -11,6 +11,7 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.scene.contact.obstacles import Obstacle, WirePair
+from bristle_sim.scene.engine import bare_space
 from bristle_sim.scene.mechanism import Mechanism, Vector
 
 FAST_SLIP = 10.0
@@ -103,11 +104,11 @@ class ImpulseRecord:
     """
 
     def __init__(self, space: pymunk.Space, link: pymunk.Body, *, slips: bool) -> None:
-        self._slips, self._stale = slips, 0
+        self._space, self._slips, self._stale = space, slips, 0
         self._impulses, impulses = _numbers(lib.TOTAL_IMPULSE | lib.NORMAL | lib.POINT_A_1 | lib.POINT_B_1)
         self._motion, motion = _numbers(lib.POSITION | lib.VELOCITY | lib.ANGULAR_VELOCITY)
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
-        note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, impulses)
+        note = partial(lib.cpSpaceEachCachedArbiter, bare_space(space), write, impulses)
         follow = partial(lib.pmSpaceBodyGetIteratorFuncBatched, link._body, motion)
 
         def note_both() -> None:
