@@ -80,7 +80,7 @@ class RestFilter:
             return
         raw = arbiter._arbiter
         found = lib.cpArbiterGetContactPointSet(raw)
-        approach, speeds = _approach(raw, found, *self._bodies)
+        approach, speeds = _approach(raw, found, self._bodies)
         lib.cpArbiterSetRestitution(raw, 0.0)
         rests = approach <= max(self.resting, APPROACH_ROUNDING * speeds)
         # Contacts at rest are many; their shapes are not even looked up.
@@ -107,11 +107,12 @@ class RestFilter:
         lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
 
 
-def _approach(raw: Any, found: Any, first: Any, second: Any) -> tuple[float, float]:
+def _approach(raw: Any, found: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
     """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding.
 
-    ``first``, ``second``: where the engine writes the bodies.
+    ``bodies``: where the engine writes the bodies.
     """
+    first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)
     fastest = (0.0, 0.0)
     for index in range(found.count):
