@@ -16,12 +16,11 @@ from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar
-from bristle_sim.reference.events import ROUNDING as VALUE_ROUNDING
 from bristle_sim.reference.events import Event, Follow, Value
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log, Record
 from bristle_sim.reference.system import Instant, State, System
 
-IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
+IDLE = 10.0  # a highest relative rate below this multiple of its rounding is no motion
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
@@ -45,10 +44,13 @@ def _resolved(series: Array, values: Array, resolution: float) -> bool:
     return bool(np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max()))
 
 
-def crossings(function: Function, start: float, end: float, resolution: float) -> list[tuple[float, int]]:
+def crossings(
+    function: Function, start: float, end: float, resolution: float, before: int = 0
+) -> list[tuple[float, int]]:
     """Return every change of sign in [start, end], s, in order: its time, s, and +1 to positive or -1 to negative.
 
-    Values of the function below ``resolution`` have no sign.
+    Values of the function within ``resolution`` of zero have no sign of their own: they take the one that went before.
+    ``before`` is the sign at the start where the first values have none; 0 means that the first sign is no change.
     """
     edges = {start, end}
     waiting, done = [(start, end, DEEPEST)], 0
@@ -64,7 +66,7 @@ def crossings(function: Function, start: float, end: float, resolution: float) -
             edges.update((left, *_roots(series, left, right)))
     ordered = np.array(sorted(edges))
     probes = np.concatenate(([start], 0.5 * (ordered[1:] + ordered[:-1]), [end]))
-    return list(_sign_changes(function, probes, function(probes)))
+    return list(_sign_changes(function, probes, function(probes), resolution, before))
 
 
 def _roots(series: Array, left: float, right: float) -> list[float]:
@@ -78,14 +80,24 @@ def _roots(series: Array, left: float, right: float) -> list[float]:
     return list((0.5 * (left + right) + 0.5 * (right - left) * real).tolist())
 
 
-def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[tuple[float, int]]:
-    """Locate the root in each pair of neighbours of opposite sign; a zero takes the sign that went before."""
-    sign, last = 0.0, probes[0]
-    for probe, value in zip(probes, values, strict=True):
-        if sign * value < 0.0:
-            at = brentq(lambda time: float(function(np.array([time]))[0]), last, probe, xtol=1e-300, maxiter=400)
-            yield float(at), int(np.sign(value))
-        sign, last = (np.sign(value) or sign), probe
+def _sign_changes(
+    function: Function, probes: Array, values: Array, resolution: float, before: int
+) -> Iterator[tuple[float, int]]:
+    """Locate the root between each pair of successive probes of opposite sign; probes without a sign are left out."""
+    signed = np.flatnonzero(np.abs(values) > resolution).tolist()
+    sign, last = before, 0
+    for probe in signed:
+        new = int(np.sign(values[probe]))
+        if sign * new < 0:
+            yield _root(function, probes[last], probes[probe], values[last] * new), new
+        sign, last = new, probe
+
+
+def _root(function: Function, left: float, right: float, already: float) -> float:
+    """Return the root between two times, s; the left one if the function ``already`` has the right one's sign there."""
+    if already >= 0.0:  # by rounding, at the start of the search
+        return float(left)
+    return float(brentq(lambda time: float(function(np.array([time]))[0]), left, right, xtol=1e-300, maxiter=400))
 
 
 class Step(NamedTuple):
@@ -97,12 +109,14 @@ class Step(NamedTuple):
     start: float
     end: float
 
-    def sign(self, value: Value, resolution: float) -> int:
-        """Return the sign that a function of an instant has throughout the step; 0 if it may change."""
+    def sign(self, value: Value, resolution: float) -> int | None:
+        """Return the sign that a function of an instant has throughout the step, 0 if it is rounding; None if it may change."""
         values = np.array([value(each) for each in self.instants])
+        if np.abs(values).max() <= resolution:
+            return 0
         series = WEIGHTS @ values
         certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(series, values, resolution)
-        return int(np.sign(series[0])) if certain else 0
+        return int(np.sign(series[0])) if certain else None
 
     def along(self, value: Value) -> Callable[[Array], Array]:
         """Return a function of an instant as one of times."""
@@ -110,18 +124,21 @@ class Step(NamedTuple):
 
 
 def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
-    """Return the time of the first event on a step of the integrator, s, and its consequence; else the step's end and None."""
+    """Return the time of the first event on a step of the integrator, s, and its consequence; else the step's end and None.
+
+    A function that is zero but for rounding has the sign from which its event changes it: the event is still to come.
+    """
     end, follow = step.end, None
     near = _near(step.system, step.instants[-1], end - step.start)
     for event in events:
         if event.place is not None and event.place not in near:
             continue
-        if step.sign(event.value, event.resolution) == -event.direction:
+        if step.sign(event.value, event.resolution) in (-event.direction, 0):
             continue
         along = step.along(event.value)
-        if event.direction * along(np.array([step.start]))[0] > 0.0:
+        if event.direction * along(np.array([step.start]))[0] > event.resolution:
             return step.start, event.follow
-        found = crossings(along, step.start, end, event.resolution)
+        found = crossings(along, step.start, end, event.resolution, -event.direction)
         times = [time for time, direction in found if direction == event.direction]
         if times:
             end, follow = times[0], event.follow
@@ -145,6 +162,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     """
     system, chain, link = step.system, own.chain, own.links.start
+    rounding = system.rate_rounding(step.instants[-1].state)
 
     def rate(at: Instant) -> float:
         return float(at.state.rates[link] - chain.speed)
@@ -153,12 +171,12 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
         return float(at.balance.accelerations[link])
 
     def zeros(value: Value, resolution: float, sense: int) -> list[float]:
-        if step.end <= step.start or step.sign(value, resolution):
+        if step.end <= step.start or step.sign(value, resolution) is not None:
             return []
         found = crossings(step.along(value), step.start, step.end, resolution)
         return [time for time, direction in found if direction == sense]
 
-    for time in zeros(rate, VALUE_ROUNDING * system.fastest, 1):
+    for time in zeros(rate, rounding, 1):
         own.turned.append(step.motion(np.array([time]))[0])
         log.marks.append(time)
         if log.stop_after == LARGEST_RETRACTION:
@@ -170,8 +188,8 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     ahead = isinstance(bar, Bar) and chain.speed and (bar.centre / chain.roots(step.start)[0]).imag > 0.0
     if ahead and not own.seen("bar touch"):  # within half a turn of the root: the bristle has not been thrown yet
         return None
-    for time in zeros(acceleration, VALUE_ROUNDING * system.fastest**2, -1):
-        if step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
+    for time in zeros(acceleration, rounding * system.fastest, -1):
+        if step.along(rate)(np.array([time]))[0] > IDLE * rounding:
             own.event(PEAK, time)
             log.marks.append(time)
             return time if log.stop_after == PEAK else None

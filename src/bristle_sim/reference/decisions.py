@@ -155,7 +155,7 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     after = state._replace(rates=state.rates + response @ impulse)
     log.impacts.append(state.time)
     for own in log.of(point):
-        own.impact(point, state, after, touch.velocity, hit)
+        own.impact(point, state, after, touch.velocity, hit, system.rate_rounding(state))
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))

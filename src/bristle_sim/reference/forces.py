@@ -38,9 +38,10 @@ class Acting(NamedTuple):
     @property
     def sticks(self) -> bool:
         """Return whether friction makes it stick; a rigid contact that by itself keeps a single link at rest needs none."""
+        if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
+            return False
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
-        idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
-        return self.slip == STICK and self.friction > 0.0 and self.rub is None and not idle
+        return self.push is not None or np.count_nonzero(rows.sum(axis=0)) > 1
 
     @property
     def ratio(self) -> float:
@@ -58,6 +59,8 @@ class Balance(NamedTuple):
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Solve for the accelerations and the contact forces."""
+    if not contacts:
+        return Balance(np.linalg.solve(mass, forces), np.zeros(0), np.zeros(0))
     size, known = len(forces), np.zeros(len(forces))
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]

@@ -58,9 +58,12 @@ class Record:
         if self.relative(lowest) < 0.0 and any(lowest is each for each in turned):
             self.event(LARGEST_RETRACTION, lowest.time)
 
-    def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
-        """Record an impact between the states before and after it."""
-        if self.own(state).rates[0] < self.chain.speed < self.own(after).rates[0]:
+    def impact(
+        self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact, rounding: float
+    ) -> None:
+        """Record an impact between the states before and after it; ``rounding`` is that of a rate, rad/s."""
+        before, speed = self.own(state).rates[0], self.chain.speed
+        if before < speed - rounding and self.own(after).rates[0] > speed + rounding:
             self.turned.append(state)
         given = {
             "impulse": (hit.impulse_normal, hit.impulse_tangential),

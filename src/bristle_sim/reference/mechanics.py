@@ -74,6 +74,8 @@ class Chain:
         self.speed, self.hub_radius, self.gravity = tool.hub.speed, tool.hub.radius, tool.gravity
         self.length, self.links = bristle.length, links * count
         self.start_hub_angles = np.repeat(start_hub_angles, links)
+        self.start_roots = -1j * self.hub_radius * np.exp(1j * self.start_hub_angles)
+        self.speeds = np.full(self.links, self.speed)
         lone = _cut(bristle, links)
         own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
         shapes = np.tile(lone.starts, count), np.tile(lone.directions, count), np.tile(lone.lengths, count)
@@ -103,11 +105,11 @@ class Chain:
         return self.start_hub_angles[0] + self.speed * time
 
     def _hub_angles(self, time: Any) -> Array:
-        return np.asarray(self.start_hub_angles + self.speed * np.asarray(time)[..., None])
+        return np.asarray(self.start_hub_angles + np.multiply.outer(time, self.speeds))
 
     def roots(self, time: Any) -> Any:
         """Return the position of the root of each link's wire, m, shape (..., n)."""
-        return -1j * self.hub_radius * np.exp(1j * self._hub_angles(time))
+        return np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
