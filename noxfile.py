@@ -4,6 +4,7 @@
 # ///
 """Tasks of a developer, each in its own virtual environment: ``nox`` checks and tests, ``nox -l`` lists all."""
 
+import random
 from collections import Counter, defaultdict
 
 import nox
@@ -53,9 +54,15 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def nightly(session: nox.Session) -> None:
-    """Run the long tests, with every peer: long wires, random tools, every figure; make the site's kept results anew."""
+    """Run the long tests, with every peer: long wires, random tools, every figure; make the site's kept results anew.
+
+    All other tests run with fresh examples in a random order, and once more with the linear algebra of an older processor.
+    """
     session.install("-e", ".[sweep,test,peers]", "playwright")
     session.run("pytest", "-m", "nightly", *session.posargs)
+    seed = str(random.randrange(10**6))
+    session.run("pytest", "--random-order", seed, *session.posargs, env={"BRISTLE_FRESH_EXAMPLES": "1"})
+    session.run("pytest", *session.posargs, env={"OPENBLAS_CORETYPE": "Haswell"})
     session.run("python", "docs/keep.py")
 
 

@@ -18,9 +18,6 @@ TYPED = re.compile(
 """A decimal number and perhaps a product of powers of units. Python's float() takes more: grouped digits, those of other
 scripts, which nobody types on purpose here."""
 
-DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?\D*", re.ASCII)
-
-
 TYPICAL_UNITS = (
     *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
     *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N mm/rad", "N mm/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),

@@ -24,6 +24,7 @@ VOLTAGE = {"V": 1.0, "mV": 1e-3}  # all in SI
 UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
 """A heading and its unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
 
+MOST = 1e100  # s or N: larger numbers are no measurement, and their squares overflow
 FEWEST_POINTS = 4  # fewer determine no curve: even where the start is known three unknowns are left
 
 
@@ -87,8 +88,14 @@ def read_force_csv(
     reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
     if time.unit and time.unit not in TIME:
         raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
-    scale = _newtons(path, force, force_per_volt)
-    return ForceRecord(values[0] * TIME.get(time.unit, 1.0), values[1] * scale, reading)
+    scales = TIME.get(time.unit, 1.0), _newtons(path, force, force_per_volt)
+    for column, numbers, scale in zip((time, force), values, scales, strict=True):
+        for i in np.flatnonzero(np.abs(numbers) > MOST / max(abs(scale), 1.0))[:1]:
+            raise ValueError(
+                f"{path}, line {rows[i][0]}: {numbers[i]:g} {column.unit} in column {column.number}: must be at most"
+                f" {MOST:g} (in s, N)"
+            )
+    return ForceRecord(values[0] * scales[0], values[1] * scales[1], reading)
 
 
 def _lines(path: str | Path) -> list[str]:

@@ -33,7 +33,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         Text by key, and ``"false"`` by the name of each part that is absent.
 
     Raises:
-        ValueError: in one line, for a file that is not TOML, and for an unknown key or table.
+        ValueError: in one line, for a file that is not TOML, an unknown key or table, and a key both in a table and outside.
         OSError: for a file that cannot be read.
     """
     content = Path(path).read_bytes()
@@ -47,7 +47,10 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         if isinstance(value, dict):
             if name not in PARTS:
                 raise ValueError(f"{path}: unknown table [{name}]; {likely_key(name, PARTS)}")
-            typed |= {key: _text(path, key, each, known[name], f"[{name}] ") for key, each in value.items()}
+            for key, each in value.items():
+                if not isinstance(found.get(key, {}), dict):
+                    raise ValueError(f"{path}: {shown(key)}: must stand once, either in the table [{name}] or outside")
+                typed[key] = _text(path, key, each, known[name], f"[{name}] ")
         elif value is False and name in MAY_BE_ABSENT:
             typed[name] = ABSENT
         elif name in PARTS and name not in every:

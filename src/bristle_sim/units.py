@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
-from bristle_sim.conversion import DECIMAL_COMMA, TYPED, TYPICAL_UNITS, conversion, likely_unit
+from bristle_sim.conversion import TYPED, TYPICAL_UNITS, conversion, likely_unit
 
 ANY = (0.0, math.inf)
 """Usual sizes of a number, such as an accuracy, whose default says nothing about likely values."""
@@ -69,8 +69,9 @@ class Range:
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
-        if typed is None and DECIMAL_COMMA.fullmatch(text.strip()):
-            raise self.refusal(text, f"; did you mean {text.strip().replace(',', '.')}?")
+        meant = text.strip().replace(",", ".")
+        if typed is None and TYPED.fullmatch(meant):  # a decimal comma
+            raise self.refusal(text, f"; did you mean {meant}?")
         if typed is not None and typed["unit"]:
             factor = conversion(typed["unit"], self.unit)
             if factor is None:
@@ -93,10 +94,10 @@ class Range:
         return int(number) if self.whole else number + 0.0
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the error for a value that is refused."""
+        """Return the error for a value that is refused; ``why`` may repeat a typed number with its unit."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
-        return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")
+        return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})")
 
 
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:

@@ -318,6 +318,8 @@ posix = pytest.mark.skipif(os.name == "nt", reason="signals and shells of anothe
 SCRIPT = """
 import runpy, signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
+if hasattr(signal, "SIGHUP"):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup ignores it
 sys.argv = sys.argv[1:]
 runpy.run_path(sys.argv[0], run_name="__main__")
 """
@@ -329,7 +331,9 @@ def started(name: str, *arguments: str) -> list[str]:
 
 
 @posix
-@pytest.mark.parametrize(("number", "status", "line"), [("SIGINT", 130, "interrupted\n"), ("SIGTERM", 143, "")])
+@pytest.mark.parametrize(
+    ("number", "status", "line"), [("SIGINT", 130, "interrupted\n"), ("SIGTERM", 143, ""), ("SIGHUP", 129, "")]
+)
 def test_a_signal_leaves_no_partial_file(number: str, status: int, line: str, tmp_path: Path):
     """It is sent as soon as a film of some seconds has its partial file."""
     film = started("cue_and_impact", "--video", str(tmp_path / "a.gif"))
@@ -348,8 +352,7 @@ def test_a_signal_leaves_no_partial_file(number: str, status: int, line: str, tm
 @pytest.fixture
 def usual_handlers() -> Iterator[None]:
     """The handlers of Python in a terminal, whatever runs the tests."""
-    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
-    before = {number: signal.signal(number, handler) for number, handler in usual.items()}
+    before = {number: signal.signal(number, handler) for number, handler in output.USUAL.items()}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
@@ -363,11 +366,12 @@ def test_handlers_of_others_and_other_threads_are_left_alone():
 
     with ThreadPoolExecutor(1) as pool:
         assert pool.submit(inside).result() is signal.SIG_DFL
-    signal.signal(signal.SIGINT, mine := lambda *_: None)
-    signal.signal(signal.SIGTERM, mine)
+    mine = lambda *_: None  # noqa: E731
+    for number in output.USUAL:
+        signal.signal(number, mine)
     hook = sys.unraisablehook
     with output.ending_in_order():
-        assert signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGTERM) is mine
+        assert all(signal.getsignal(number) is mine for number in output.USUAL)
         assert sys.unraisablehook is hook
 
 

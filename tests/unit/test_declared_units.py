@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
@@ -71,6 +71,10 @@ def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
         ("2500RPM", "rad/s", r"in rad/s, to which RPM cannot be converted; did you mean rpm\?"),
         ("0.41mNm/deg", "N m/rad", r"in N m/rad, to which mNm/deg cannot be converted; did you mean mN m/deg\?"),
         ("0,027", "m", r"in m; did you mean 0\.027\?"),
+        ("0,4\u202e", "1", "dimensionless"),  # characters that change the terminal are not repeated raw
+        ("0,4 \x1b[31m", "1", "dimensionless"),
+        ("0,4 \n mm", "m", r"in m; did you mean 0\.4 mm\?"),
+        ("4 kg\x0b mm", "1", "dimensionless, to which kg mm cannot be converted"),
         ("1,5 mm", "m", r"in m; did you mean 1\.5 mm\?"),
         ("1e9 km", "m", "in m"),
         ("-1 mm", "m", "in m"),
@@ -92,6 +96,7 @@ def test_any_other_text_is_refused_in_one_line(text: str, unit: str, why: str):
     assert str(refusal.value).isprintable()
 
 
+@example(1.0, "0,0\U000107bb")
 @given(st.floats(0.0, 1e9), st.text(max_size=8))
 def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_printable_refusal(number: float, text: str):
     assert FRICTION.parse(repr(number)) == number

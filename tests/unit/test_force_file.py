@@ -94,6 +94,12 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
         # Decimal commas separated by commas: four columns of whole numbers under two headings.
         ("time (s),pressure (bar)\n" + rows(), {}, r"in 'bar': a force must be in N, mN, kN, lbf or V, mV"),
         ("time (min),force (N)\n" + rows(), {}, "in 'min': a time must be in s, ms, us, ns"),
+        (
+            "s (s),F (kN)\n0,1\n1,1e307\n2,3\n3,4\n",
+            {},
+            r"line 3: 1e\+307 kN in column 2: must be at most 1e\+100 \(in s, N\)",
+        ),
+        ("s (s),F (kN)\n0,1\n1,2\n2,3\n1e300,4\n", {}, r"line 5: 1e\+300 s in column 1: must be at most 1e\+100"),
         ("time (s),force (N)\n" + rows(), {"force_per_volt": 2.0}, "force_per_volt must not be given"),
         ("time,force\n" + "1" * 200_000 + ",2\n", {}, r"line 2: must be columns of numbers \(field larger"),
         ("time;force\n" + "1" * 100_000 + ";2\n1;2\n2;3\n3;4\n", {}, r"line 2: '1+\.\.\.' in column 1: must be"),

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bristle_sim.theory.impact import LAWS as BY_NAME
@@ -252,6 +252,7 @@ positive = st.floats(0.01, 100)
 
 
 @settings(max_examples=300, deadline=None)
+@example(normal=1.0, tangential=1.0, correlation=0.0, approach=0.6, slip=1.0, mu_1=5e-324, mu_2=5e-324, e=1.0)
 @given(
     normal=positive,
     tangential=positive,
@@ -271,7 +272,8 @@ def test_any_contact_ends_without_energy_gain(normal, tangential, correlation, a
     impulse = total_impulse(result)
     scale = (approach + abs(slip)) * np.abs(impulse).sum()
     assert result.energy_change <= 1e-12 * scale
-    assert abs(impulse[1]) <= max(mu_1, mu_2) * impulse[0] * (1 + 1e-12)
+    # Rounding of a dozen operations, and where friction is denormal, its product with the impulse rounds by whole denormals.
+    assert abs(impulse[1]) <= max(mu_1, mu_2) * impulse[0] * (1 + 1e-12) + 8 * math.ulp(0.0)
     if result.outcome_name != "jam":
         assert result.velocity_normal >= 0.0
         wanted = -(e**2) * result.compressive_work[0] if result.outcome_name == "rebound" else 0.0

@@ -67,6 +67,20 @@ def test_few_impacts_or_gaps_are_refused(tmp_path: Path, states: np.ndarray) -> 
         read_ellipse(str(path))
 
 
+@pytest.mark.parametrize(("place", "bit"), [(289, 3), (298, 0), (316, 0), (320, 7), (163, 3)])
+def test_a_damaged_file_is_refused(tmp_path: Path, place: int, bit: int) -> None:
+    """With the first of these SciPy's reader ends its process by a segmentation fault."""
+    from scipy.io import savemat
+
+    path = tmp_path / "bounces.mat"
+    savemat(path, {"bounce_array": [{"states": np.arange(12.0) + i, "flags": np.zeros(2)} for i in range(5)]})
+    damaged = bytearray(path.read_bytes())
+    damaged[place] ^= 1 << bit
+    path.write_bytes(damaged)
+    with pytest.raises(ValueError, match="must be a MATLAB file with an array bounce_array of states and flags"):
+        read_ellipse(str(path))
+
+
 @measured
 def test_the_arms_are_those_of_the_file_but_for_the_sense_of_the_tangential_one() -> None:
     """The file gives them to fractions of a millimetre; the angle runs clockwise."""

@@ -16,7 +16,7 @@ import pytest
 from bristle_sim.parameters import Bristle, Contact, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate, simulate_row
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory import Trajectory, storage
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +120,16 @@ def test_other_arrays_are_refused(saved: Path, name: str):
         saved.write_bytes(whole)
         rewrite(saved, **{own: values})
         refused(saved, why)
+
+
+def test_a_small_file_of_large_arrays_is_refused_before_they_are_read(saved: Path, monkeypatch: pytest.MonkeyPatch):
+    """A run at rest packs to a thousandth, which is read below the bound."""
+    with np.load(saved) as stored:
+        every = dict(stored) | {"further": np.zeros(1_000_000)}
+    np.savez_compressed(saved, **every)
+    assert Trajectory.load(saved)
+    monkeypatch.setattr(storage, "MOST_UNPACKED", 1e6)
+    refused(saved, "its arrays take 8.* bytes, too many for a run in a file of")
 
 
 def test_damaged_files_are_refused_or_read_completely(run: Trajectory, saved: Path):

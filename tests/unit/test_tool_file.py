@@ -69,6 +69,10 @@ def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_pat
         ("[hub]\nhub_speed = true", "hub_speed = True: must be a number or a text with a unit"),
         ('[contact]\ncontact = "rubber"', "contact = 'rubber': must be one of"),
         ("[workpart]\npenetration = 1", "penetration = 1: must be less"),
+        (
+            "hub_speed = 3\n[hub]\nhub_speed = 4",
+            r"'hub_speed': must stand once, either in the table \[hub\] or outside",
+        ),
         ("\x00", "must be a TOML file"),
         ("a = " + 100_000 * "[" + 100_000 * "]", "must be a TOML file"),
     ],

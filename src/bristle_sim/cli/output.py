@@ -27,10 +27,12 @@ from bristle_sim.comparison import WIDTH, Report, finite, table
 from bristle_sim.files import complete_or_absent
 
 SILENCE = 15.0  # longest time without a word on the progress of long work, s
-TERMINATED = 143  # exit status of a shell whose command was ended by SIGTERM
+SIGNALLED = 128  # exit status of a shell whose command was ended by a signal, less the signal's number
 LATER = 1e-3  # seconds after which a signal that came at a bad moment is tried again
 
-USUAL = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+if sys.platform != "win32":
+    USUAL[signal.SIGHUP] = signal.SIG_DFL  # the terminal was closed
 """Python's own handlers, which are replaced."""
 
 
@@ -84,7 +86,7 @@ class _Progress(logging.Handler):
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """Let SIGINT raise KeyboardInterrupt and SIGTERM SystemExit, where there is no other handler for them."""
+    """Let SIGINT raise KeyboardInterrupt, SIGTERM and SIGHUP SystemExit, where there is no other handler for them."""
     before, hook = {}, sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
         for number, handler in USUAL.items():
@@ -111,17 +113,17 @@ def _end(number: int, frame: FrameType | None) -> None:
             _try_again(number)
             return
         frame = frame.f_back
-    if number == signal.SIGTERM:
-        raise SystemExit(TERMINATED)
-    raise KeyboardInterrupt
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
+    raise SystemExit(SIGNALLED + number)
 
 
 def _end_again(lost: sys.UnraisableHookArgs) -> None:
     """Repeat an end that was lost in a destructor or another callback; report anything else as usual."""
     if issubclass(lost.exc_type, KeyboardInterrupt):
         _try_again(signal.SIGINT)
-    elif issubclass(lost.exc_type, SystemExit):
-        _try_again(signal.SIGTERM)
+    elif isinstance(lost.exc_value, SystemExit) and isinstance(lost.exc_value.code, int):
+        _try_again(lost.exc_value.code - SIGNALLED)
     else:
         sys.__unraisablehook__(lost)
 

@@ -41,7 +41,7 @@ class Acting(NamedTuple):
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
-        return self.push is not None or np.count_nonzero(rows.sum(axis=0)) > 1
+        return self.push is not None or int(np.count_nonzero(rows.sum(axis=0))) > 1
 
     @property
     def ratio(self) -> float:
@@ -60,7 +60,7 @@ class Balance(NamedTuple):
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Solve for the accelerations and the contact forces."""
     if not contacts:
-        return Balance(np.linalg.solve(mass, forces), np.zeros(0), np.zeros(0))
+        return Balance(np.asarray(np.linalg.solve(mass, forces), dtype=float), np.zeros(0), np.zeros(0))
     size, known = len(forces), np.zeros(len(forces))
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]

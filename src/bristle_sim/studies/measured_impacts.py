@@ -9,6 +9,9 @@ Friction and restitution are fitted on every second impact, and each law predict
 from __future__ import annotations
 
 import dataclasses
+import io
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -109,6 +112,24 @@ def elastic_compliance(poisson_ratio: float) -> float:
     return (2.0 - poisson_ratio) / (2.0 * (1.0 - poisson_ratio))
 
 
+LONGEST_READING = 60.0  # s; a whole file takes one, also on a busy machine less than ten
+
+READER = """
+import sys
+import numpy as np
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (2**32, 2**32))  # bytes: a damaged length would fill the memory
+except (ImportError, OSError, ValueError):  # Windows, macOS
+    pass
+from scipy.io import loadmat
+bounces = np.atleast_1d(loadmat(sys.argv[1], squeeze_me=True, struct_as_record=False)["bounce_array"])
+chosen = [each.states for each in bounces if not np.any(each.flags)]
+np.save(sys.stdout.buffer, np.array(chosen, dtype=float).reshape(-1, 12))
+"""
+"""A program that writes the states of the impacts of a MATLAB file. SciPy's reader may crash on a damaged one, and take its process along."""
+
+
 def read_ellipse(path: str) -> Ellipse:
     """Read the impacts of the file whose flags are all 0, with the arms that the ellipse and its angle give.
 
@@ -117,15 +138,13 @@ def read_ellipse(path: str) -> Ellipse:
 
     Raises ValueError if the file does not exist or has no such impacts.
     """
-    from scipy.io import loadmat
-
     if not Path(path).is_file():
         raise ValueError(f"data = {path}: must be a file with the measured impacts of the ellipse")
     try:
-        bounces = np.atleast_1d(loadmat(path, squeeze_me=True, struct_as_record=False)["bounce_array"])
-        chosen = [each for each in bounces if not np.any(each.flags)]
-        states = np.array([each.states for each in chosen], dtype=float).reshape(-1, 12)
-    except Exception:  # scipy raises errors of any type
+        command = [sys.executable, "-P", "-c", READER, path]
+        done = subprocess.run(command, capture_output=True, check=True, timeout=LONGEST_READING)
+        states = np.load(io.BytesIO(done.stdout), allow_pickle=False)
+    except (subprocess.SubprocessError, OSError, ValueError):
         raise ValueError(
             f"data = {path}: must be a MATLAB file with an array bounce_array of states and flags"
         ) from None

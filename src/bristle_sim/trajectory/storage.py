@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
 FORMAT = 3  # number of the file format
+MOST_UNPACKED = 256e6  # bytes of arrays that are read from any file: a million samples of a rigid bristle
+MOST_PACKED = 100.0  # ratio of unpacked to packed bytes of a larger file: motion packs to a half, rest to a thousandth
 HISTORY = tuple(each.name for each in dataclasses.fields(ContactHistory))
 PLAIN = {"hub_speed": float, "parameters": dict, "stop_detail": str}
 """Arrays of a contact's history, and parts of a run that JSON holds as they are, with their types."""
@@ -66,6 +69,7 @@ def read(path: Path) -> dict[str, Any]:
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+            _check_size(stored.zip, path.stat().st_size)
             meta = json.loads(str(stored["metadata"]), parse_float=_finite, parse_constant=_finite)
             if (found := meta.pop("format")) != FORMAT:
                 advice = f"this version reads format {FORMAT}; simulate the run again"
@@ -75,6 +79,13 @@ def read(path: Path) -> dict[str, Any]:
         raise
     except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
         raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
+
+
+def _check_size(members: ZipFile, size: int) -> None:
+    """Refuse a file of ``size`` bytes whose unpacked members would fill the memory."""
+    unpacked = sum(each.file_size for each in members.infolist())
+    if unpacked > max(MOST_UNPACKED, MOST_PACKED * size):
+        raise ValueError(f"its arrays take {unpacked:.3g} bytes, too many for a run in a file of {size:.3g} bytes")
 
 
 def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:

@@ -64,9 +64,9 @@ def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
     """Fly from the retraction, -1 in its own unit, at rest."""
     calls, start = itertools.count(), (-1.0, 0.0)
 
-    def counted(time: float, state: Any) -> tuple[float, ...]:
+    def counted(time: float, state: Any) -> list[float]:
         next(calls)
-        return slope(time, state)
+        return list(slope(time, state))  # before SciPy 1.17 compiled code takes a tuple for several results
 
     if method in COMPILED:
         solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
