@@ -14,7 +14,7 @@ import pymunk
 from bristle_sim import EnergeticContact
 from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Surface
-from bristle_sim.scene.contact.laws import EnergeticLaw
+from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.theory.impact import energetic_impact
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool, Workpart
-from bristle_sim.scene.contact import laws as contact_laws
+from bristle_sim.scene import impacts as contact_laws
 from bristle_sim.units import Range, shown
 from promises.attempts import Tally
 from promises.bad_input import trials

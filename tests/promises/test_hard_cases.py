@@ -12,15 +12,14 @@ import pytest
 from bristle_sim.benchmarks.hard_cases import THEMES
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
-from bristle_sim.scene import build
-from bristle_sim.scene import run as scene_run
+from bristle_sim.scene import build, touches
+from bristle_sim.scene import decide as scene_decide
+from bristle_sim.scene import impacts as contact_laws
+from bristle_sim.scene import impacts as laws
 from bristle_sim.scene import simulate as scene_simulate
 from bristle_sim.scene import tool as scene_tool
-from bristle_sim.scene.contact import laws
-from bristle_sim.scene.contact import laws as contact_laws
-from bristle_sim.scene.contact.laws import EnergeticLaw
-from bristle_sim.scene.events import touches
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.tool import Units
 from bristle_sim.theory.impact import energetic_impact
 
@@ -163,7 +162,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
     ),
     "another restitution": ((laws, "energetic_impact", livelier), ["jam: default pass, friction 0.001 off the jam"]),
     "a jam that is not seen": (
-        (scene_run, "opening_rate", lambda *_: math.inf),
+        (scene_decide, "opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],
     ),
     "starts that are not checked": (

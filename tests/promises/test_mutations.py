@@ -8,9 +8,9 @@ import pymunk
 import pytest
 
 from bristle_sim.parameters import Belt, Tool
+from bristle_sim.scene import impacts as contact_laws
 from bristle_sim.scene import tool
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact import laws as contact_laws
 from bristle_sim.scene.mechanism import Link
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory

@@ -166,7 +166,7 @@ def test_a_space_is_freed_while_it_holds_its_bodies(monkeypatch: pytest.MonkeyPa
                 left.append(len(bodies))
             return getattr(engine, name)
 
-    shapes = scene.effects.obstacles[0]
+    shapes = scene.effects.pairs[0]
     scene.contacts.engage(shapes, friction=0.1, elasticity=0.0, iterations=1)
     record = scene.contacts.record(shapes, slips=True)
     monkeypatch.setattr("pymunk.space.lib", Recorded())

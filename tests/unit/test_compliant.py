@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene.contact.compliant import CompliantLaw
-from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw
-from bristle_sim.scene.contact.obstacles import BarObstacle
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
@@ -28,7 +27,7 @@ def law_accuracy(law: ContactLaw) -> float:
 def resolved(chain: Chain, surface: Surface, law: ContactLaw) -> ContactRecord:
     """A strike by a law in the scene's own units, in which the fastest rate is 1."""
     scene, state, obstacle, _ = build_strike(chain, surface)
-    return struck(scene, state, dataclasses.replace(obstacle, law=law), Settings(law_accuracy(law)))[1]
+    return struck(scene, state, obstacle, Settings(law_accuracy(law)), law)[1]
 
 
 class TestCompliantContact:
@@ -106,13 +105,6 @@ class TestCompliantContact:
 
 
 class TestCompliantRefusals:
-    def test_a_bar_takes_no_spring(self) -> None:
-        """Its contact may slide along the link, where a spring acts on a corner."""
-        scene, state, *_ = build_strike(PAIR, ROUGH)
-        bar = BarObstacle((0.0, -3.0), 0.1, 0.01, 0.0, 0.5)
-        with pytest.raises(ValueError, match=r"^law of the bar = compliant: must be resolved at an instant"):
-            CompliantLaw(1e-3, 1e-6).spring(scene, state, bar)
-
     @pytest.mark.parametrize(
         ("call", "said"),
         [

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bristle_sim.parameters import Surface
-from bristle_sim.scene.contact.laws import EngineLaw
+from bristle_sim.scene.impacts import EngineLaw
 from bristle_sim.scene.strike import Chain, build_strike
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.impact_figure import impact_figure
-from bristle_sim.scene.contact.compliant import CompliantLaw
+from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import oblique_impact
@@ -90,7 +90,7 @@ def test_no_compliance_no_spring_along_the_surface(squared: float) -> None:
     """Below 1e-4 the law is that of a rigid surface, and so is the contact in time, bit for bit."""
     scene, state, obstacle, _ = build_strike(PAIR, Surface(0.3, None, 0.5))
     law = CompliantLaw(1e-3, ACCURACY, tangential_compliance=squared)
-    spring = law.spring(scene, state, dataclasses.replace(obstacle, law=law))
+    spring = law.spring(scene, state, obstacle)
     assert spring is not None
     assert not spring.elastic
     rigid = struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2))

@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene.events.locate import Interval, at_state
-from bristle_sim.scene.events.root import locate
-from bristle_sim.scene.events.touches import first_touch
+from bristle_sim.scene.locate import Interval, at_state
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.root import locate
+from bristle_sim.scene.touches import first_touch
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 

@@ -17,8 +17,8 @@ from bristle_sim.scene import extrapolation as repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run
+from bristle_sim.scene.system import Plan, Recording
 
 REFEREE = 1e-13
 """Error of scipy's integration over a few radians."""

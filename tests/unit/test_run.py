@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
-from bristle_sim.scene.contact.laws import EnergeticLaw
+from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.settings import Settings, StopReason
 

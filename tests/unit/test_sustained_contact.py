@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from bristle_sim.scene.contact.gaps import Gaps, slip_acceleration
-from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.contact.rigid import sense_of_slip
+from bristle_sim.scene.gaps import Gaps, slip_acceleration
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.pairs import WorkpartPair
+from bristle_sim.scene.rigid import sense_of_slip
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
@@ -17,7 +17,7 @@ ROD = Mechanism((Link.rod(2.0, 1.0),))
 def test_friction_on_a_lone_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
     """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
     state = State(0.0, (0.7,), (rate,))
-    assert sense_of_slip(Gaps(ROD), WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
+    assert sense_of_slip(Gaps(ROD), WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
 
 
 def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
@@ -28,7 +28,7 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
     a'' sin a = -4 cos psi - a'^2 cos a: -8 (sin + cos^2/sin) = -8/sin 0.4 = -20.5.
     """
     mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 2.0, 0.4)
-    part = WorkpartObstacle(2.0 * math.cos(0.4), 0.3, 0.3, 0.0)
+    part = WorkpartPair(2.0 * math.cos(0.4), 0.3, 0.3, 0.0)
     for rounding in (1e-8, -1e-8):
         state = State(0.0, (0.4,), (-2.0 + rounding,))
         assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(-8.0 / math.sin(0.4), rel=1e-4)

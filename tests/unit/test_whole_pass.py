@@ -78,7 +78,7 @@ class TestInvariants:
         def wrong(inverse_mass, velocity, friction, restitution, *others):  # type: ignore[no-untyped-def]
             return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
 
-        monkeypatch.setattr("bristle_sim.scene.contact.laws.energetic_impact", wrong)
+        monkeypatch.setattr("bristle_sim.scene.impacts.energetic_impact", wrong)
         assert [each.name for each in whole_pass(Tool(), SETTINGS).quantities if each.ok is False] == [
             "restitution_work_error"
         ]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle
-from bristle_sim.scene.contact.obstacles import wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.pairs import wire_pairs
 from bristle_sim.scene.tool import Units, wire_hinges, wire_links
 
 SIZE = Units(0.027, 8.387e-5, 1.0)

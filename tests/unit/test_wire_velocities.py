@@ -7,8 +7,8 @@ import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.obstacles import ClosedPair, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
 from bristle_sim.scene.tool import build_tool
 
 
@@ -35,8 +35,8 @@ def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> N
 def test_a_contact_without_lever_bears_nothing() -> None:
     """The tip of a wire that stands upright on the workpart can be pushed no way by turning: K_nn is 0."""
     upright = Mechanism((Link.rod(1.0, 0.4), Link.rod(0.3, 0.5)))
-    part = WorkpartObstacle(0.9, 0.0, 0.0, 0.0, link=1)
-    scene = Scene(upright, Effects(hinges=((5.0, 0.0),), obstacles=(part,)))
+    part = WorkpartPair(0.9, 0.0, 0.0, 0.0, link=1)
+    scene = Scene(upright, Effects(hinges=((5.0, 0.0),), pairs=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
     scene.joint_solver.contacts = (ClosedPair(part, None, None),)
     scene.joint_solver.solve(1.0)

@@ -1,19 +1,19 @@
 """The time-domain simulation in pymunk. Entry: ``simulate.simulate``; everything runs in the scene's own units.
 
-In reading order:
+In reading order; a file imports only from files below it in this list:
 
-- ``simulate``: the public functions; ``tool``: a tool's parameters as a scene in engine units.
-- ``build``: the pymunk space of a ``mechanism`` (links on a hub), whose steps and bodies ``engine`` calls bare.
-- ``extrapolation``: engine steps extrapolated to the accuracy over an interval.
-- ``run``: the loop, from one change of contact to the next, and the decision which contacts stay closed after it.
-- ``motion``: one smooth motion between two changes, integrated interval by interval; ``progress``: the state of a run.
-- ``spring_contact``: the phases of a contact resolved in time.
-- ``results``: the recorded motion and contacts in SI units.
-- ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
-
-Subpackages:
-
-- ``events/``: the ``table`` of event functions, the one locator (``locate``), gaps that close (``touches``).
-- ``contact/``: geometry (``obstacles``, ``gaps``); impacts (``laws``); contacts that last (``sustained``): rigid ones (``rigid``,
-  by the engine's ``shapes`` or, of several links, by the ``solver``) and those with springs (``compliant``, ``spring``, ``course``).
+- ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
+- ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and contacts in SI units.
+- ``run``: the loop over intervals and events.
+- ``decide``: the decision after an event; ``spring_phases``, ``impact_error``: its springs, and the error over an impact.
+- ``motion``: one smooth motion, integrated interval by interval up to its first event.
+- ``events``: the events of a motion; ``touches``: gaps that close; ``locate``, ``root``: the locator and its root finder.
+- ``system``: the state, the plan and the record of a run.
+- ``contact``: a contact that lasts; ``rigid``, ``spring``: its two kinds; ``course``: the record of a spring.
+- ``impacts``, ``compliant``: the contact laws.
+- ``happening``: events and their kinds; ``extrapolation``: engine steps extrapolated over an interval; ``load``: its interface to
+  contacts.
+- ``build``: the pymunk space of a mechanism; ``solver``: joints and contacts of several links; ``shapes``: the engine's contact.
+- ``gaps``, ``pairs``: the geometry of pairs that can touch; ``engine``: bare calls of the engine.
+- ``mechanism``: chains of links.
 """

@@ -19,13 +19,13 @@ import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.joints import Connected
-from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, ClosedPair, Obstacle
-from bristle_sim.scene.contact.shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.pairs import SHAPE_MARGIN, ClosedPair, ContactPair
+from bristle_sim.scene.shapes import ContactShapes
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.contact.solver import WireSteps, WireVelocities
+    from bristle_sim.scene.solver import WireSteps, WireVelocities
 
 HIGHEST_FRICTION = 2.0
 """Friction up to which the engine's iterations solve a rigid link's contact. An iteration leaves 1 - g of the error, with
@@ -43,7 +43,7 @@ class Effects:
     stiffness: float | None = None
     damping: float = 0.0
     gravity: float = 0.0
-    obstacles: tuple[Obstacle, ...] = ()
+    pairs: tuple[ContactPair, ...] = ()
     hinges: tuple[tuple[float, float], ...] = ()
 
 
@@ -137,9 +137,9 @@ class Scene:
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     """Return the object that takes the engine's steps; for several links it also solves joints, damping and contacts."""
     mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
-    if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
+    if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.pairs):
         return EngineSteps(space, *bodies)
-    from bristle_sim.scene.contact.solver import WireSteps, WireVelocities
+    from bristle_sim.scene.solver import WireSteps, WireVelocities
 
     belt = effects.damping if effects.stiffness is not None else 0.0
     hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
@@ -243,7 +243,7 @@ def motion_scale(scene: Scene, start: State) -> float:
     with an obstacle, because the bar turns the hub's speed into the bristle's.
     """
     mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
-    if effects.obstacles or not mechanism.lone:
+    if effects.pairs or not mechanism.lone:
         return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field

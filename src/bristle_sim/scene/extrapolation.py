@@ -13,14 +13,11 @@ import math
 from collections.abc import Mapping, Sequence
 from operator import mul
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from bristle_sim.scene.build import Scene
+from bristle_sim.scene.build import Scene, damping_rate
+from bristle_sim.scene.load import Load, Sums, sums_of
 from bristle_sim.scene.mechanism import State
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.contact.rigid import RigidContacts
-    from bristle_sim.scene.contact.spring import ContactLoad
 
 PLACING_COST = 6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
@@ -53,6 +50,10 @@ class Advance(NamedTuple):
         """Return the angles, rates, accelerations and totals that a scene had at a time."""
         size, state = len(scene.links), state_of(scene, time, values)
         return cls(state, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)
+
+    def sums(self, index: int) -> Sums:
+        """Return the forces and sums of one contact of the load."""
+        return sums_of(self.totals, index)
 
     def moved(self, time: float) -> Advance:
         """Return the result a short time later, by the accelerations."""
@@ -142,9 +143,7 @@ class Extrapolation:
         """Return the interval that costs least per time, shortened so that the remaining time is divided evenly."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
-    def advance(
-        self, scene: Scene, state: State, duration: float, load: RigidContacts | ContactLoad | None = None
-    ) -> Advance:
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
@@ -216,7 +215,7 @@ class Extrapolation:
             length *= costs[best + 1] / costs[best]
         return length if result.error <= limit else min(length, 0.5 * duration)
 
-    def halves(self, scene: Scene, load: RigidContacts | ContactLoad | None) -> bool:
+    def halves(self, scene: Scene, load: Load | None) -> bool:
         """Whether the state in the middle of an interval is known too."""
         return scene.engine.take_symmetric is None and load is None
 
@@ -242,9 +241,7 @@ class PlainSteps:
         """Return the length of one step, or the remaining time if that is shorter."""
         return min(self.step, remaining)
 
-    def advance(
-        self, scene: Scene, state: State, duration: float, load: RigidContacts | ContactLoad | None = None
-    ) -> Advance:
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Take one engine step, in flight from where the bodies are if they were left there.
 
         The correction divides a joint's opening by the step. A shortened step therefore starts from closed joints, and a very
@@ -268,7 +265,7 @@ class PlainSteps:
         del result, duration
         return True
 
-    def halves(self, scene: Scene, load: RigidContacts | ContactLoad | None) -> bool:
+    def halves(self, scene: Scene, load: Load | None) -> bool:
         """Return False: a step has no middle."""
         del scene, load
         return False
@@ -276,3 +273,22 @@ class PlainSteps:
 
 Stepper = Extrapolation | PlainSteps
 """An integrator over intervals."""
+
+
+LONGEST_PROBE = 0.3
+"""Longest step of a probed acceleration, in the scene's time units and time constants of the engine's damping. Measured:
+rounding and the error left by extrapolation are then both some 1e-12 times the rate of the damping."""
+
+PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # its steps are this many times shorter
+
+PROBE_WEIGHTS = lagrange_weights(PROBES)
+
+
+def acceleration(scene: Scene, state: State, link: int = 0) -> float:
+    """Return the acceleration of a link without contact, engine units: that of the second step, extrapolated to zero step."""
+    longest = LONGEST_PROBE / (1.0 + damping_rate(scene))
+    found = []
+    for count, weight in zip(PROBES, PROBE_WEIGHTS, strict=True):
+        scene.place(state)
+        found.append(weight * scene.step(longest / count, 2)[2 * len(scene.links) + link])
+    return math.fsum(found)

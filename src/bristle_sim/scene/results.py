@@ -13,7 +13,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Effects, Scene, motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.progress import Recording
+from bristle_sim.scene.system import Recording
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory, WireMotion
@@ -95,7 +95,7 @@ def _events(
         time = math.nan
     if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end:
         time = end
-    parts = {each.name for each in scene.effects.obstacles}
+    parts = {each.name for each in scene.effects.pairs}
     found = [each for each in found if each.name != LARGEST_RETRACTION or each.time == time]
     for name, event_name in ABSENCES.items():
         if name.split()[0] in parts and event_name not in names:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval, damping_rate, motion_scale, time_scale
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.impacts import contact_law
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.progress import Plan
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
+from bristle_sim.scene.system import Plan
 from bristle_sim.scene.tool import LONE, START, Row, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
@@ -140,7 +141,7 @@ def _simulated(
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     stop_after = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
     settings, described = settings or Settings(), StartRelativeToHub(*begin)
-    scene, units = build_tool(tool, hub_start=described.hub_angle, row=row, accuracy=settings.accuracy)
+    scene, units = build_tool(tool, hub_start=described.hub_angle, row=row)
     mechanism = scene.mechanism
     links, rate = range(len(mechanism.links)), mechanism.hub_speed + described.relative_rate * units.time
     angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
@@ -153,7 +154,8 @@ def _simulated(
     else:
         stepper = plain_steps_for(scene, settings, step, units.time)
     wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.engine.steps
-    recording = run(scene, start, stepper, plan)
+    law = contact_law(tool.contact, settings.accuracy, units.time)
+    recording = run(scene, start, stepper, plan, law=law)
     cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.engine.steps - steps)
     parameters = {
         "method": METHOD if row is LONE else ROW_METHOD,
@@ -231,19 +233,19 @@ def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:
     """Refuse a start in which a bristle stands in an obstacle, or in another bristle."""
     poses = scene.mechanism.poses(start)
-    for obstacle in scene.effects.obstacles:
-        gap = obstacle.closest(poses, start.rates).gap
+    for pair in scene.effects.pairs:
+        gap = pair.closest(poses, start.rates).gap
         if gap >= -OVERLAP_ROUNDING:
             continue
         overlap = -gap * tool.bristle.length
-        if obstacle.partner is not None:
+        if pair.partner is not None:
             raise ValueError(
                 f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
                 f" these overlap by {overlap:.3g} m (in rad)"
             )
-        part = getattr(tool, obstacle.name)
-        given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACE_KEYS[obstacle.name])
+        part = getattr(tool, pair.name)
+        given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACE_KEYS[pair.name])
         raise ValueError(
-            f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
+            f"{given}: the {pair.name} must be clear of the bristle at the start, this one overlaps it by"
             f" {overlap:.3g} (in m)"
         )

@@ -14,14 +14,14 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
 from bristle_sim.scene.build import Effects, Scene, damped_interval
-from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
-from bristle_sim.scene.contact.laws import ENERGETIC, contact_law
-from bristle_sim.scene.contact.obstacles import WorkpartObstacle
+from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.extrapolation import WIDE, Extrapolation
+from bristle_sim.scene.impacts import ENERGETIC, ContactLaw, contact_law
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.progress import SLOW_FRACTION, Plan
+from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.run import run
+from bristle_sim.scene.system import SLOW_FRACTION, Plan
 from bristle_sim.scene.tool import Units, build_tool
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -109,9 +109,9 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
         if not isinstance(value, kind):
             raise ValueError(f"{name} = {shown(value)}: must be a {kind.__name__}")
     begin = clock.perf_counter()
-    scene, start, obstacle, units = build_strike(chain, surface)
+    scene, start, pair, units = build_strike(chain, surface)
     law = contact_law(contact, settings.accuracy, units.time)
-    after, record, _ = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
+    after, record, _ = struck(scene, start, pair, settings, law)
     poses = scene.mechanism.poses(start)
     kinetic, _ = energies(scene.mechanism, scene.effects, columns([start, after]))
     return ChainStrike(
@@ -127,7 +127,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
 SLOWEST_RATE = 1e-300  # rad/s; smaller ones have no reciprocal to serve as a unit of time
 
 
-def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
+def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartPair, Units]:
     """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
     units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0)
@@ -135,14 +135,14 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
     mechanism = Mechanism(links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle)
     start = State(0.0, chain.angles, tuple(rate * units.time for rate in chain.rates))
-    obstacle = _below(mechanism, start, surface)
-    return Scene(mechanism, Effects(obstacles=(obstacle,))), start, obstacle, units
+    pair = _below(mechanism, start, surface)
+    return Scene(mechanism, Effects(pairs=(pair,))), start, pair, units
 
 
-def _below(mechanism: Mechanism, start: State, part: Surface) -> WorkpartObstacle:
+def _below(mechanism: Mechanism, start: State, part: Surface) -> WorkpartPair:
     """Return the surface through the last link's tip."""
     height = mechanism.poses(start)[-1].tip[1]
-    return WorkpartObstacle(-height, part.friction, part.friction_in_restitution, part.restitution)
+    return WorkpartPair(-height, part.friction, part.friction_in_restitution, part.restitution)
 
 
 UNSOLVED = {
@@ -154,20 +154,20 @@ UNSOLVED = {
 
 
 def struck(
-    scene: Scene, start: State, obstacle: WorkpartObstacle, settings: Settings
+    scene: Scene, start: State, pair: WorkpartPair, settings: Settings, law: ContactLaw
 ) -> tuple[State, ContactRecord, list[State]]:
     """Simulate a contact that begins now, by its law; return the state after it, its record, and its samples.
 
     Raises:
         ValueError: if a contact with a spring does not end.
     """
-    approach = -obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
-    law = obstacle.law if approach > 0.0 else ENERGETIC
+    approach = -pair.closest(scene.mechanism.poses(start), start.rates).velocity[0]
+    law = law if approach > 0.0 else ENERGETIC
     if law.at_once or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
-        after, record = law.resolve(scene, start, obstacle)
+        after, record = law.resolve(scene, start, pair)
         return after, record, [start, after]
     plan = Plan(math.inf, settings.accuracy, "strike", maximum_steps=settings.maximum_steps, single_contact=True)
-    recording = run(scene, start, Extrapolation(settings.accuracy), plan, [obstacle])
+    recording = run(scene, start, Extrapolation(settings.accuracy), plan, [pair], law)
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
@@ -220,16 +220,16 @@ def strike_wire(
             contact does not end.
     """
     begin = clock.perf_counter()
-    scene, units, obstacle = build_wire(tool, hub_angle, angles, rates)
+    scene, units, pair = build_wire(tool, hub_angle, angles, rates)
     start = State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))
-    approach = obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
+    approach = pair.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     if approach >= 0.0:
         raise ValueError(
             f"rates = {shown(rates[-1])}: must let the wire's end approach the workpart, its normal velocity is"
             f" {approach * units.velocity:g} m/s (in rad/s)"
         )
     law = CompliantLaw(duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass)
-    after, record, states = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
+    after, record, states = struck(scene, start, pair, settings, law)
     del states[0]
     if flight > 0.0:
         # Samples of the free motion are as far apart as in the contact, while a tenth of the budget of steps lasts.
@@ -252,7 +252,7 @@ def strike_wire(
 
 def build_wire(
     tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
-) -> tuple[Scene, Units, WorkpartObstacle]:
+) -> tuple[Scene, Units, WorkpartPair]:
     """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
     links, part = tool.bristle.links, tool.workpart
     if part is None:

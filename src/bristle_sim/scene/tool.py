@@ -13,15 +13,12 @@ from dataclasses import dataclass
 
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.laws import contact_law
-from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
-from bristle_sim.settings import Settings
+from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
 START = -math.pi / 2.0  # angle of the root at the start of a pass: 90 degrees before the workpart's normal
-DEFAULT_ACCURACY = Settings().accuracy  # of contacts resolved in time, where no run has another one
 SLOWEST_MOTION = 1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
 SHORTEST_PIECE = 1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
 
@@ -61,30 +58,26 @@ def tool_units(tool: Tool) -> Units:
     return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0)
 
 
-def build_tool(
-    tool: Tool, *, hub_start: float = START, row: Row = LONE, accuracy: float = DEFAULT_ACCURACY
-) -> tuple[Scene, Units]:
+def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
     units, bristle, hub = tool_units(tool), tool.bristle, tool.hub
     links = wire_links(bristle) * row.bristles
     mechanism = Mechanism(links, hub.radius / units.length, hub.speed * units.time, hub_start, row.bristles, row.pitch)
-    obstacles = [
-        each for first in range(0, len(links), bristle.links) for each in _obstacles(tool, units, first, accuracy)
-    ]
+    pairs = [each for first in range(0, len(links), bristle.links) for each in _pairs(tool, units, first)]
     if row.bristles > 1:
-        obstacles += wire_pairs(mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution)
+        pairs += wire_pairs(mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution)
     effects = Effects(
         stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
-        obstacles=tuple(obstacles),
+        pairs=tuple(pairs),
         hinges=wire_hinges(bristle, tool.belt.stiffness, units) * row.bristles,
     )
     return Scene(mechanism, effects), units
 
 
-def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterator[Obstacle]:
-    """Yield the obstacles of a wire's links, from the first link on: the bar for all of them, the workpart for tip and knee."""
+def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
+    """Yield the pairs of a wire's links, from the first link on: the bar for all of them, the workpart for tip and knee."""
     bristle, size, bar, part = tool.bristle, units.length, tool.bar, tool.workpart
     if bar is not None:
         centre, radii = (
@@ -92,17 +85,16 @@ def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterato
             (bar.radius / size, bristle.wire_diameter / 2.0 / size),
         )
         for link in range(first, first + bristle.links):
-            yield BarObstacle(centre, *radii, bar.friction, bar.restitution, link=link)
+            yield BarPair(centre, *radii, bar.friction, bar.restitution, link=link)
     if part is not None:
         surface = (tool.workpart_depth / size, part.friction, part.friction_in_restitution, part.restitution)
-        law = contact_law(tool.contact, accuracy, units.time)
         # Link and corner of each; the tip of a link is its corner -1.
         corners, joint = [(first + bristle.links - 1, -1)], bristle.knee_position * bristle.links
         if len(bristle.path) > 1:
             at_joint = bristle.links > 1 and abs(joint - round(joint)) < bristle.links * SHORTEST_PIECE
             corners.append((first + round(joint) - 1, -1) if at_joint else (first + int(joint), 0))
         for link, corner in corners:
-            yield WorkpartObstacle(*surface, link=link, law=law, corner=corner)
+            yield WorkpartPair(*surface, link=link, corner=corner)
 
 
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:

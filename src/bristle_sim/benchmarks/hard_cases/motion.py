@@ -19,7 +19,7 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     spends_budget,
 )
 from bristle_sim.parameters import Bar, Belt, Tool, tool_keys
-from bristle_sim.scene.contact.obstacles import LEAST_REACH
+from bristle_sim.scene.pairs import LEAST_REACH
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import START
 from bristle_sim.settings import Settings, StopReason

@@ -7,20 +7,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from bristle_sim.scene.build import damped_interval
-from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, contact_at, energetic_at
-from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.contact.spring import Expectation, Spring
+from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, energetic_at
 from bristle_sim.scene.mechanism import Mechanism, State, cross
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.spring import Expectation, Spring
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact
 from bristle_sim.trajectory import ContactRecord
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.build import Scene
-    from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
 
 LEAST_DURATION = 3e-7
 """Shortest contact that is resolved, times sqrt(e*), in scene time units. Measured: a contact of duration T differs from the
@@ -65,20 +61,17 @@ class CompliantLaw(ContactLaw):
     name = "compliant"
     at_once: ClassVar[bool] = False
 
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle, press: float = 0.0) -> Spring | None:
+    def spring(self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0) -> Spring | None:
         """Return the spring of a new contact; None if the touch is too slow to be resolved.
 
         Raises:
-            ValueError: if the contact cannot be resolved in double precision, or slides along a link.
+            ValueError: if the contact cannot be resolved in double precision.
         """
-        if not isinstance(obstacle, WorkpartObstacle):
-            raise ValueError(
-                f"law of the {obstacle.name} = compliant: must be resolved at an instant, as the contact may slide along a link"
-            )
-        restitution = obstacle.restitution
+        assert isinstance(pair, WorkpartPair), "only the workpart's contacts are resolved in time"
+        restitution = pair.restitution
         self._check(scene, restitution)
-        touch, space = contact_at(scene, state, obstacle)
-        rigid = energetic_at(obstacle, space)
+        touch, space = contact_at(scene, state, pair)
+        rigid = energetic_at(pair, space)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
         # A stiffer one is rigid, as in the impact law.
@@ -92,7 +85,7 @@ class CompliantLaw(ContactLaw):
         if depth < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle, duration)
+            self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
         stiffness = self.stiffness or (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
         self.stiffness = self.stiffness if self.duration is None else stiffness
@@ -100,14 +93,14 @@ class CompliantLaw(ContactLaw):
         longest = min(duration / samples, damped_interval(scene))
         (normal, _), (_, tangential) = space.inverse_mass.tolist()
         if compliance and tangential:
-            rigid = energetic_at(obstacle, space, compliance)
+            rigid = energetic_at(pair, space, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
         expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper, compliance)
-        return Spring(stiffness, obstacle, expected, touch.gap, space.inverse_mass)
+        return Spring(stiffness, pair, expected, touch.gap, space.inverse_mass)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""
@@ -121,9 +114,9 @@ class CompliantLaw(ContactLaw):
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest)
 
-    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
-        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, obstacle)
+        return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, pair)
 
     def _check(self, scene: Scene, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:
@@ -172,13 +165,13 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
 
 
 def rigid_stiffness(
-    mechanism: Mechanism, state: State, touch: ClosestApproach, obstacle: Obstacle, duration: float
+    mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
     """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts a given time.
 
     k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
     """
-    size, poses, link = mechanism.wire_links, mechanism.poses(state), obstacle.link % len(mechanism.links)
+    size, poses, link = mechanism.wire_links, mechanism.poses(state), pair.link % len(mechanism.links)
     wire = Mechanism(mechanism.links[link - link % size :][:size])
     unstressed = wire.poses(State(0.0, (0.0,) * size, (0.0,) * size))
     inertia = sum(
@@ -187,4 +180,10 @@ def rigid_stiffness(
     )
     joint, root = poses[link].joint, poses[link - link % size].joint
     lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
-    return (0.5 * math.pi * (1.0 + obstacle.restitution) / duration) ** 2 * inertia / lever**2
+    return (0.5 * math.pi * (1.0 + pair.restitution) / duration) ** 2 * inertia / lever**2
+
+
+def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
+    """In stick update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
+    if spring.expected.moves and not spring.slip:
+        spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass

@@ -1,7 +1,7 @@
-"""Impact laws; each obstacle carries one.
+"""Impact laws.
 
-An impact at an instant is resolved at once: scene, state, obstacle in; state after, contact record out. A law that resolves
-the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.contact.compliant`).
+An impact at an instant is resolved at once: scene, state, pair in; state after, contact record out. A law that resolves
+the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.compliant`).
 To add a law, write a subclass of :class:`ContactLaw`, name it in :func:`contact_law` and among the words of ``Contact.law``.
 """
 
@@ -11,23 +11,21 @@ import dataclasses
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.parameters import Contact
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair
+from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
-if TYPE_CHECKING:
-    from bristle_sim.scene.build import Scene
-    from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
-    from bristle_sim.scene.contact.spring import Spring
 
-
-def energetic_at(obstacle: Obstacle, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
-    """Return the impact on an obstacle of rigid bodies with energetic restitution, and eta^2 of the contact."""
-    coefficients = obstacle.friction, obstacle.restitution, obstacle.restitution_friction
+def energetic_at(pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
+    """Return the impact on a pair of rigid bodies with energetic restitution, and eta^2 of the contact."""
+    coefficients = pair.friction, pair.restitution, pair.restitution_friction
     further = space.stick_compliance, tangential_compliance
     return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
 
@@ -43,37 +41,37 @@ class ContactLaw(ABC):
     name: ClassVar[str]
     at_once: ClassVar[bool] = True
 
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle, press: float = 0.0) -> Spring | None:
+    def spring(self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0) -> Spring | None:
         """Return the spring of a contact that is resolved in time; None if the impact is instantaneous.
 
         ``press`` is the acceleration at which a point at rest would approach.
         """
-        del scene, state, obstacle, press
+        del scene, state, pair, press
         return None
 
     @abstractmethod
-    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply an instantaneous impact to the scene; all values are in engine units."""
 
-    def _after(self, scene: Scene, obstacle: Obstacle, before: State, **entries: Any) -> tuple[State, ContactRecord]:
+    def _after(self, scene: Scene, pair: ContactPair, before: State, **entries: Any) -> tuple[State, ContactRecord]:
         """Return the state after an impact that has changed the scene's rates, and its record with further entries."""
         after = State(before.time, before.angles, tuple(scene.rates()))
         works = {"compressive_impulse": None, "compressive_work": None, "restitutive_work": None}
         motion = {"angles": before.angles, "rates_before": before.rates, "rates_after": after.rates}
-        general = {"obstacle": obstacle.name, "law": self.name, "time": before.time, "duration": 0.0}
+        general = {"obstacle": pair.name, "law": self.name, "time": before.time, "duration": 0.0}
         return after, ContactRecord(**{**general, **motion, **works, **entries})
 
 
-def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestApproach, ContactSpace]:
-    """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
+def contact_at(scene: Scene, state: State, pair: ContactPair) -> tuple[ClosestApproach, ContactSpace]:
+    """Place the scene and describe its contact with a pair, from the bodies as they are in the engine."""
     scene.place(state)
     poses = scene.mechanism.poses(state)
-    touch = obstacle.closest(poses, state.rates)
-    joint = poses[obstacle.link].joint
+    touch = pair.closest(poses, state.rates)
+    joint = poses[pair.link].joint
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
-    partner = None if obstacle.partner is None else scene.links[obstacle.partner]
+    partner = None if pair.partner is None else scene.links[pair.partner]
     connected = scene.connected if scene.mechanism.wires == 1 else None
-    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, partner, connected=connected)
+    return touch, contact_space(scene.links[pair.link], point, touch.normal, partner, connected=connected)
 
 
 @dataclass(frozen=True)
@@ -89,17 +87,17 @@ class EnergeticLaw(ContactLaw):
     tangential_compliance: float = 0.0
     name = "energetic"
 
-    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Change all bodies' velocities at once; positions stay."""
-        _, space = contact_at(scene, state, obstacle)
+        _, space = contact_at(scene, state, pair)
         space = ending_together(space, self.accuracy)
-        impact = energetic_at(obstacle, space, self.tangential_compliance)
+        impact = energetic_at(pair, space, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         velocity = (impact.velocity_normal, impact.velocity_tangential)
         space.apply(impulse, velocity)
         return self._after(
             scene,
-            obstacle,
+            pair,
             state,
             outcome=impact.outcome_name,
             impulse=impulse,
@@ -127,7 +125,7 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     return dataclasses.replace(space, velocity=(approach, exact)) if near else space
 
 
-ENERGETIC = EnergeticLaw()  # the law of obstacles for which no other one is named
+ENERGETIC = EnergeticLaw()  # the law of every pair but the workpart
 
 ENGINE_STEP = 1e-12  # step of an engine impact in scene time units: forces and motion within it are below rounding
 
@@ -144,27 +142,27 @@ class EngineLaw(ContactLaw):
     iterations: int = 10
     name = "engine"
 
-    def resolve(self, scene: Scene, state: State, obstacle: Obstacle) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that only the impact happens in it."""
-        touch, _ = contact_at(scene, state, obstacle)
-        friction, elasticity = obstacle.friction, obstacle.restitution
-        scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)
-        record = scene.contacts.record(obstacle, slips=False)
+        touch, _ = contact_at(scene, state, pair)
+        friction, elasticity = pair.friction, pair.restitution
+        scene.contacts.engage(pair, friction=friction, elasticity=elasticity, iterations=self.iterations)
+        record = scene.contacts.record(pair, slips=False)
         record.begin()
         scene.step(ENGINE_STEP, 1, record.note)
         ((*impulse, _),) = record.read(touch.normal) or [(0.0, 0.0, 0.0)]
         scene.contacts.release()
         rates = tuple(scene.rates())
         scene.place(State(state.time, state.angles, rates))
-        velocity = obstacle.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
+        velocity = pair.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
         entries = {"impulse": tuple(impulse), "velocity_before": touch.velocity, "velocity_after": velocity}
-        return self._after(scene, obstacle, state, outcome=outcome, **entries)
+        return self._after(scene, pair, state, outcome=outcome, **entries)
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
     """Return the contact law named by the parameters, for a scene with that unit of time, s."""
-    from bristle_sim.scene.contact.compliant import CompliantLaw
+    from bristle_sim.scene.compliant import CompliantLaw
 
     squared = contact.tangential_compliance
     if contact.law == "compliant":

@@ -1,4 +1,4 @@
-"""The end conditions of a run, its present state and its record so far."""
+"""The system that a run moves: the scene, the plan of the run, its present state and its record so far."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.gaps import Gaps
-from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.contact.sustained import Sustained
-from bristle_sim.scene.events.locate import LEAST_VALUE
+from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.extrapolation import Stepper
+from bristle_sim.scene.gaps import AT_JOINT, GAP_ROUNDING, Gaps
+from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
 MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial through the samples of both is accurate
 
-MOST_CHANGED_APPROACH = 0.5  # by the error, as a fraction; the impact is beyond linear error propagation then
 SLOW_FRACTION = 1e-8
 """Fraction of the fastest point's speed below which an impact gets no restitution: otherwise infinitely many ever smaller
 bounces would follow each other in a finite time."""
+
+LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
 
 
 @dataclass(slots=True)
@@ -85,27 +86,43 @@ class Recording:
     stop_detail: str = ""
 
 
-class Progress:
-    """The state shared by the smooth motions of one run.
+class System:
+    """A scene on its way through a run.
 
     Attributes:
+        scene, mechanism, plan: of the run.
+        pairs: the pairs that can touch, each with its present surface: a tip in a dent touches the bottom of the dent.
+        law: the impact law of the workpart; all other pairs have the energetic law.
+        gaps: the gaps of the pairs in any state.
         state: the last state that was reached.
-        obstacles: the pairs, each with its present surface: a tip in a dent touches the bottom of the dent.
         flight, stepper: the integrators of motion without springs and of the present motion.
         noise: rates and accelerations below this have no sign.
+        recording: the record so far.
     """
 
     def __init__(
-        self, scene: Scene, start: State, flight: Stepper, plan: Plan, obstacles: Sequence[Obstacle] | None
+        self,
+        scene: Scene,
+        start: State,
+        flight: Stepper,
+        plan: Plan,
+        pairs: Sequence[ContactPair] | None = None,
+        law: ContactLaw = ENERGETIC,
     ) -> None:
-        """Begin a run at its initial state."""
-        self.scene, self.mechanism, self.plan, self.state = scene, scene.mechanism, plan, start
-        self.flight = self.stepper = flight
-        self.gaps, self.recording = Gaps(scene.mechanism), Recording()
-        self.obstacles = list(scene.effects.obstacles if obstacles is None else obstacles)
+        """Begin a run at its initial state; ``pairs`` are those of the scene by default."""
+        self.scene = scene
+        self.mechanism = scene.mechanism
+        self.plan = plan
+        self.pairs = list(scene.effects.pairs if pairs is None else pairs)
+        self.law = law
+        self.gaps = Gaps(scene.mechanism)
+        self.state = start
+        self.flight = flight
+        self.stepper = flight
         # A damped spring turns an error of the rate into one of the acceleration.
         damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
         self.noise = max(LEAST_VALUE, flight.noise * (1.0 + damping))
+        self.recording = Recording()
         self.sample()
 
     @property
@@ -113,17 +130,25 @@ class Progress:
         """Speed below which the rest of an approach or of a rebound is not followed."""
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
+    def law_of(self, pair: ContactPair) -> ContactLaw:
+        """Return the impact law of a pair."""
+        return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
+
     def slip_error(self, fastest: State) -> float:
         """Return the possible error of a slip velocity in a motion with this fastest state; a slower slip has no known sense."""
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
-    def approach(self, obstacle: Obstacle) -> float:
+    def approach(self, pair: ContactPair) -> float:
         """Return the normal velocity of a pair's contact point, negative where it approaches."""
-        return self.gaps.closest(obstacle, self.state).velocity[0]
+        return self.gaps.closest(pair, self.state).velocity[0]
+
+    def touches(self, pair: ContactPair) -> bool:
+        """Return whether a pair's gap is closed."""
+        return abs(self.gaps.gap(pair, self.state)) <= GAP_ROUNDING
 
     def sample(
         self,
-        forces: Mapping[Sustained, float] = MappingProxyType({}),
+        forces: Mapping[ActiveContact, float] = MappingProxyType({}),
         *,
         again: bool = False,
         state: State | None = None,
@@ -134,7 +159,7 @@ class Progress:
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
-            for wire in self.wires_of(contact.obstacle):
+            for wire in self.wires_of(contact.pair):
                 sums[wire] += force
         if again:
             self.recording.forces[-1] = sums
@@ -142,14 +167,14 @@ class Progress:
             self.recording.states.append(state or self.state)
             self.recording.forces.append(sums)
 
-    def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+    def links_of(self, pair: ContactPair) -> tuple[int, ...]:
         """Return the numbers of the links that take part in a contact."""
-        own = obstacle.link % len(self.mechanism.links)
-        return (own,) if obstacle.partner is None else (own, obstacle.partner)
+        own = pair.link % len(self.mechanism.links)
+        return (own,) if pair.partner is None else (own, pair.partner)
 
-    def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+    def wires_of(self, pair: ContactPair) -> tuple[int, ...]:
         """Return the numbers of the wires that take part in a contact."""
-        return tuple([link // self.mechanism.wire_links for link in self.links_of(obstacle)])
+        return tuple([link // self.mechanism.wire_links for link in self.links_of(pair)])
 
     def event(self, name: str, wires: Sequence[int], *, lasts: bool = False) -> None:
         """Record an event of some wires; the run ends once every wire has had the event ``stop_after``.
@@ -167,40 +192,42 @@ class Progress:
         happened = {wire for each, wires in self.recording.events if each.name == last for wire in wires}
         return len(happened) == self.mechanism.wires
 
-    def propagate(self, obstacle: Obstacle, before: State, record: ContactRecord) -> None:
-        """Propagate the error over an impact, by two motions that are off by it in angle, and in rate with either sign.
-
-        These touch at another instant, and their rates jump there in proportion to their approach. If the law has adjusted
-        the slip so that it ends with the approach, it is uncertain whether the contact sticks or jams.
-        """
-        recording, error = self.recording, self.recording.error
-        if recording.lost is not None:
-            return
-        earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
-        since, (approach, slip) = before.time - earlier.time or math.inf, self.gaps.closest(obstacle, before).velocity
-        changes = [(b - a) / since for a, b in zip(earlier.rates, before.rates, strict=True)]
-        jumps = [b - a for a, b in zip(before.rates, record.rates_after, strict=True)]
-        snap, jams = abs(slip - record.velocity_before[1]), obstacle.friction * abs(slip) >= abs(approach)
-        undecided = snap > (0.0 if jams else error)
-        for off in (error, -error):
-            angles, rates = [each + error for each in before.angles], [each + off for each in before.rates]
-            gap, opening = self.gaps.gap_and_rate(obstacle, State(before.time, tuple(angles), tuple(rates)))
-            late = -gap / opening if opening else math.inf
-            angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
-            rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
-            there = self.gaps.closest(obstacle, State(before.time + late, tuple(angles), tuple(rates))).velocity[0]
-            part = there / approach - 1.0 if approach else math.inf
-            if undecided or not abs(part) < MOST_CHANGED_APPROACH:
-                recording.lost = before.time
-                return
-            for each in jumps:
-                recording.error = max(recording.error, abs(error - each * late), abs(off + each * part))
-
-    def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
+    def contact(self, record: ContactRecord, pair: ContactPair) -> None:
         """Record a contact."""
-        self.recording.contacts.append((record, self.links_of(obstacle)))
+        self.recording.contacts.append((record, self.links_of(pair)))
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run for a reason, with the law's detail of it; only the first reason is kept."""
         if self.recording.stop_reason is None:
-            self.recording.stop_reason, self.recording.stop_detail = reason, detail
+            self.recording.stop_reason = reason
+            self.recording.stop_detail = detail
+
+    def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
+        """Return the pair of the same bar and the next link of the wire towards the tip (1) or the root (-1)."""
+        link = pair.link + step
+        size = self.mechanism.wire_links
+        if pair.link < 0 or not isinstance(pair, BarPair) or link // size != pair.link // size:
+            return None
+        return next((other for other in self.pairs if isinstance(other, BarPair) and other.link == link), None)
+
+    def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
+        """Return whether, up to a state, the link's point closest to a touching neighbour's bar is the joint they share.
+
+        A link that is clear of the bar and ends elsewhere may touch it by itself.
+        """
+        if not isinstance(pair, BarPair):
+            return False
+        gaps = self.gaps
+        for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
+            if self.neighbour(pair, step) in active:
+                now, later = (sign * pair.foot(gaps.poses(state)[pair.link])[index] for state in (self.state, end))
+                if now <= AT_JOINT and (later <= AT_JOINT or gaps.gap(pair, self.state) <= GAP_ROUNDING):
+                    return True
+        return False
+
+    def at_joint(self, pair: ContactPair) -> ContactPair:
+        """Return the pair that a touch belongs to: at a joint, that of the link before it, whose round end is there."""
+        lower = self.neighbour(pair, -1)
+        if lower is None or not isinstance(pair, BarPair):
+            return pair
+        return pair if pair.foot(self.gaps.poses(self.state)[pair.link])[0] > 0.0 else lower

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
 
-from bristle_sim.scene.events.root import locate
-from bristle_sim.scene.extrapolation import Advance
+from bristle_sim.scene.extrapolation import Advance, acceleration
+from bristle_sim.scene.happening import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event, Kind
 from bristle_sim.scene.mechanism import Curve, State
-from bristle_sim.settings import StopReason
+from bristle_sim.scene.root import locate
+from bristle_sim.scene.system import LEAST_VALUE, System
 
-if TYPE_CHECKING:
-    from bristle_sim.scene.events.table import Change
-    from bristle_sim.scene.progress import Progress
+Value = Callable[[Advance], float]
+"""A function of the result of an interval."""
 
-LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
 LOCATED_VALUE = 1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
 RATE_ROUNDING = 1e-13  # of the difference of two rates that give an acceleration, and of a force times a duration
 
@@ -45,8 +43,11 @@ class Interval:
     __slots__ = ("_curve", "again", "end", "first", "length", "start")
 
     def __init__(self, first: Advance, end: Advance, again: Callable[[float], Advance]) -> None:
-        self.first, self.end, self.again = first, end, again
-        self.start, self.length = first.state, end.state.time - first.state.time
+        self.first = first
+        self.end = end
+        self.again = again
+        self.start = first.state
+        self.length = end.state.time - first.state.time
         self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
@@ -61,53 +62,32 @@ class Interval:
         return self if end is self.end else Interval(self.first, end, self.again)
 
 
-@dataclass(slots=True, eq=False)
-class EventFunction:
-    """A function whose change of sign is an event.
+class Monitor:
+    """The sign of an event's value along one smooth motion.
 
     Attributes:
-        value: function of the result of an interval.
-        falling: True if only falling through zero counts, False if only rising, None for both.
-        event, wire: name under which it is recorded (if it is), and number of its wire.
-        final: why the run stops there; None if the run continues.
-        act: returns the change of the contacts; None if there is none.
-        exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
-        difference: whether the value contains a difference of rates over a step, and so its rounding.
-        tolerance: replaces the run's own for its location; values then have a sign down to rounding.
-        turns: whether it may change its sign twice within an interval.
-        positive: whether the value is known to be positive where the motion begins, or to rise from zero there.
-        ends_together: whether it may end a phase together with another event: of two that coincide either may be located first.
-        noise, sign: values below this have no sign; the last sign, None while it is unknown.
+        event: the watched event.
+        exact: the value as a function of the state, where ``event.value`` has the error of a difference over the interval.
+        difference: whether the value contains a difference of rates over a step.
+        noise: values below this have no sign.
+        sign: the last sign; None while it is unknown.
         reached: the value at the end of the last interval.
     """
 
-    value: Callable[[Advance], float]
-    falling: bool | None = None
-    event: str | None = None
-    wire: int = 0
-    final: StopReason | None = None
-    act: Callable[[], Change | None] | None = None
-    exact: Callable[[State], float] | None = None
-    difference: bool = False
-    tolerance: float | None = None
-    turns: bool = False
-    positive: bool = False
-    ends_together: bool = False
-    noise: float = LEAST_VALUE
-    sign: float | None = None
-    reached: float = math.nan
-
-    def begin(self, state: State, noise: float) -> None:
+    def __init__(self, event: Event, system: System) -> None:
         """Take the sign at the start of a smooth motion: a change in its first interval is then an event, too."""
-        self.noise, self.sign = noise if self.tolerance is None else math.ulp(1.0), 1.0 if self.positive else None
-        value = self.value(at_state(state))
-        if not (self.positive and abs(value) <= ROUNDED_TOLERANCES * (self.tolerance or 0.0)):
+        self.event = event
+        self.exact: Callable[[State], float] | None = None
+        if event.kind is Kind.HIGHEST_SPEED:
+            self.exact = partial(acceleration, system.scene, link=event.subject)
+        self.difference = event.kind in DIFFERENCES
+        self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
+        self.reached = math.nan
+        begins_positive = event.kind in BEGINS_POSITIVE
+        self.sign = 1.0 if begins_positive else None
+        value = event.value(at_state(system.state))
+        if not (begins_positive and abs(value) <= ROUNDED_TOLERANCES * (event.tolerance or 0.0)):
             self.sign = self.sign_of(value)
-
-    @property
-    def is_due(self) -> bool:
-        """Whether an event that falls through zero has done so before the motion begins, together with the last event."""
-        return self.ends_together and self.sign != 1.0
 
     def sign_of(self, value: float) -> float | None:
         """Return the sign of a value, or the last one where the value has none."""
@@ -119,96 +99,99 @@ def at_state(state: State) -> Advance:
     return Advance(state, (math.nan,) * len(state.angles), (), 0.0)
 
 
-def first_change(
-    progress: Progress, functions: Sequence[EventFunction], interval: Interval
-) -> tuple[Interval, EventFunction | None]:
-    """Return the interval up to the first change of sign, and the function."""
+def first_change(system: System, monitors: Sequence[Monitor], interval: Interval) -> tuple[Interval, Monitor | None]:
+    """Return the interval up to the first event that triggers, and its monitor."""
     first = None
-    for function in functions:
+    for monitor in monitors:
         instant = 1e-15 * (1.0 + interval.end.state.time)
         if interval.length <= instant:
             break
-        part = _to_the_extreme(function, interval) if function.turns else interval
-        ends = _change(function, part) if part.length > instant else None
-        if ends is not None and _is_far(progress, function, part):
-            interval, first = interval.up_to(_before_zero(function, part, *ends)), None
-        elif ends is not None:
-            interval, first = interval.up_to(_zero(progress, function, part, *ends, instant)), function
+        part = _to_the_extreme(monitor.event, interval) if monitor.event.kind in TURNS else interval
+        ends = _change(monitor, part) if part.length > instant else None
+        if ends is None:
+            continue
+        if _is_far(system, monitor, part):
+            interval = interval.up_to(_before_zero(monitor.event.value, part, *ends))
+            first = None
+        else:
+            interval = interval.up_to(_zero(system, monitor, part, *ends, instant))
+            first = monitor
     return interval, first
 
 
-def _change(function: EventFunction, interval: Interval) -> tuple[float, float] | None:
-    """Return the values at the ends of an interval in which the function changes its sign, or None."""
-    right, noise, exact, start = function.value(interval.end), function.noise, function.exact, interval.start
-    function.reached = right
-    if function.sign is None and exact is not None and _may_have_changed(function, interval, right):
-        function.sign = function.sign_of(exact(start))
-    sign = function.sign
-    if function.difference:
-        noise = max(noise, RATE_ROUNDING / interval.length)
-    if sign is None or not sign * right < -noise or function.falling == (sign < 0.0):
+def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
+    """Return the values at the ends of an interval in which the event triggers, or None."""
+    event, exact = monitor.event, monitor.exact
+    right = event.value(interval.end)
+    monitor.reached = right
+    if monitor.sign is None and exact is not None and _may_have_changed(event.value, interval, right):
+        monitor.sign = monitor.sign_of(exact(interval.start))
+    sign = monitor.sign
+    noise = max(monitor.noise, RATE_ROUNDING / interval.length) if monitor.difference else monitor.noise
+    if sign is None or not sign * right < -noise or event.direction == sign:
         return None
-    left = function.value(interval.first)
+    left = event.value(interval.first)
     left = -right if math.isnan(left) else left
     if exact is not None:
-        left, right = exact(start), exact(interval.end.state)
+        left = exact(interval.start)
+        right = exact(interval.end.state)
         if sign * right > 0.0 or sign * left < -noise:  # the differences had the wrong sign
-            function.reached = right
+            monitor.reached = right
             return None
-    return sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0)), right
+    return sign * max(sign * left, LEAST_VALUE if event.tolerance is None else math.ulp(1.0)), right
 
 
-def _rise(function: EventFunction, interval: Interval, instant: float) -> float:
+def _rise(value: Value, interval: Interval, instant: float) -> float:
     """Return a time at which a value is positive that rises from zero and is negative at the end; 0 if it never was."""
     time = interval.length
     while time > instant:
         time *= 0.5
-        if function.value(interval.again(time)) > 0.0:
+        if value(interval.again(time)) > 0.0:
             return time
     return 0.0
 
 
-def _may_have_changed(function: EventFunction, interval: Interval, right: float) -> bool:
+def _may_have_changed(value: Value, interval: Interval, right: float) -> bool:
     """Whether an acceleration may have had another sign at the start of its first interval, by the polynomial."""
-    start, moment = interval.start, 1e-3 * interval.length
-    rates = zip(start.rates, interval.at(moment).rates, strict=True)
-    left = function.value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
+    moment = 1e-3 * interval.length
+    rates = zip(interval.start.rates, interval.at(moment).rates, strict=True)
+    left = value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
     return left * right < 0.2 * interval.length * right**2
 
 
-def _is_far(progress: Progress, function: EventFunction, interval: Interval) -> bool:
+def _is_far(system: System, monitor: Monitor, interval: Interval) -> bool:
     """Whether a zero of a force must be looked for in a shorter interval, which begins just before it."""
-    longest = LONGEST_OF_A_FORCE * progress.plan.time_scale
-    return function.difference and function.exact is None and interval.length > longest
+    longest = LONGEST_OF_A_FORCE * system.plan.time_scale
+    return monitor.difference and monitor.exact is None and interval.length > longest
 
 
-def _before_zero(function: EventFunction, interval: Interval, left: float, right: float) -> Advance:
+def _before_zero(value: Value, interval: Interval, left: float, right: float) -> Advance:
     """Return the result just before a force's zero in a long interval."""
-    again, rough = interval.again, ROUGH_VALUE * max(abs(left), abs(right))
-    return again(
-        BEFORE_ZERO * locate(lambda time: function.value(again(time)), 0.0, interval.length, left, right, rough)
-    )
+    again = interval.again
+    rough = ROUGH_VALUE * max(abs(left), abs(right))
+    zero = locate(lambda time: value(again(time)), 0.0, interval.length, left, right, rough)
+    return again(BEFORE_ZERO * zero)
 
 
-def _zero(
-    progress: Progress, function: EventFunction, interval: Interval, left: float, right: float, instant: float
-) -> Advance:
+def _zero(system: System, monitor: Monitor, interval: Interval, left: float, right: float, instant: float) -> Advance:
     """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
-    again, exact, tolerance, near = interval.again, function.exact, function.tolerance, None
-    rises = function.positive and function.value(interval.first) <= 0.0
-    begin = _rise(function, interval, instant) if rises else 0.0
+    again, exact = interval.again, monitor.exact
+    value, tolerance = monitor.event.value, monitor.event.tolerance
+    rises = monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0
+    begin = _rise(value, interval, instant) if rises else 0.0
     if tolerance is None:
-        located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
-        tolerance = max(located, 10.0 * RATE_ROUNDING / interval.length if function.difference else 0.1 * LEAST_VALUE)
+        located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
+        tolerance = max(located, 10.0 * RATE_ROUNDING / interval.length if monitor.difference else 0.1 * LEAST_VALUE)
 
     def of_state(state: State) -> float:
-        return function.value(at_state(state)) if exact is None else exact(state)
+        return value(at_state(state)) if exact is None else exact(state)
 
     def of_time(time: float) -> float:
-        return function.value(again(time)) if exact is None else exact(again(time).state)
+        return value(again(time)) if exact is None else exact(again(time).state)
 
+    near = None
     if exact is None and (near := guess(of_state, interval, interval.length, begin)) is not None:
-        found = settle(progress, of_state, interval, near, tolerance)
+        found = settle(system, of_state, interval, near, tolerance)
         if found is not None:
             return found
     time, back = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant), 1e-12
@@ -218,15 +201,16 @@ def _zero(
     return result
 
 
-def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
+def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Shorten the interval to the function's extreme, by parabolas through its values, if it changes its sign twice before the end."""
-    sense, length, end = 1.0 if function.falling else -1.0, interval.length, interval.end
+    sense = -float(event.direction)
+    length, end = interval.length, interval.end
     half = at_state(end.middle or interval.at(0.5 * length))
-    first, middle, last = (sense * function.value(each) for each in (at_state(interval.start), half, end))
+    first, middle, last = (sense * event.value(each) for each in (at_state(interval.start), half, end))
     bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
     if not (bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)):
         return interval  # without an extreme within, or far above zero there, nothing is missed
-    quarters = [sense * function.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
+    quarters = [sense * event.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
     margins = [first, quarters[0], middle, quarters[1], last]
     if math.isnan(sum(margins)) or last < 0.0:
         return interval
@@ -238,7 +222,7 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
     if not inside or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * (max(margins) - min(margins)):
         return interval
     part = interval.again(at * length)
-    return interval.up_to(part) if sense * function.value(part) < 0.0 else interval
+    return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
 MOST_GUESSES = 4  # one or two bring an event that is found on the polynomial of a whole interval to rounding
@@ -254,13 +238,13 @@ the error."""
 
 
 def settle(
-    progress: Progress, value: Callable[[State], float], interval: Interval, near: float, tolerance: float
+    system: System, value: Callable[[State], float], interval: Interval, near: float, tolerance: float
 ) -> Advance | None:
     """Return the result, near a guessed time, at which a function of the state is zero; None if in doubt.
 
     Each guess is followed by secant steps along the motion with the accelerations at its end.
     """
-    longest = MOST_MOVED * progress.plan.time_scale * math.sqrt(progress.stepper.noise)
+    longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
         reached = interval.again(near)

@@ -20,28 +20,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.course import ContactCourse
-from bristle_sim.scene.contact.obstacles import ClosestApproach, WorkpartObstacle
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.course import ContactCourse
 from bristle_sim.scene.engine import point_calls, pusher
+from bristle_sim.scene.extrapolation import Stepper
+from bristle_sim.scene.load import Load
 from bristle_sim.scene.mechanism import Vector
+from bristle_sim.scene.pairs import ClosestApproach, WorkpartPair
 from bristle_sim.trajectory import ContactHistory
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.build import Scene
-    from bristle_sim.scene.contact.rigid import RigidContacts
-    from bristle_sim.scene.contact.sustained import Sustained
-    from bristle_sim.scene.extrapolation import Stepper
 
 NO_SLIP_TO_STOP = 1e-14
 """Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
 
 EDGE_ROUNDING = 1e-9  # fraction of friction's limit within which a tangential spring's force is at the cone's edge
-
-SPRING_TOTALS = 6
-"""Numbers of a spring: impulse (normal, tangential), work (the same), and the force in stick at the beginning and the end."""
 
 
 class Expectation(NamedTuple):
@@ -65,7 +59,7 @@ class Spring:
 
     Attributes:
         stiffness: in compression, engine units.
-        obstacle: the touched obstacle, with its coefficients.
+        pair: the touched pair, with its coefficients.
         surface: gap at the first touch, from which the penetration is measured.
         inverse_mass: K at the first touch or of the interval.
         deepest: penetration at which unloading began; None while the spring loads, unloading is steeper.
@@ -75,7 +69,7 @@ class Spring:
     """
 
     stiffness: float
-    obstacle: WorkpartObstacle
+    pair: WorkpartPair
     expected: Expectation
     surface: float
     inverse_mass: Array
@@ -102,12 +96,12 @@ class Spring:
     @property
     def friction(self) -> float:
         """Coulomb's mu, of compression or of restitution."""
-        return self.obstacle.friction if self.loading else self.obstacle.restitution_friction
+        return self.pair.friction if self.loading else self.pair.restitution_friction
 
     @property
     def residual(self) -> float:
         """Penetration at which the force is back at zero."""
-        return 0.0 if self.deepest is None else self.deepest * (1.0 - self.obstacle.restitution**2)
+        return 0.0 if self.deepest is None else self.deepest * (1.0 - self.pair.restitution**2)
 
     @property
     def compliance_in_stick(self) -> float:
@@ -118,7 +112,7 @@ class Spring:
     @property
     def present_stiffness(self) -> float:
         """Stiffness in the present phase; 0 in unloading without restitution."""
-        restitution = self.obstacle.restitution
+        restitution = self.pair.restitution
         if self.loading:
             return self.stiffness
         return self.stiffness / restitution**2 if restitution else 0.0
@@ -166,16 +160,16 @@ class SpringForce:
     to powers of the step.
 
     Attributes:
-        totals: returns ``SPRING_TOTALS`` numbers; the forces in stick are 0 in slip.
+        totals: returns the numbers of the contact's ``Sums``; the forces in stick are 0 in slip.
     """
 
     def __init__(self, scene: Scene, spring: Spring) -> None:
-        obstacle = spring.obstacle
-        body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
-        x, y = (*link.knees, link.tip)[obstacle.corner]
+        pair = spring.pair
+        body, link = scene.links[pair.link], scene.mechanism.links[pair.link]
+        x, y = (*link.knees, link.tip)[pair.corner]
         self._spring, self._push = spring, pusher(body)
         self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
-        self._height = spring.surface - spring.residual - obstacle.depth - obstacle.dent
+        self._height = spring.surface - spring.residual - pair.depth - pair.dent
         self._stiffness, self._ratio = spring.present_stiffness, -spring.friction * spring.slip
         self._rigidity = 0.0
         if spring.elastic and not spring.slip:
@@ -207,30 +201,27 @@ class SpringForce:
                 in_stick.append(along)
 
         def read() -> list[float]:
-            sums, first, last = [step * pushes, step * rubs, step * loss, step * heat], 0.0, 0.0
+            first = last = 0.0
             if rigidity:
                 last = -rigidity * (place_of().x - foot)
             elif stop:
                 last = ratio * stiffness * (height - place_of().y) - stop * velocity_of().x
                 first = in_stick[1] if len(in_stick) > 1 else last
-            return [*sums, first, last]
+            return [0.0, last, step * pushes, step * rubs, step * loss, step * heat, first]
 
         self.totals = read
         return act
 
 
 class ContactLoad:
-    """Springs, and rigid contacts that act together with them.
-
-    The totals are those of the rigid contacts, ``rigid.TOTALS`` each, then those of the springs, ``SPRING_TOTALS`` each.
-    """
+    """Springs, and rigid contacts that act together with them; the totals of the rigid contacts come first."""
 
     symmetric = False  # springs do not act alike forwards and backwards in time
 
-    def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
+    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[Spring]) -> None:
         self._rigid = rigid
-        forces = [SpringForce(scene, each.spring) for each in springs if each.spring is not None]
-        self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
+        self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
+        self._parts += [SpringForce(scene, spring) for spring in springs]
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums; return a callback to run before each step."""

@@ -1,4 +1,4 @@
-"""Find where within an interval a link touches an obstacle, for the first time or again, without missing a touch.
+"""Find where within an interval a link touches an pair, for the first time or again, without missing a touch.
 
 Gaps are searched on the interval's polynomial by conservative advancement (Mirtich 1996): from a gap g no contact can happen
 before g / (largest speed), so nothing is jumped over.
@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
-from bristle_sim.scene.contact.gaps import GAP_ROUNDING, behind_joint
-from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.events.locate import Interval, guess, settle
-from bristle_sim.scene.events.root import locate
-from bristle_sim.scene.events.table import Touch
+from bristle_sim.scene.gaps import GAP_ROUNDING
+from bristle_sim.scene.happening import Happening, Kind
+from bristle_sim.scene.locate import Interval, guess, settle
 from bristle_sim.scene.mechanism import Mechanism, State
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.root import locate
+from bristle_sim.scene.system import System
 
 CUBIC_ERROR, QUINTIC_ERROR = 0.01, 1.3e-5
 """Bounds of the polynomials' errors of the gap, per fourth and sixth power of the interval h (scene units): h^4/384 and
@@ -34,104 +31,105 @@ OPENING = 1.0 / 16.0  # fraction of an interval between samples in which the gap
 LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound counts as none
 MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
 
-Found = tuple[Interval, Touch | None]
-"""The interval up to a touch, and the touch; or up to the least gap to an obstacle that is not touched, and None."""
+Found = tuple[Interval, Happening | None]
+"""The interval up to a touch, and the touch; or up to the least gap to an pair that is not touched, and None."""
 
 
 def first_touch_of_all(
-    progress: Progress, interval: Interval, sustained: Sequence[Obstacle], separating: Sequence[Obstacle]
+    system: System, interval: Interval, sustained: Sequence[ContactPair], separating: Sequence[ContactPair]
 ) -> Found:
     """Return the interval up to its first touch or least gap; pairs in contact or separating are treated as such."""
-    first: Touch | None = None
-    several = progress.mechanism.wire_links > 1
-    for obstacle in progress.obstacles:
-        if obstacle in sustained or interval.length <= 0.0:
+    first: Happening | None = None
+    several = system.mechanism.wire_links > 1
+    for pair in system.pairs:
+        if pair in sustained or interval.length <= 0.0:
             continue
         end = interval.end.state
-        if obstacle in separating:
-            found = _search_return(progress, interval, obstacle)
-        elif (sustained and _rests(progress, interval, obstacle)) or (
-            several and behind_joint(progress, obstacle, [*separating, *sustained], end)
+        if pair in separating:
+            found = _search_return(system, interval, pair)
+        elif (sustained and _rests(system, interval, pair)) or (
+            several and system.behind_joint(pair, [*separating, *sustained], end)
         ):
             continue
         else:
-            found = find_touch(progress, interval, obstacle)
+            found = find_touch(system, interval, pair)
         if found is not None:
             interval, first = found
     return interval, first
 
 
-def _rests(progress: Progress, interval: Interval, obstacle: Obstacle) -> bool:
+def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
     """Whether a gap is closed and stays so."""
-    start, end, gap = interval.start, interval.end.state, progress.gaps.gap
-    return abs(gap(obstacle, start)) <= GAP_ROUNDING and all(
-        abs(gap(obstacle, state)) <= GAP_ROUNDING for state in (interval.at(0.5 * interval.length), end)
+    start, end, gap = interval.start, interval.end.state, system.gaps.gap
+    return abs(gap(pair, start)) <= GAP_ROUNDING and all(
+        abs(gap(pair, state)) <= GAP_ROUNDING for state in (interval.at(0.5 * interval.length), end)
     )
 
 
-def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -> Found | None:
-    """Search for a touch of an obstacle that the link has just left: the gap opens first, or the link comes back at once."""
-    soon = OPENING * min(progress.plan.longest_interval, progress.plan.time_scale)
+def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
+    """Search for a touch of an pair that the link has just left: the gap opens first, or the link comes back at once."""
+    soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     if interval.length > soon:
-        gap, rate = progress.gaps.gap_and_rate(obstacle, interval.at(soon))
-        if gap > GAP_ROUNDING + _error(progress, interval) and rate > 0.0:
-            return find_touch(progress, interval, obstacle, soon / interval.length)
+        gap, rate = system.gaps.gap_and_rate(pair, interval.at(soon))
+        if gap > GAP_ROUNDING + _error(system, interval) and rate > 0.0:
+            return find_touch(system, interval, pair, soon / interval.length)
         interval = interval.up_to(interval.again(soon))
-        return _search_hop(progress, interval, obstacle) or (interval, None)
-    return _search_hop(progress, interval, obstacle)
+        return _search_hop(system, interval, pair) or (interval, None)
+    return _search_hop(system, interval, pair)
 
 
-def _search_hop(progress: Progress, interval: Interval, obstacle: Obstacle) -> Found | None:
+def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found | None:
     """Search for the end of a hop: the link must come back within a short interval.
 
-    An interval that ends deep inside an obstacle is cut at the hop before, or where the link is still above. A rebound that is
+    An interval that ends deep inside an pair is cut at the hop before, or where the link is still above. A rebound that is
     over within the shortest interval is too low to follow.
     """
-    gaps, length, instant, again = progress.gaps, interval.length, progress.plan.instant, interval.again
-    gap, rate = gaps.gap_and_rate(obstacle, interval.end.state)
+    gaps, again = system.gaps, interval.again
+    length, instant = interval.length, system.plan.instant
+    gap, rate = gaps.gap_and_rate(pair, interval.end.state)
     if gap >= -GAP_ROUNDING or rate >= 0.0:
         return None
 
     def gap_at(time: float) -> float:
-        return gaps.gap(obstacle, interval.at(time))
+        return gaps.gap(pair, interval.at(time))
 
     if instant < length and (gap := gap_at(instant)) <= 0.0:
-        gap = gaps.gap(obstacle, again(instant).state)
+        gap = gaps.gap(pair, again(instant).state)
     # Whether a single rigid link hops is of no consequence; of several, one may hop while another is pressed on.
-    low = progress.mechanism.lone and obstacle.law.at_once and -progress.plan.accuracy <= gap < 0.0
-    if low or gaps.gap(obstacle, interval.start) < -GAP_ROUNDING:
-        return (interval if instant >= length else interval.up_to(again(instant))), Touch(obstacle, True)
+    low = system.mechanism.lone and system.law_of(pair).at_once and -system.plan.accuracy <= gap < 0.0
+    if low or gaps.gap(pair, interval.start) < -GAP_ROUNDING:
+        return (interval if instant >= length else interval.up_to(again(instant))), Happening(Kind.REST, pair)
     time, shortest = length, LEAST_HOP * length
     while time > shortest and (above := gap_at(time)) < -GAP_ROUNDING:
         time, below = 0.5 * time, above
     if time < length and above > 0.0:
         near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
-        closed = settle(progress, partial(gaps.gap, obstacle), interval, near, GAP_TOLERANCE)
+        closed = settle(system, partial(gaps.gap, pair), interval, near, GAP_TOLERANCE)
         # A zero at the interval's start does not count.
-        if closed is not None and gaps.gap_and_rate(obstacle, closed.state)[1] < 0.0:
-            return interval.up_to(closed), Touch(obstacle)
-    while (gap := gaps.gap(obstacle, again(time).state)) < -GAP_ROUNDING and time > shortest:
+        if closed is not None and gaps.gap_and_rate(pair, closed.state)[1] < 0.0:
+            return interval.up_to(closed), Happening(Kind.TOUCH, pair)
+    while (gap := gaps.gap(pair, again(time).state)) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
-    return interval.up_to(again(time)), None if gap > GAP_ROUNDING else Touch(obstacle, True)
+    return interval.up_to(again(time)), None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
 
 
-def find_touch(progress: Progress, interval: Interval, obstacle: Obstacle, begin: float = 0.0) -> Found | None:
+def find_touch(system: System, interval: Interval, pair: ContactPair, begin: float = 0.0) -> Found | None:
     """Return the interval up to its first touch, or up to where a link nearly touched; else None.
 
     The search begins at a fraction of the interval at which the gap is open.
     """
-    gaps, again, length = progress.gaps, interval.again, interval.length
-    gap_of, gap_and_rate = partial(gaps.gap, obstacle), partial(gaps.gap_and_rate, obstacle)
-    fraction = first_touch(gaps.mechanism, gap_and_rate, interval, _error(progress, interval), begin)
+    gaps, again, length = system.gaps, interval.again, interval.length
+    gap_of, gap_and_rate = partial(gaps.gap, pair), partial(gaps.gap_and_rate, pair)
+    fraction = first_touch(gaps.mechanism, gap_and_rate, interval, _error(system, interval), begin)
     if fraction is None:
         return None
     last = fraction * length
     near = guess(gap_of, interval, last, begin * length)
-    tolerance = min(max(LOCATED_GAP * progress.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
-    closed = None if near is None else settle(progress, gap_of, interval, near, tolerance)
+    tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
+    closed = None if near is None else settle(system, gap_of, interval, near, tolerance)
     if closed is not None and gap_and_rate(closed.state)[1] <= 0.0:
         # Where the gap opens, another zero is before.
-        return interval.up_to(closed), Touch(obstacle)
+        return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     reached, begin = interval.end if fraction == 1.0 else again(last), begin * length
     at_end, rate = gap_and_rate(reached.state)
     if at_end > 0.0 and rate > 0.0:
@@ -147,16 +145,16 @@ def find_touch(progress: Progress, interval: Interval, obstacle: Obstacle, begin
     if at_end < 0.0:
         at_start = max(gap_of(interval.at(begin) if begin else interval.start), 1e-300)
         last = locate(lambda span: gap_of(again(span).state), begin, last, at_start, at_end, GAP_TOLERANCE, near)
-    return interval.up_to(again(last)), Touch(obstacle)
+    return interval.up_to(again(last)), Happening(Kind.TOUCH, pair)
 
 
-def _error(progress: Progress, interval: Interval) -> float:
+def _error(system: System, interval: Interval) -> float:
     """Return a bound of the gap's deviation from that of the interval's polynomial."""
     start, end, length = interval.start, interval.end, interval.length
     changes = (abs(b - a) for a, b in zip(start.rates, end.state.rates, strict=True))
-    error = progress.stepper.straightness * length * sum(changes)
-    if progress.mechanism.wire_links > 1:
-        error += CUBIC_ERROR * length * (length / progress.plan.time_scale) ** 3
+    error = system.stepper.straightness * length * sum(changes)
+    if system.mechanism.wire_links > 1:
+        error += CUBIC_ERROR * length * (length / system.plan.time_scale) ** 3
     return error + (CUBIC_ERROR * length**4 if end.middle is None else QUINTIC_ERROR * length**6)
 
 

@@ -1,6 +1,6 @@
 """Pairs of a link and its obstacle: the bar (a circle), the workpart (a half-plane) or another wire's link (a capsule).
 
-A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes of obstacles
+A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes of pairs
 are larger than the obstacle by ``SHAPE_MARGIN``, which the engine's slop covers. A sustained contact is thus detected at every
 step, and its position is not corrected. Links are not enlarged, so the lever of friction stays exact.
 """
@@ -15,7 +15,6 @@ from typing import ClassVar, NamedTuple
 
 import pymunk
 
-from bristle_sim.scene.contact.laws import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 SHAPE_MARGIN = 0.02  # fraction of the link's length by which obstacle shapes are enlarged in the engine
@@ -63,7 +62,7 @@ class ClosestApproach(NamedTuple):
 class ClosedPair(NamedTuple):
     """A sustained contact: the pair, the touching straight piece of its link, and the sense of slip (0 in stick)."""
 
-    obstacle: Obstacle
+    pair: ContactPair
     piece: int | None
     slip: int | None
 
@@ -85,11 +84,11 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 
 @dataclass(frozen=True, slots=True)
-class BarObstacle:
+class BarPair:
     """Fixed circle that the wire touches: the wire's centre line keeps ``radius + wire_radius`` from ``centre``.
 
     An obstacle has a ``name`` in events and contact records, the number of its ``link`` (the last one is also -1), the number
-    of the other wire's link as its ``partner``, coefficients, a ``law`` of its impacts, the name of the event of a ``first_touch``,
+    of the other wire's link as its ``partner``, coefficients, the name of the event of a ``first_touch``,
     the depth of the ``dent`` by which a contact resolved in time has moved its surface back, and the ``corner`` of the link's
     centre line that touches, -1 for the tip; None where the contact slides along the link.
     """
@@ -102,7 +101,6 @@ class BarObstacle:
     name: ClassVar[str] = "bar"
     link: int = -1
     partner: ClassVar[None] = None
-    law: ContactLaw = ENERGETIC
     first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
     corner: ClassVar[None] = None
@@ -174,7 +172,7 @@ class BarObstacle:
 
 
 @dataclass(frozen=True, slots=True)
-class WorkpartObstacle:
+class WorkpartPair:
     """Half-plane y <= -depth that a corner of the link's centre line touches: its tip, or a knee by its number."""
 
     depth: float
@@ -184,7 +182,6 @@ class WorkpartObstacle:
     name: ClassVar[str] = "workpart"
     link: int = -1
     partner: ClassVar[None] = None
-    law: ContactLaw = ENERGETIC
     first_touch: ClassVar[str] = "strike"
     dent: float = 0.0
     corner: int = -1
@@ -223,7 +220,6 @@ class WirePair:
     friction: float
     restitution: float
     name: ClassVar[str] = "wire"
-    law: ContactLaw = ENERGETIC
     first_touch: ClassVar[str] = "wire touch"
     dent: float = 0.0
     corner: ClassVar[None] = None
@@ -265,7 +261,7 @@ def _sides(line: Line, points: Line) -> float:
     return one * other
 
 
-Obstacle = BarObstacle | WorkpartObstacle | WirePair
+ContactPair = BarPair | WorkpartPair | WirePair
 """A pair of a link and an obstacle."""
 
 
@@ -277,6 +273,6 @@ def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restit
             yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
 
 
-def dented(obstacle: Obstacle, depth: float) -> Obstacle:
+def dented(obstacle: ContactPair, depth: float) -> ContactPair:
     """Return a pair with its surface moved back by a depth."""
     return replace(obstacle, dent=depth)

@@ -1,19 +1,15 @@
-"""Gaps between a mechanism's links and obstacles in a given state, and the nearest state in which they are closed."""
+"""Gaps between a mechanism's links and pairs in a given state, and the nearest state in which they are closed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle
 from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
 AT_JOINT = 1e-9  # fraction of a link within which a foot on it is at its end
 
@@ -26,17 +22,17 @@ class Gaps:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
 
-    def closest(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of link and obstacle; a named piece restricts it to that part of the link."""
-        return obstacle.closest(self.mechanism.poses(state), state.rates, piece)
+    def closest(self, pair: ContactPair, state: State, piece: int | None = None) -> ClosestApproach:
+        """Return the closest approach of link and pair; a named piece restricts it to that part of the link."""
+        return pair.closest(self.mechanism.poses(state), state.rates, piece)
 
-    def gap(self, obstacle: Obstacle, state: State) -> float:
-        """Return the distance of link and obstacle, negative inside."""
-        return self.closest(obstacle, state).gap
+    def gap(self, pair: ContactPair, state: State) -> float:
+        """Return the distance of link and pair, negative inside."""
+        return self.closest(pair, state).gap
 
-    def gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
-        """Return the distance of link and obstacle, and its rate."""
-        touch = self.closest(obstacle, state)
+    def gap_and_rate(self, pair: ContactPair, state: State) -> tuple[float, float]:
+        """Return the distance of link and pair, and its rate."""
+        touch = self.closest(pair, state)
         return touch.gap, touch.velocity[0]
 
     def poses(self, state: State) -> list[Pose]:
@@ -54,18 +50,18 @@ NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 
 
 
 def contact_row(
-    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: ClosestApproach, direction: Vector
+    mechanism: Mechanism, poses: Sequence[Pose], pair: ContactPair, touch: ClosestApproach, direction: Vector
 ) -> Array:
     """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
-    row = mechanism.row(poses, obstacle.link, touch.arm, direction)
-    if obstacle.partner is not None and touch.partner_arm is not None:
-        row -= mechanism.row(poses, obstacle.partner, touch.partner_arm, direction)
+    row = mechanism.row(poses, pair.link, touch.arm, direction)
+    if pair.partner is not None and touch.partner_arm is not None:
+        row -= mechanism.row(poses, pair.partner, touch.partner_arm, direction)
     return row
 
 
 def set_back(
     gaps: Gaps,
-    obstacles: Sequence[Obstacle],
+    pairs: Sequence[ContactPair],
     state: State,
     pieces: Sequence[int | None] | None = None,
     slips: Sequence[int | None] = (),
@@ -75,14 +71,14 @@ def set_back(
     By Newton's method; nearest in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times the error of the
     gaps and of their rates. Contacts that stick get no slip velocity either.
     """
-    pieces = pieces or [None] * len(obstacles)
+    pieces = pieces or [None] * len(pairs)
     mechanism = gaps.mechanism
     for _ in range(NEWTON_ROUNDS):
         poses = mechanism.poses(state)
-        touches = [each.closest(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
+        touches = [each.closest(poses, state.rates, piece) for each, piece in zip(pairs, pieces, strict=True)]
         stuck = [index for index, each in enumerate(slips) if each == 0]
-        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
-        along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
+        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(pairs, touches, strict=True)]
+        along = [contact_row(mechanism, poses, pairs[i], touches[i], touches[i].tangent) for i in stuck]
         mass = mechanism.mass_matrix(poses)
         angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
         speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
@@ -103,12 +99,12 @@ def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
     return changes
 
 
-def turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None = None) -> State:
-    """Turn a lone link back onto an obstacle."""
+def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None = None) -> State:
+    """Turn a lone link back onto an pair."""
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON_ROUNDS):
         placed = State(state.time, (angle,), (rate,))
-        touch = obstacle.closest(gaps.mechanism.poses(placed), placed.rates, piece)
+        touch = pair.closest(gaps.mechanism.poses(placed), placed.rates, piece)
         lever = cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state
@@ -123,13 +119,13 @@ MOMENT = 1e-6
 """Time (scene units) after which the touching piece, and a lone link's slip, are looked up again."""
 
 
-def slip_acceleration(gaps: Gaps, obstacle: Obstacle, state: State) -> float:
-    """Return the tangential acceleration of the contact point of a lone link that stays on an obstacle."""
+def slip_acceleration(gaps: Gaps, pair: ContactPair, state: State) -> float:
+    """Return the tangential acceleration of the contact point of a lone link that stays on an pair."""
     slips = []
     for time in (0.0, MOMENT):
         angles = tuple(angle + time * rate for angle, rate in zip(state.angles, state.rates, strict=True))
-        placed = turned_back(gaps, obstacle, State(state.time + time, angles, state.rates))
-        slips.append(gaps.closest(obstacle, placed).velocity[1])
+        placed = turned_back(gaps, pair, State(state.time + time, angles, state.rates))
+        slips.append(gaps.closest(pair, placed).velocity[1])
     return (slips[1] - slips[0]) / MOMENT
 
 
@@ -143,35 +139,3 @@ def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     if levers[0] * levers[1] >= 0.0:
         return math.inf
     return first.velocity[0] / abs(levers[0]) + second.velocity[0] / abs(levers[1])
-
-
-def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> BarObstacle | None:
-    """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
-    link, size = obstacle.link + step, progress.mechanism.wire_links
-    if obstacle.link < 0 or not isinstance(obstacle, BarObstacle) or link // size != obstacle.link // size:
-        return None
-    return next((each for each in progress.obstacles if isinstance(each, BarObstacle) and each.link == link), None)
-
-
-def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle], end: State) -> bool:
-    """Whether, up to a state, the link's point closest to a touching neighbour's obstacle is the joint it shares with it.
-
-    A link that is clear of the obstacle and ends elsewhere may touch it by itself.
-    """
-    if not isinstance(obstacle, BarObstacle):
-        return False
-    gaps, now = progress.gaps, progress.state
-    for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
-        if neighbour(progress, obstacle, step) in active:
-            feet = [sign * obstacle.foot(gaps.poses(state)[obstacle.link])[index] for state in (now, end)]
-            if feet[0] <= AT_JOINT and (feet[1] <= AT_JOINT or gaps.gap(obstacle, now) <= GAP_ROUNDING):
-                return True
-    return False
-
-
-def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:
-    """Return the pair that a touch belongs to: at a joint, that of the link before it, whose round end is there."""
-    lower = neighbour(progress, obstacle, -1)
-    if lower is None or not isinstance(obstacle, BarObstacle):
-        return obstacle
-    return obstacle if obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])[0] > 0.0 else lower

@@ -12,7 +12,7 @@ step. In a symmetric one v is the mean of old and new velocities and s half a st
 With positions half a step ahead the error of an even number of such steps has even powers of the step alone (Hairer, Lubich
 and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
 
-Sustained contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
+ActiveContact contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
 Q those of the directions in which the impulses act, friction included,
 
     (R M^-1 Q^T) p = -R rates - drift,    rates change by M^-1 Q^T p.
@@ -32,9 +32,9 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.obstacles import ClosedPair, ClosestApproach, Obstacle
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
 LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 
@@ -113,11 +113,11 @@ class _Chains:
     def each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
         return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
 
-    def closest(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
+    def closest(self, pair: ContactPair, piece: int | None) -> ClosestApproach:
         """Return the pair's closest approach for the bodies as they are, including their drift off the joints."""
         poses: Any = {}
         rates: Any = {}
-        for link in (obstacle.link, obstacle.partner):
+        for link in (pair.link, pair.partner):
             if link is not None:
                 turn, rate = complex(self.turn[link]), float(self.rates[link])
                 to_centre = complex(self.wires.centres[link]) * turn
@@ -126,12 +126,12 @@ class _Chains:
                 start, moving, *knees, tip = [(each.real, each.imag) for each in (joint, carried, *corners)]
                 # The velocities of centre and tip are not looked at.
                 rates[link], poses[link] = rate, Pose(start, start, tip, moving, moving, moving, tuple(knees))
-        return obstacle.closest(poses, rates, piece)
+        return pair.closest(poses, rates, piece)
 
-    def row(self, obstacle: Obstacle, touch: ClosestApproach, direction: Vector) -> Array:
+    def row(self, pair: ContactPair, touch: ClosestApproach, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
         row = np.zeros(len(self._links))
-        for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
+        for link, arm, sign in ((pair.link, touch.arm, 1.0), (pair.partner, touch.partner_arm, -1.0)):
             if link is not None and arm is not None:
                 carriers = slice(link - link % self.wires.size, link)
                 reaches = self.wires.tips[carriers] * self.turn[carriers]
@@ -201,13 +201,11 @@ class WireVelocities:
     def _push(self) -> None:
         """Add the impulses of the contacts."""
         chains, contacts = self._chains, self.contacts
-        touches = [chains.closest(each.obstacle, each.piece) for each in contacts]
+        touches = [chains.closest(each.pair, each.piece) for each in contacts]
         pairs = list(enumerate(zip(contacts, touches, strict=True)))
-        across = [chains.row(each.obstacle, touch, touch.normal) for _, (each, touch) in pairs]
-        along = {
-            at: chains.row(each.obstacle, touch, touch.tangent) for at, (each, touch) in pairs if each.obstacle.friction
-        }
-        ratios = [-each.obstacle.friction * (each.slip or 0) for each in contacts]
+        across = [chains.row(each.pair, touch, touch.normal) for _, (each, touch) in pairs]
+        along = {at: chains.row(each.pair, touch, touch.tangent) for at, (each, touch) in pairs if each.pair.friction}
+        ratios = [-each.pair.friction * (each.slip or 0) for each in contacts]
         pushes = [
             row + ratio * along[at] if ratio else row
             for at, (row, ratio) in enumerate(zip(across, ratios, strict=True))

@@ -1,4 +1,4 @@
-"""The engine's own contact of a link with a fixed obstacle: its shapes, ignored until engaged, and its impulses."""
+"""The engine's own contact of a link with a fixed pair: its shapes, ignored until engaged, and its impulses."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.scene.contact.obstacles import Obstacle, WirePair
 from bristle_sim.scene.engine import bare_space
 from bristle_sim.scene.mechanism import Mechanism, Vector
+from bristle_sim.scene.pairs import ContactPair, WirePair
 
 FAST_SLIP = 10.0
 """Surface velocity (scene units) that fixes the sense of slip in the engine. It exceeds the change of slip within an interval,
@@ -41,16 +41,14 @@ class ContactShapes:
         self._shapes: dict[tuple[str, int, int | None], list[pymunk.Shape]] = {}
         self._engaged: tuple[pymunk.Shape, ...] = ()
 
-    def engage(
-        self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
-    ) -> None:
-        """From now on, let the engine act only on the contact of this straight piece of a link with the obstacle."""
+    def engage(self, pair: ContactPair, *, friction: float, elasticity: float, iterations: int, piece: int = 0) -> None:
+        """From now on, let the engine act only on the contact of this straight piece of a link with the pair."""
         # Its surface may have changed, as in a dent.
-        key = obstacle.name, obstacle.link, obstacle.corner
+        key = pair.name, pair.link, pair.corner
         if key not in self._shapes:
-            self._shapes[key] = self._add(obstacle)
+            self._shapes[key] = self._add(pair)
         shapes = self._shapes[key]
-        # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+        # A pair's shape, larger than the pair, would touch a neighbouring piece before its time.
         touching = shapes[0], shapes[1 + piece]
         if self._engaged != touching:
             self._ignore()
@@ -69,25 +67,25 @@ class ContactShapes:
         self._engaged[0].surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
 
     def release(self) -> None:
-        """Make the engine ignore all obstacles again."""
+        """Make the engine ignore all pairs again."""
         self._ignore()
         self._set_iterations(self.in_flight)
 
-    def record(self, obstacle: Obstacle, *, slips: bool) -> ImpulseRecord:
+    def record(self, pair: ContactPair, *, slips: bool) -> ImpulseRecord:
         """Return a record of the engaged contact's impulses, and of its slip if it ``slips`` with friction."""
-        return ImpulseRecord(self.space, self.links[obstacle.link], slips=slips)
+        return ImpulseRecord(self.space, self.links[pair.link], slips=slips)
 
     def _ignore(self) -> None:
         for shape in self._engaged:
             shape.filter, shape.surface_velocity = _NOWHERE, (0.0, 0.0)
         self._engaged = ()
 
-    def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+    def _add(self, pair: ContactPair) -> list[pymunk.Shape]:
         """Add the shapes of a pair, which the engine ignores until they are engaged."""
-        assert not isinstance(obstacle, WirePair), "the engine's own contacts are those of a lone link"
-        link = self.mechanism.links[obstacle.link]
+        assert not isinstance(pair, WirePair), "the engine's own contacts are those of a lone link"
+        link = self.mechanism.links[pair.link]
         corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
-        shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+        shapes = pair.shapes(self.space, self.links[pair.link], corners)
         for shape in shapes:
             shape.filter, shape.friction, shape.elasticity = _NOWHERE, 1.0, 1.0
         self.space.add(*shapes)
@@ -124,7 +122,7 @@ class ImpulseRecord:
         self._stale = 2 * self._impulses.num
 
     def read(self, normal: Vector) -> list[tuple[float, float, float]]:
-        """Return normal and tangential impulse on the link in each step, and its slip, for a normal out of the obstacle.
+        """Return normal and tangential impulse on the link in each step, and its slip, for a normal out of the pair.
 
         The signs of the engine's normal and impulse depend on the order of the shapes inside the engine; a contact only pushes,
         which settles the latter.
@@ -138,7 +136,7 @@ class ImpulseRecord:
             sense = 1.0 if x * normal[0] + y * normal[1] > 0.0 else -1.0
             push, rub, slip = p * x + q * y, sense * (p * y - q * x), 0.0
             if self._slips:
-                # The first shape is the obstacle's if the engine's normal leads out of it.
+                # The first shape is the pair's if the engine's normal leads out of it.
                 place = points[2:] if sense > 0.0 else points[:2]
                 centre_x, centre_y, u, v, rate = motion[5 * step : 5 * step + 5]
                 u, v = u - rate * (place[1] - centre_y), v + rate * (place[0] - centre_x)

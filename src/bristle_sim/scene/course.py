@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.trajectory import ContactHistory
 
 LEAST_PHASE = 1e-6
@@ -39,14 +39,14 @@ class ContactCourse:
     Attributes:
         rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
             time are the end of a phase and the start of the next.
-        compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
-        stopped: the state, the sums, and the numbers of rows and phases where the rigid-body law jams.
+        compression: impulse and work up to the end of compression; None before.
+        stopped: the state, impulse and work, and the numbers of rows and phases where the rigid-body law jams.
     """
 
     phases: list[SpringPhase] = field(default_factory=list)
     rows: list[tuple[float, ...]] = field(default_factory=list)
-    compression: tuple[float, ...] | None = None
-    stopped: tuple[State, tuple[float, ...], int, int] | None = None
+    compression: tuple[Vector, Vector] | None = None
+    stopped: tuple[State, Vector, Vector, int, int] | None = None
 
     @property
     def approach(self) -> float:

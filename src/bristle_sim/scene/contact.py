@@ -1,0 +1,124 @@
+"""A contact that lasts: rigid until its force has fallen to zero, or with a spring; its sums and its record."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from bristle_sim.scene.gaps import Gaps
+from bristle_sim.scene.load import Sums
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.spring import Spring
+from bristle_sim.trajectory import ContactRecord
+
+
+class Outcome(StrEnum):
+    """The end of a contact; a sustained one may instead name the obstacle that ended it, or why the run stopped."""
+
+    REBOUND = "rebound"
+    NO_REBOUND = "no rebound"
+    STICTION = "stiction"
+    JAM = "jam"
+    RELEASE = "release"
+
+
+@dataclass(slots=True, eq=False)
+class ActiveContact:
+    """A contact that lasts.
+
+    Attributes:
+        pair: the pair in contact.
+        spring: of a contact resolved in time; None of a rigid one.
+        start: state at which it began; None before.
+        impulse, work: normal and tangential sums since.
+        force: normal force at the end of the last interval; None before.
+        tangential: tangential force then.
+        vanishes_in: time from then to the zero of the force, from the parabola with the interval's forces and impulse.
+        slip: sense of slip that friction opposes in a rigid contact; 0 sticks, None until it is determined.
+        stopped: sense of the slip that has just stopped; 0 if none has.
+    """
+
+    pair: ContactPair
+    spring: Spring | None = None
+    start: State | None = None
+    impulse: tuple[float, float] = (0.0, 0.0)
+    work: tuple[float, float] = (0.0, 0.0)
+    force: float | None = None
+    tangential: float = 0.0
+    vanishes_in: float = math.inf
+    slip: int | None = None
+    stopped: int = 0
+
+    def turn(self, sense: int) -> None:
+        """Change the sense of slip, or stick, from now on."""
+        self.stopped = (self.slip or 0) if sense == 0 else 0
+        self.slip = sense
+
+    def add(self, sums: Sums) -> None:
+        """Add the impulse and the work in an interval."""
+        self.impulse = (self.impulse[0] + sums.impulse_normal, self.impulse[1] + sums.impulse_tangential)
+        self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
+
+    def expect_release(self, sums: Sums, length: float) -> float:
+        """Estimate when a rigid contact's force vanishes; return the normal force at the beginning of the last interval."""
+        last = first = sums.normal
+        if length > 0.0:
+            mean = sums.impulse_normal / length
+            first = 2.0 * mean - last if self.force is None else self.force
+            bend = 3.0 * (first + last) - 6.0 * mean
+            slope = last - first + bend
+            square = slope * slope - 4.0 * bend * last
+            falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
+            self.vanishes_in = 2.0 * length * last / falls if falls > 0.0 else math.inf
+        self.force = last
+        self.tangential = sums.tangential
+        return first
+
+    def sample(self, gaps: Gaps, state: State) -> float:
+        """Record the spring's force at a state, and return the normal one."""
+        assert self.spring is not None
+        touch = gaps.closest(self.pair, state)
+        penetration = self.spring.surface - touch.gap
+        normal, tangential = self.spring.forces(penetration)
+        self.spring.course.rows.append((state.time, normal, tangential, penetration, *touch.velocity))
+        return normal
+
+    def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
+        """Return the contact record; None for a contact that took no time."""
+        first = self.start
+        if first is None or last.time <= first.time:
+            return None
+        before, after = (gaps.closest(self.pair, state).velocity for state in (first, last))
+        record = ContactRecord(
+            obstacle=self.pair.name,
+            law="sustained",
+            outcome=str(outcome),
+            time=first.time,
+            duration=last.time - first.time,
+            impulse=self.impulse,
+            compressive_impulse=None,
+            compressive_work=self.work,
+            restitutive_work=None,
+            velocity_before=(0.0, before[1]),
+            velocity_after=(0.0, after[1]),
+            angles=first.angles,
+            rates_before=first.rates,
+            rates_after=last.rates,
+        )
+        if self.spring is None:
+            return record
+        course = self.spring.course
+        impulse, work = course.compression or (self.impulse, self.work)
+        return replace(
+            record,
+            law="compliant",
+            compressive_impulse=impulse,
+            compressive_work=work,
+            restitutive_work=(self.work[0] - work[0], self.work[1] - work[1]),
+            velocity_before=before,
+            velocity_after=after,
+            phases=course.phase_names(self.impulse[0], jams=outcome == Outcome.JAM),
+            history=self.spring.history(),
+        )

@@ -1,0 +1,189 @@
+"""The phases of a contact with a spring: it begins, loads or unloads, sticks or slips, and ends.
+
+Only :func:`bristle_sim.scene.decide.decide` calls these functions.
+"""
+
+from __future__ import annotations
+
+import math
+
+from bristle_sim.scene.compliant import follow_bodies
+from bristle_sim.scene.contact import ActiveContact, Outcome
+from bristle_sim.scene.course import SpringPhase
+from bristle_sim.scene.happening import Kind
+from bristle_sim.scene.motion import Motion
+from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.spring import ContactLoad, Spring
+from bristle_sim.scene.system import System
+
+STOPS_TOGETHER = 1e-5  # fraction of the approach with which slip and compression of one freedom stop together
+
+LEAST_UNLOADING = 1e-5
+"""Where slip starts or stops, a contact ends if less than this fraction of its spring's unloading is left. Only 1e-10 of its
+impulse is left, and the force is so small that rounding of the tip's place would start and stop slip endlessly."""
+
+PROBED_FRACTION = 0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
+CONE_ROUNDING = 1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
+
+
+def begin_spring(system: System, motion: Motion, pair: ContactPair, spring: Spring) -> ActiveContact:
+    """Return a contact that begins at the present state."""
+    contact = ActiveContact(pair, spring, system.state)
+    look_up_slip(system, motion, contact, spring)
+    return contact
+
+
+def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveContact | None:
+    """Return the contact that follows at once where the last one has left a lone link's tip at rest; None if it is not pressed.
+
+    A spring at rest is pressed in by its load over its stiffness, which is more than the accuracy where the load is that of a
+    belt and the contact is not very short; without restitution it is pressed in again and again.
+    """
+    if not system.mechanism.lone or motion.contacts or system.had_last_event:
+        return None
+    instant = system.plan.instant
+    ahead = system.flight.advance(system.scene, system.state, instant).state
+    press = (system.approach(pair) - system.gaps.gap_and_rate(pair, ahead)[1]) / instant
+    spring = system.law_of(pair).spring(system.scene, system.state, pair, press) if press > 0.0 else None
+    return None if spring is None else begin_spring(system, motion, pair, spring)
+
+
+def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
+    """Return a motion's contacts with springs after an impact elsewhere, which changes the sense of their motion."""
+    contacts = []
+    for contact, spring in motion.springs:
+        if spring.loading and system.approach(contact.pair) > 0.0:
+            _unload(system, contact, spring)
+        look_up_slip(system, motion, contact, spring)
+        contacts.append(contact)
+    return contacts
+
+
+def look_up_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+    """Let a point slip in the sense of its motion, or stick, and record the new phase."""
+    slip = system.gaps.closest(contact.pair, system.state).velocity[1]
+    if abs(slip) > _slip_error(system, contact) and not spring.elastic:
+        spring.slip = int(math.copysign(1.0, slip))
+    else:
+        _settle_slip(system, motion, contact, spring)
+    _note_phase(contact, spring)
+
+
+def _note_phase(contact: ActiveContact, spring: Spring) -> None:
+    spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.impulse[0]))
+
+
+def change_spring(system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind) -> Outcome | None:
+    """Pass a contact into its next phase; return its outcome if it is over."""
+    before = (spring.loading, spring.slip)
+    penetration = _penetration(system, contact, spring)
+    if spring.elastic:
+        spring.stick_force = spring.forces(penetration)[1]
+    outcome = _change(system, motion, contact, spring, kind)
+    # Bodies that vibrate meanwhile may press the point on again.
+    quiet = not spring.loading and (system.mechanism.lone or not spring.expected.moves)
+    least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
+    if outcome is None and quiet and penetration - spring.residual < least:
+        return Outcome.REBOUND
+    if outcome is not None or before == (spring.loading, spring.slip):
+        return outcome
+    _note_phase(contact, spring)
+    course = spring.course
+    if spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip and not spring.elastic:
+        if not spring.expected.moves:
+            return Outcome.JAM
+        if course.stopped is None:
+            # Bodies that move meanwhile may still get out.
+            course.stopped = system.state, contact.impulse, contact.work, len(course.rows), len(course.phases)
+    return None
+
+
+def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind) -> Outcome | None:
+    """Apply an event; return the contact's outcome if it is over."""
+    expected, course = spring.expected, spring.course
+    match kind:
+        case Kind.COMPRESSION_ENDS:
+            return _end_compression(system, motion, contact, spring)
+        case Kind.UNLOADED:
+            return Outcome.REBOUND
+        case Kind.OVERDUE:
+            if course.stopped is not None:
+                system.state, contact.impulse, contact.work, rows, phases = course.stopped
+                del course.rows[rows:], course.phases[phases:]
+                course.compression = None
+            stuck = expected.outcome in (Outcome.JAM, Outcome.STICTION)
+            return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
+        case Kind.PRESSED_ON:
+            spring.deepest = None
+            if spring.elastic or not spring.slip:
+                _settle_slip(system, motion, contact, spring)
+        case Kind.CONE_REACHED:
+            spring.slip = -1 if spring.stick_force > 0.0 else 1
+        case Kind.FOOT_STOPS:
+            _settle_slip(system, motion, contact, spring)
+            stopped = not spring.slip and _ends_in_stiction(system, spring)
+            # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+            together = -system.approach(contact.pair) <= STOPS_TOGETHER * course.approach
+            if spring.loading and not spring.elastic and (stopped or together):
+                return _end_compression(system, motion, contact, spring)
+    return None
+
+
+def _end_compression(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> Outcome | None:
+    """Begin unloading, and decide on slip that has stopped; without restitution the contact is over."""
+    _unload(system, contact, spring)
+    if spring.pair.restitution == 0.0:
+        return Outcome.NO_REBOUND
+    if _ends_in_stiction(system, spring):
+        return Outcome.STICTION
+    if spring.elastic or not spring.slip:
+        _settle_slip(system, motion, contact, spring)
+    return None
+
+
+def _unload(system: System, contact: ActiveContact, spring: Spring) -> None:
+    spring.course.compression = (contact.impulse, contact.work)
+    spring.deepest = _penetration(system, contact, spring)
+
+
+def _penetration(system: System, contact: ActiveContact, spring: Spring) -> float:
+    return spring.surface - system.gaps.gap(contact.pair, system.state)
+
+
+def _ends_in_stiction(system: System, spring: Spring) -> bool:
+    """Return whether a rigid-body limit ends where that law stops, if only a lone link's single contact is of interest."""
+    halts = not spring.expected.moves or (system.plan.single_contact and system.mechanism.lone)
+    return halts and spring.expected.outcome == Outcome.STICTION
+
+
+def _slip_error(system: System, contact: ActiveContact) -> float:
+    """Return the error of a slip velocity, from the speed at the first touch: a lone rod comes to rest where slip stops."""
+    return system.slip_error(contact.start or system.state)
+
+
+def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+    """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
+    pair = contact.pair
+    if spring.elastic:
+        touch, joint = system.gaps.closest(pair, system.state), system.gaps.poses(system.state)
+        spring.settle(touch, joint[pair.link].joint[0] + touch.arm[0], _slip_error(system, contact))
+        return
+    spring.slip = 0
+    follow_bodies(system.scene, system.state, spring)
+    others = [each for other, each in motion.springs if other is not contact]
+    load = ContactLoad(system.scene, motion.rigid, [spring, *others])
+    # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
+    normal, coupling = spring.inverse_mass[0].tolist()
+    most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
+    length = PROBED_FRACTION * min(spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf)
+    probe = spring.expected.stepper.advance(system.scene, system.state, length, load)
+    sums = probe.sums(0 if motion.rigid is None else len(motion.rigid.pairs))
+    spring.stick_force = force = sums.tangential_at_start
+    penetration = _penetration(system, contact, spring)
+    if spring.loading and not contact.impulse[0]:
+        # Both forces are zero at the first touch.
+        force = sums.tangential
+        penetration = spring.surface - system.gaps.gap(pair, probe.state)
+    limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
+    if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
+        spring.slip = -1 if force > 0.0 else 1
