@@ -111,7 +111,7 @@ def test_a_line_is_refused_in_one_line(line: str, words: str, folder: Path, caps
 @pytest.mark.parametrize(
     ("line", "module", "words"),
     [
-        (SWEPT, "cli.sweep", "--sweep needs the extra sweep: pip install bristle-sim[sweep]"),
+        (SWEPT, "studies.sweep", "--sweep needs the extra sweep: pip install bristle-sim[sweep]"),
         ("explore", "cli.explore.server", "pip install 'bristle-sim[explore]' brings it"),
     ],
 )

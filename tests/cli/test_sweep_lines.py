@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -61,3 +63,15 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(capsys: pyt
     assert len({row["merchant_crater_depth_limit (m)"] for row in rows}) == 1
     few, many = (float(row["merchant_crater_depth (m)"]) for row in rows)
     assert few < many < float(rows[0]["merchant_crater_depth_limit (m)"])
+
+
+BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray zarr tqdm cloudpickle distributed'.split()));"
+
+
+def test_without_the_extra_a_sweep_ends_in_one_line():
+    """In a process of its own that can import none of the extra's packages."""
+    code = f"{BLOCKED} from bristle_sim.cli.command import main; sys.exit(main(sys.argv[1:]))"
+    line = [sys.executable, "-c", code, "cue_and_impact", "--sweep", "friction=0.1:0.5:3"]
+    run = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr.count("\n")) == (2, "", 1)
+    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep] (" in run.stderr

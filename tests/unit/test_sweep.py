@@ -4,16 +4,21 @@ The point function is a closed form, so that every expected number is known with
 in a file, which all processes append to.
 """
 
+import errno
 import functools
+import itertools
+import logging
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from collections.abc import Container
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -25,7 +30,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
-from bristle_sim.studies import sweep_store  # noqa: E402
+from bristle_sim.studies import sweep_store, sweep_workers  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
@@ -82,10 +87,34 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     assert "shape (2,)" in reasons[3]
     assert reasons[::2] == ["", ""]
     assert list(sweep(lambda x: math.sqrt(-x), {"x": [1.0, 2.0]}).data_vars) == ["failure"]
+    assert sweep(lambda x: sys.exit(3), {"x": [1.0]})["failure"].item() == "SystemExit: 3"  # noqa: ARG005
     # In the words of README's example, which reads the impulse of a contact that there is not.
     run = SimpleNamespace(first_contact=lambda _: None)
     found = sweep(lambda x: run.first_contact("workpart").impulse[0] * x, {"x": [1.0]})
     assert found["failure"].item().startswith("no strike: impulse was read of None")
+
+
+class Mute(Exception):
+    """An exception without words."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("no words")
+
+
+def odd(x: float) -> dict[str, Any]:
+    if x == 1.0:
+        raise ValueError("file \udce9 is bad")
+    if x == 2.0:
+        raise Mute
+    return {"nothing": np.ones(0), "x_squared": x**2}
+
+
+def test_odd_messages_and_empty_arrays_do_not_end_a_sweep(tmp_path: Path):
+    for store in (None, tmp_path, tmp_path):
+        found = sweep(odd, {"x": [0.0, 1.0, 2.0, 3.0]}, store=store)
+        assert found["failure"].values.tolist() == ["", "file \\udce9 is bad", "Mute: its message cannot be read", ""]
+        assert found["nothing"].shape == (4, 0)
+        assert found["x_squared"].values[[0, 3]].tolist() == [0.0, 9.0]
 
 
 @pytest.mark.parametrize(
@@ -148,6 +177,10 @@ def test_a_function_that_cannot_be_sent_is_refused_in_one_line():
     with pytest.raises(ValueError, match="must be picklable, to be sent to the workers") as refusal:
         sweep(functools.partial(power, y=LOCK), {"x": [1.0, 2.0]}, workers=2)
     assert "\n" not in str(refusal.value)
+    with ProcessPoolExecutor(1) as executor, pytest.raises(ValueError, match="must be picklable"):
+        sweep(lambda x: x, {"x": [1.0]}, workers=executor)
+    with ThreadPoolExecutor(1) as executor:
+        assert sweep(lambda x: x if LOCK else 0.0, {"x": [1.0]}, workers=executor)["result"].item() == 1.0
 
 
 def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tmp_path: Path):
@@ -161,21 +194,103 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
     with cluster, distributed.Client(cluster) as client:
         with joblib.parallel_config(backend="dask"):
             found = sweep(function, space, store=tmp_path / "store")
-        assert sweep(power, SPACE, workers=client.get_executor()).identical(sweep(power, SPACE))
+        for workers in (client, client.get_executor()):
+            assert sweep(power, SPACE, workers=workers).identical(sweep(power, SPACE))
     assert np.array_equal(found["result"], space["x"] ** 2)
     assert (tmp_path / "death0").exists()
     assert sorted(set(calls(tmp_path))) == space["x"].tolist()
 
 
-def test_a_point_that_always_kills_its_process_is_named_and_the_others_are_kept(tmp_path: Path):
-    function = functools.partial(counted, folder=str(tmp_path), killed_at=3.0, times=99)
-    with pytest.raises(RuntimeError, match=r"workers were lost 3 times near the point \{'x': 3\.0\}"):
-        sweep(function, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store")
-    (kept,) = (tmp_path / "store").glob("*.zarr")
-    reasons = xarray.open_zarr(kept, consolidated=False)["failure"].values.tolist()
-    assert reasons == ["", "", "", "not computed", "", ""]
-    with ProcessPoolExecutor(2) as executor, pytest.raises(RuntimeError, match="workers were lost 1 times"):
-        sweep(function, {"x": [3.0]}, workers=executor)
+class StandInClient:
+    """A Dask client whose cluster gets its only worker as soon as the log says that it has none."""
+
+    def __init__(self, threads: ThreadPoolExecutor) -> None:
+        self.threads, self.started, self.futures = threads, threading.Event(), list[Any]()
+
+    get_executor = scheduler_info = None
+
+    def ncores(self) -> dict[str, int]:
+        return {"worker": 1} if self.started.is_set() else {}
+
+    def submit(self, *call: Any, pure: bool) -> Any:
+        assert not pure
+        return self.threads.submit(lambda: self.started.wait() and call[0](*call[1:]))
+
+
+def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sweep_workers, "LOOK_EVERY", 0.01)
+    monkeypatch.setattr(sweep_workers, "WITHOUT_WORKER", 0.05)
+    lines = list[str]()
+    with ThreadPoolExecutor(2) as threads:
+        client = StandInClient(threads)
+
+        def heard(line: logging.LogRecord) -> bool:
+            lines.append(line.getMessage())
+            client.started.set()
+            return False
+
+        logger = logging.getLogger(sweep_workers.__name__)
+        logger.addFilter(heard)
+        try:
+            found = sweep(power, SPACE, workers=client)
+        finally:
+            logger.removeFilter(heard)
+            client.started.set()
+    assert found.identical(sweep(power, SPACE))
+    (line,) = lines
+    assert "no worker for 0 s; the sweep goes on as soon as one is started" in line
+    assert "\n" not in line
+
+
+class Losing(ThreadPoolExecutor):
+    """Threads that lose their calls for some numbers of a call."""
+
+    def __init__(self, lost: Container[int]) -> None:
+        super().__init__(1)
+        self.lost, self.number = lost, itertools.count()
+
+    def submit(self, *call: Any) -> Any:
+        if next(self.number) not in self.lost:
+            return super().submit(*call)
+        future = Future[Any]()
+        future.set_exception(ConnectionError("connection lost"))
+        return future
+
+
+def test_batches_that_are_lost_are_computed_again():
+    """Single ones and batches of many points, whatever the error is."""
+    space = {"x": np.linspace(0.0, 1.0, 60), "y": [0.5]}
+    with Losing({0, 3, 5, 6}) as threads:
+        assert sweep(power, space, workers=threads).identical(sweep(power, space))
+
+
+def test_a_sweep_whose_workers_are_gone_ends_in_one_line_and_keeps_its_points(tmp_path: Path):
+    with Losing(range(2, 99)) as threads, pytest.raises(RuntimeError) as gone:
+        sweep(power, {"x": np.arange(10.0), "y": 1.0}, workers=threads, store=tmp_path)
+    words = r"workers: lost at the point {'x': \d.0, 'y': 1.0}, and none answers any more \(ConnectionError: connection lost\); "
+    assert re.match(words, str(gone.value))
+    assert "\n" not in str(gone.value)
+    (kept,) = tmp_path.glob("*.zarr")
+    assert {*xarray.open_zarr(kept, consolidated=False)["failure"].values} == {"", "not computed"}
+
+
+def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(tmp_path: Path):
+    dying = functools.partial(counted, folder=str(tmp_path), killed_at=3.0, times=99)
+    run = functools.partial(sweep, dying, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store")
+    first = run().load()
+    assert np.array_equal(first["result"], [0.0, 1.0, 4.0, math.nan, 16.0, 25.0], equal_nan=True)
+    reasons = first["failure"].values.tolist()
+    assert reasons.pop(3).startswith("lost with its worker 3 times (")
+    assert not any(reasons)
+    for number in range(99):
+        Path(tmp_path, f"death{number}").touch()
+    assert run()["result"].values.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
+    (tmp_path / "death98").unlink()
+    with (
+        ProcessPoolExecutor(2) as executor,
+        pytest.raises(RuntimeError, match=r"none answers any more .*BrokenProcessPool"),
+    ):
+        sweep(dying, {"x": [3.0]}, workers=executor)
 
 
 def noted(x: float, y: float, folder: str) -> dict[str, Any]:
@@ -205,6 +320,12 @@ def changed(path: Path) -> None:
     path.write_bytes(found)
 
 
+def renamed(path: Path) -> None:
+    """One bit of the word "results" or "fill_value", which a description must have."""
+    text = path.read_bytes()
+    path.write_bytes(text.replace(b'"results"', b'"resultr"').replace(b'"fill_value"', b'"fill_valud"'))
+
+
 @pytest.mark.parametrize(
     ("harm", "part", "recomputed"),
     [
@@ -212,15 +333,17 @@ def changed(path: Path) -> None:
         (changed, "pair/c/1/0/0", 2),
         (changed, "failure/c/2/0", 2),
         (emptied, "x/c/0", 0),
-        (Path.unlink, "power/zarr.json", 8),
-        (emptied, "zarr.json", 8),
+        (Path.unlink, "power/zarr.json", 0),
+        (renamed, "power/zarr.json", 0),
+        (renamed, "zarr.json", 0),
+        (emptied, "zarr.json", 0),
         (shutil.rmtree, "pair", 8),
     ],
 )
 def test_damaged_and_lost_parts_are_computed_again(
     harm: Any, part: str, recomputed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
 ):
-    """Of the four chunks of two points those that are damaged; a lost description costs its variable, or all."""
+    """Of the four chunks of two points those that are damaged; a damaged description costs none."""
     monkeypatch.setattr(sweep_store, "BLOCK", 2)
     run = functools.partial(sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store")
     expected = run().load()
@@ -229,8 +352,47 @@ def test_damaged_and_lost_parts_are_computed_again(
     for _ in range(2):
         assert run().identical(expected)
         assert len(calls(tmp_path)) == 8 + recomputed
-    lost_without_trace = harm is Path.unlink and part.startswith(("failure", "zarr"))  # as if never computed
-    assert bool(caplog.records) is bool(recomputed and not lost_without_trace)
+    assert bool(caplog.records) is bool(recomputed or part == "zarr.json")
+
+
+def test_every_single_bit_of_a_description_may_be_wrong(tmp_path: Path):
+    """One bit at a time, 61 bytes apart in each of three files: the results are those written, and none is computed again."""
+    run = functools.partial(
+        sweep, functools.partial(counted, folder=str(tmp_path)), {"x": [1.0]}, store=tmp_path / "store"
+    )
+    expected = run().load()
+    (store,) = (tmp_path / "store").glob("*.zarr")
+    for path in (store / "zarr.json", store / "result" / "zarr.json", store / "failure" / "zarr.json"):
+        intact = path.read_bytes()
+        for place in range(0, len(intact), 61):
+            path.write_bytes(intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :])
+            assert run().identical(expected)
+            assert path.read_bytes() == intact
+    assert len(calls(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
+def test_a_complete_store_is_read_where_nothing_can_be_written(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Full or read-only disks; an incomplete store ends in the disk's error, and no file is gone."""
+    run = functools.partial(sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store")
+    expected = run().load()
+
+    def refused(*_: Any, **__: Any) -> Any:
+        raise OSError(number, os.strerror(number))
+
+    for owner, name in ((Path, "write_bytes"), (os, "replace"), (Path, "replace"), (Path, "rename"), (Path, "unlink")):
+        monkeypatch.setattr(owner, name, refused)
+    files = {path: path.read_bytes() for path in (tmp_path / "store").rglob("*") if path.is_file()}
+    assert run().identical(expected)
+    part = next(path for path in files if path.match("power/c/*/*"))
+    os.remove(part)  # noqa: PTH107
+    with pytest.raises(OSError, match=os.strerror(number)):
+        run()
+    del files[part]
+    left = {path: path.read_bytes() for path in (tmp_path / "store").rglob("*") if path.is_file()}
+    assert {path: left.get(path) for path in files} == files
 
 
 def test_a_store_holds_data_alone(tmp_path: Path):

@@ -128,10 +128,8 @@ class Work:
 
     def sweep(self) -> None:
         """Run the scenario over one or two keys."""
-        try:
-            from bristle_sim.cli.sweep import run_sweep
-        except ImportError as error:
-            raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+        from bristle_sim.cli.sweep import run_sweep
+
         run_sweep(self.scenario, self.options, self.targets)
 
 

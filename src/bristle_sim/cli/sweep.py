@@ -28,10 +28,12 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     """Sweep, write the requested files, and print the table.
 
     Raises:
-        ValueError: for bad input, or if no point has a result.
+        ValueError: for bad input, if no point has a result, or without the extra ``sweep``.
     """
-    from bristle_sim.studies.sweep import sweep_scenario
-
+    try:
+        from bristle_sim.studies.sweep import sweep_scenario
+    except ImportError as error:
+        raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
     keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):

@@ -10,7 +10,7 @@ import functools
 import inspect
 import sys
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from importlib import metadata
@@ -20,13 +20,15 @@ from typing import Any
 import joblib
 import numpy as np
 import xarray as xr
-import zarr
+from numpy.typing import NDArray
 from tqdm import tqdm
 
 from bristle_sim.comparison import Report
 from bristle_sim.studies.sweep_identity import identity_of, name_of
-from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point, evaluated
-from bristle_sim.studies.sweep_store import BLOCK, SweepStore, check_name
+from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
+from bristle_sim.studies.sweep_results import Results, check_name
+from bristle_sim.studies.sweep_store import BLOCK, SweepStore
+from bristle_sim.studies.sweep_workers import LOST, client_of, evaluated
 from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
@@ -61,12 +63,13 @@ def sweep(
             several dimensions, ``(("sample", "hub_speed"), array)``, varies along all of them. A number is one value for
             all points. The points are the product of all dimensions.
         units: of parameters and results, by name.
-        workers: number of processes (-1: one per core), or a ``concurrent.futures.Executor``, such as a Dask client's
-            ``get_executor()``. By default the active joblib backend or, without one, the calling process.
+        workers: number of processes (-1: one per core), a Dask client or its executor, or another
+            ``concurrent.futures.Executor``. By default the active joblib backend or, without one, the calling process.
         store: folder that keeps finished points: the same call later computes only those that are missing, damaged or lost.
             The returned Dataset loads them lazily. The folder holds only data: reading someone else's runs no code.
-        version: changes when results change for a reason not visible in the function and all that it refers to, such as
-            the date of a file that it reads. Versions of installed packages are included anyway.
+        version: word that changes when results change for a reason that a store does not notice. It notices changes of the
+            function's module or package, of the values bound to it, of this package, NumPy, SciPy and pymunk; not of other
+            modules, of files that the function reads, or of globals set while the program runs.
         progress: whether to show a bar with the time left on standard error; by default it appears after five seconds.
 
     Returns:
@@ -76,32 +79,54 @@ def sweep(
 
     Raises:
         ValueError: if the space is empty or holds anything but numbers and words, if the function does not take its
-            names as arguments, refers to objects whose changes a store cannot see or cannot be sent to the workers, if a
+            names as arguments, is bound to objects whose changes a store cannot notice or cannot be sent to the workers, if a
             name cannot be one of an array, or if ``workers`` or ``store`` is invalid.
-        RuntimeError: if workers are killed repeatedly; finished points are kept.
+        OSError: if the store cannot be read or written; what is stored is kept.
+        RuntimeError: if the workers do not answer any more; finished points are kept. A point that loses its worker time and
+            again is a failure, which the next call on the same store computes again.
     """
     grid, units = _grid(space), dict(units or {})
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
     software = ", ".join(f"{name} {metadata.version(name)}" for name in ("bristle_sim", "numpy", "pymunk", "scipy"))
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
-    target: Any = zarr.storage.MemoryStore()
-    if store is not None:
-        coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
-        digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
-        target = Path(store) / f"{digest}.zarr"
-        target.mkdir(parents=True, exist_ok=True)
-    results = SweepStore(target, grid, units)
+    results, again = _results(grid, store, function, version), LOST
     try:
         for _ in range(ROUNDS):
-            if not (missing := np.flatnonzero(results.missing())).size:
-                found = results.dataset()
-                return found.load() if store is None else found
+            if not (missing := np.flatnonzero(results.missing(again))).size:
+                return _dataset(results, grid, units)
             _write(results, evaluated(function, _points(grid, missing), workers), missing.size, progress)
+            again = ""
     except KeyboardInterrupt:
         kept = "" if store is None else f"the points that are finished are kept in {store}; the same call goes on"
-        raise SweepInterrupted(kept, results.dataset().load()) from None
+        raise SweepInterrupted(kept, _dataset(results, grid, units).load()) from None
     raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
+
+
+def _results(grid: xr.Dataset, store: str | Path | None, function: Callable[..., Any], version: str) -> Results:
+    """Return results in memory or in the store's folder of this function and grid."""
+    if store is None:
+        return Results(tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes)))
+    coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
+    digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
+    return SweepStore(Path(store) / f"{digest}.zarr", grid)
+
+
+def _dataset(results: Results, grid: xr.Dataset, units: Mapping[str, str]) -> xr.Dataset:
+    """Return the results in the order of their names, with units; those of a store are loaded lazily."""
+    if isinstance(results, SweepStore):
+        found = results.dataset()
+    else:
+        found = grid.copy()
+        for name, array in results.arrays.items():
+            own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(results.shape))]
+            values = array.astype(np.dtypes.StringDType()) if name == FAILURE else array
+            found[name] = ([*grid.sizes, *own_axes], values)
+    found = found[sorted(map(str, found.data_vars))]
+    for variable, each in found.variables.items():
+        each.attrs = {"units": units[str(variable)]} if variable in units else {}
+    found.attrs = grid.attrs
+    return found
 
 
 class SweepInterrupted(KeyboardInterrupt):
@@ -163,8 +188,8 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
 def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:
     """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
     whole = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0 and workers <= MOST_WORKERS
-    if not whole and not isinstance(workers, Executor | None):
-        allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor or None"
+    if not whole and not isinstance(workers, Executor | None) and client_of(workers) is None:
+        allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
         raise ValueError(f"workers = {shown(workers)}: must be {allowed}")
     if store is not None and (not str(store) or not isinstance(store, str | Path) or Path(store).is_file()):
         raise ValueError(f"store = {shown(store)}: must be the name of a folder")
@@ -208,16 +233,22 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
     return grid
 
 
-def _points(grid: xr.Dataset, numbers: Iterable[int]) -> Iterator[Point]:
+def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
     """Yield the number and arguments of each point, the last dimension varying fastest."""
     dimensions = list(grid.sizes)
     parameters = {str(name): (each.values, [*map(dimensions.index, each.dims)]) for name, each in grid.coords.items()}
-    for number in numbers:
-        index = np.unravel_index(number, tuple(grid.sizes.values())) if dimensions else ()
-        yield int(number), {name: at.item(*(index[axis] for axis in axes)) for name, (at, axes) in parameters.items()}
+    for start in range(0, numbers.size, BLOCK):
+        block = numbers[start : start + BLOCK]
+        index = np.unravel_index(block, tuple(grid.sizes.values())) if dimensions else ()
+        columns = [
+            np.broadcast_to(values[tuple(index[axis] for axis in axes)], block.shape).tolist()
+            for values, axes in parameters.values()
+        ]
+        for number, *arguments in zip(block.tolist(), *columns, strict=True):
+            yield number, dict(zip(parameters, arguments, strict=True))
 
 
-def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool | None) -> None:
+def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
     """Write outcomes to the store at intervals, and at the end, even if it is an error."""
     finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
     options = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}

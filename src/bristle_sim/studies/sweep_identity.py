@@ -1,21 +1,21 @@
-"""Digest of a swept function and all that it refers to, so that a store never returns stale results.
+"""Digest of a swept function: its name, the source text that it stands in, the values bound to it, and the user's version.
 
-joblib's hash walks the values. The user's functions, classes and modules stand for their instructions and values, installed
-ones for name and version, this package for its files. A pickle by value would contain line numbers and random numbers.
+The source text is that of all modules of its package; of a script or a notebook's cell it is the script or cell alone. The code
+of other packages is not seen, nor are global variables that a program sets as it runs. joblib's hash walks the bound values.
 """
 
 from __future__ import annotations
 
-import dis
+import copyreg
 import functools
+import hashlib
+import linecache
 import sys
 import sysconfig
-import types
-from collections.abc import Callable, Iterator
-from importlib import import_module
-from importlib.util import find_spec
+from collections.abc import Callable
 from pathlib import Path
-from pickle import PicklingError, whichmodule  # type: ignore[attr-defined]
+from pickle import PicklingError
+from types import CellType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -23,11 +23,7 @@ from joblib.hashing import NumpyHasher
 
 import bristle_sim
 
-CODE = "co_code co_consts co_names co_varnames co_freevars co_argcount co_kwonlyargcount co_flags co_exceptiontable"
-"""Parts of compiled code that determine its behaviour, unlike file names and line numbers."""
-
-FUNCTION = "__qualname__ __code__ __defaults__ __kwdefaults__ __closure__"
-ACCESSORS = (property, staticmethod, classmethod, functools.cached_property, functools._lru_cache_wrapper)
+INSTALLED = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
 
 
 def name_of(function: Any) -> str:
@@ -37,98 +33,86 @@ def name_of(function: Any) -> str:
 
 
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """Return a digest of a function, of all that it refers to, of this package and of a given version.
+    """Return a digest of a function, the values bound to it, this package and a given version.
 
-    Raises ValueError if the function refers to an object whose changes cannot be seen, such as a lock or an open file.
+    Raises:
+        ValueError: without a version, if the function has no source text or is bound to an object that is not data.
     """
-    package = Path(bristle_sim.__file__).parent
-    files = [(path.relative_to(package).as_posix(), path.read_bytes()) for path in sorted(package.rglob("*.py"))]
+    libraries = [_version(name) for name in ("numpy", "pymunk", "scipy")]
     try:
-        parts = files, *map(_version, ("numpy", "pymunk", "scipy")), version, function
-        hasher = NumpyHasher(hash_name="sha256")
-        hasher.reducer_override = _reduced
-        return str(hasher.hash(parts))
-    except (TypeError, ValueError, AttributeError, ImportError, RecursionError, PicklingError) as error:
-        why = " ".join(str(error).split())
-        raise ValueError(
-            f"function = {name_of(function)}: must not refer to objects whose changes a store cannot see ({why})"
-        ) from error
+        return str(
+            _Hasher(version).hash((_folder_digest(Path(bristle_sim.__file__).parent), libraries, version, function))
+        )
+    except (ValueError, TypeError, AttributeError, ImportError, RecursionError, PicklingError) as error:
+        reason = " ".join(str(error).split())
+        words = f"function = {name_of(function)}: a store cannot notice changes of {reason}"
+        raise ValueError(words + ("" if version else "; pass version=...")) from error
 
 
-def _reduced(value: Any) -> Any:
-    """Reduce a value for pickle to an empty tuple whose state is the value's parts, which may refer back to it."""
-    parts = None if value is tuple else _parts(value)
-    return NotImplemented if parts is None else (tuple, (), parts)
+class _Hasher(NumpyHasher):  # type: ignore[misc]
+    """Hash of values in which functions and classes stand for name and source text, installed ones for name and version."""
+
+    def __init__(self, version: str) -> None:
+        super().__init__(hash_name="sha256")
+        self.version, self.digest = version, functools.cache(_folder_digest)
+
+    def reducer_override(self, value: Any) -> Any:
+        """Reduce a value to an empty tuple whose state is the value's parts, which may refer back to it."""
+        if isinstance(value, FunctionType):
+            cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
+            parts: Any = self.source(value, value.__code__.co_filename), value.__defaults__, value.__kwdefaults__, cells
+        elif isinstance(value, type) and value.__module__ != "builtins":
+            methods = [each.__code__.co_filename for each in vars(value).values() if isinstance(each, FunctionType)]
+            file = getattr(sys.modules.get(value.__module__), "__file__", None)
+            parts = self.source(value, file or next(filter(linecache.getlines, methods), ""))
+        elif isinstance(value, frozenset):  # joblib sorts a set, but not a frozen one
+            parts = set(value)
+        elif isinstance(value, functools._lru_cache_wrapper):
+            parts = [value.__wrapped__]
+        elif isinstance(value, np.ufunc) and getattr(np, value.__name__, None) is not value:
+            parts = self.name_alone(value, f"the ufunc {value.__name__!r}")
+        elif not (type(value) in self.dispatch or type(value) in copyreg.dispatch_table or _has_state(value)):
+            parts = self.name_alone(value, f"an object of the type {type(value).__qualname__!r}")
+        else:
+            return NotImplemented
+        return tuple, (), parts
+
+    def source(self, value: Any, file: str) -> Any:
+        """Return a function's or class's name, its place in the source text, and a digest of the text."""
+        package = (getattr(sys.modules.get(value.__module__), "__package__", "") or value.__module__).partition(".")[0]
+        built_in = not file and value.__module__ != "__main__"
+        if built_in or "site-packages" in Path(file).parts or file.startswith(INSTALLED):
+            return value.__module__, value.__qualname__, _version(package)
+        linecache.checkcache(file)
+        if not (text := linecache.getlines(file)):
+            return self.name_alone(value, f"{value.__qualname__!r}, which has no source text")
+        place = list(value.__code__.co_positions()) if isinstance(value, FunctionType) else None
+        folders = [self.digest(Path(folder)) for folder in getattr(sys.modules.get(package), "__path__", ())]
+        return value.__qualname__, place, text, folders
+
+    def name_alone(self, value: Any, words: str) -> str:
+        """Return a value's name if a version stands for its changes, else raise ValueError with the words."""
+        if not self.version:
+            raise ValueError(words)
+        return name_of(value)
 
 
-def _parts(value: Any) -> Any:
-    """Return the parts that identify a value; None leaves the value to pickle."""
-    module = value.__name__ if isinstance(value, types.ModuleType) else getattr(value, "__module__", "")
-    found: Any = None
-    if isinstance(value, types.ModuleType | types.FunctionType | type) and _is_library(module or "__main__"):
-        found = module, getattr(value, "__qualname__", ""), _version(module)
-    elif isinstance(value, frozenset):
-        found = set(value)
-    elif isinstance(value, types.MappingProxyType):
-        found = dict(value)
-    elif isinstance(value, types.CodeType):
-        found = [getattr(value, name) for name in CODE.split()]
-    elif isinstance(value, types.CellType):
-        found = [] if value == types.CellType() else [value.cell_contents]
-    elif isinstance(value, types.FunctionType):
-        found = [getattr(value, name) for name in FUNCTION.split()], list(_named(value))
-    elif isinstance(value, type):
-        found = value.__qualname__, value.__bases__, [each for each in vars(value).items() if _is_own(*each)]
-    elif isinstance(value, ACCESSORS):
-        found = [getattr(value, each, None) for each in ("__wrapped__", "func", "fget", "fset", "fdel")]
-    elif isinstance(value, np.ufunc) and not _is_library(whichmodule(value, value.__name__)):
-        raise TypeError(f"{value.__name__} is known by its name alone")
-    return found
-
-
-def _named(function: types.FunctionType) -> Iterator[Any]:
-    """Yield the values of the global names in a function, and of the modules that it imports."""
-    steps = [each for code in _codes(function.__code__) for each in dis.get_instructions(code)]
-    names = {str(each.argval) for each in steps}
-    for kind, name in sorted({(each.opname, str(each.argval)) for each in steps}):
-        if kind in ("LOAD_GLOBAL", "LOAD_NAME"):
-            yield name, _used(function.__globals__.get(name), names)
-        elif kind == "IMPORT_NAME" and find_spec(name) and not _is_library(name):
-            yield name, _used(import_module(name), names)
-
-
-def _is_own(name: str, value: Any) -> bool:
-    """Whether the user has written this attribute of a class, and not Python."""
-    hidden = name.startswith("__") and not isinstance(value, (types.FunctionType, *ACCESSORS))
-    return not (
-        hidden or name == "_abc_impl" or isinstance(value, types.MemberDescriptorType | types.GetSetDescriptorType)
-    )
-
-
-def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
-    """Yield a function's code, and that of the functions within it."""
-    yield code
-    yield from (inner for each in code.co_consts if isinstance(each, types.CodeType) for inner in _codes(each))
-
-
-def _used(value: Any, names: set[str]) -> Any:
-    """Return a value; for a user's module return its values that have one of the names."""
-    if not isinstance(value, types.ModuleType) or _is_library(value.__name__):
-        return value
-    return {name: _used(vars(value)[name], names - {name}) for name in sorted(names & vars(value).keys())}
-
-
-@functools.cache
-def _is_library(module: str) -> bool:
-    """Whether a module is installed, or built into Python."""
-    if module == "__main__" or module.startswith("bristle_sim.scenarios."):  # a work tree has them beside the package
+def _has_state(value: Any) -> bool:
+    """Whether pickle can take an object apart, unlike a lock or a generator."""
+    try:
+        value.__reduce_ex__(3)
+    except TypeError:
         return False
-    if module.partition(".")[0] == "bristle_sim":
-        return True
-    file = getattr(sys.modules.get(module) or import_module(module), "__file__", None)
-    installed = {"site-packages", "dist-packages"} & {*Path(file or "").parts}
-    return file is None or bool(installed) or Path(file).is_relative_to(sysconfig.get_path("stdlib"))
+    return True
 
 
-def _version(module: str) -> str:
-    return str(getattr(sys.modules.get(module.partition(".")[0]), "__version__", ""))
+def _folder_digest(folder: Path) -> str:
+    """Return a digest of the names and texts of all Python files in a package's folder."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def _version(package: str) -> str:
+    return str(getattr(sys.modules.get(package), "__version__", ""))
