@@ -204,7 +204,9 @@ def begun(impacts: dict[str, np.ndarray]) -> March:
     return march._replace(step=march.longest_step * FIRST_STEP / STEP)
 
 
-def marched(impacts: dict[str, np.ndarray], most_steps: int = MOST_STEPS) -> tuple[np.ndarray, Counter[str]]:
+def marched(
+    impacts: dict[str, np.ndarray], most_steps: int = MOST_STEPS, most_phases: int = MOST_PHASES
+) -> tuple[np.ndarray, Counter[str]]:
     """Return impulses and velocities, (n, 4), NaN where an impact is skipped, and how many were for which reason."""
     size, reasons = impacts["friction"].size, Counter[str]()
     found = np.full((size, 4), np.nan)
@@ -220,7 +222,7 @@ def marched(impacts: dict[str, np.ndarray], most_steps: int = MOST_STEPS) -> tup
                 march.put(at, turned(chosen._replace(state=chosen.advanced(when[at])), event[at]))
             over = event == 1
             found[begin + march.number[over]] = march.state[[4, 5, 2, 3]][:, over].T
-            phases, steps = ~over & (march.phases > MOST_PHASES), ~over & (march.steps > most_steps)
+            phases, steps = ~over & (march.phases > most_phases), ~over & (march.steps > most_steps)
             reasons += Counter({DONE: int(over.sum()), PHASES: int(phases.sum()), STEPS: int((steps & ~phases).sum())})
             if (over | phases | steps).any():
                 march = march.take(~(over | phases | steps))
@@ -244,6 +246,17 @@ def random_impacts(seed: int, size: int, reach: float = 0.95) -> dict[str, np.nd
         "restitution_friction": np.where(rng.random(size) < 0.5, friction, rng.uniform(0.02, 2.0, size)),
         "tangential_compliance": 10.0 ** rng.uniform(-2, 1, size),
     }
+
+
+def nearly_singular_impacts(seed: int, size: int) -> dict[str, np.ndarray]:
+    """Approaching points with det K from 1e-5 to 1e-2 of K_nn K_tt: their modes' rates differ up to a thousandfold."""
+    rng = np.random.default_rng(seed)
+    impacts = random_impacts(seed, size)
+    matrix = impacts["inverse_mass"]
+    coupling = np.sqrt(matrix[:, 0, 0] * matrix[:, 1, 1] * (1.0 - 10.0 ** rng.uniform(-5, -2, size)))
+    matrix[:, 0, 1] = matrix[:, 1, 0] = rng.choice([-1.0, 1.0], size) * coupling
+    same = {"restitution_friction": impacts["friction"], "restitution": rng.uniform(0.3, 1.0, size)}
+    return impacts | same
 
 
 def impulse_and_velocity(found: Impact) -> np.ndarray:

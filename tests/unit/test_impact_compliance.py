@@ -7,8 +7,15 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
-from benchmarks.law_march import differences, impulse_and_velocity, marched, random_impacts
+from benchmarks.law_march import (
+    differences,
+    impulse_and_velocity,
+    marched,
+    nearly_singular_impacts,
+    random_impacts,
+)
 from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
 
 
@@ -23,6 +30,43 @@ def test_the_same_as_a_march_in_time(size: int, most_steps: int) -> None:
     # The others press and release the point again and again, as mu_2 > mu_1 can, or take longer.
     assert np.isfinite(apart).sum() > 0.9 * size
     assert np.nanmax(apart) < 1e-9, np.argsort(np.nan_to_num(apart))[-5:]
+
+
+@pytest.mark.nightly
+def test_a_nearly_singular_K_goes_through_as_many_phases_as_a_march() -> None:
+    """As above, through up to a thousand phases; the march's error grows with their number, to some 1e-10."""
+    impacts = nearly_singular_impacts(1, 300)
+    found, _ = marched(impacts, 20_000, 4000)
+    apart = differences(impulse_and_velocity(energetic_impact(**impacts)), found)
+    assert np.isfinite(apart).sum() > 0.9 * 300
+    assert np.nanmax(apart) < 1e-9, np.argsort(np.nan_to_num(apart))[-5:]
+
+
+@pytest.mark.parametrize("determinant", [1e-3, 1e-5, pytest.param(2e-6, marks=pytest.mark.nightly)])
+def test_springs_that_lose_nothing_swing_as_one_motion(determinant: float) -> None:
+    """With e* = 1 and no slip loading and unloading are one line: f'' = -D K f for the forces f, up to N = 0.
+
+    The law goes through 53, 501 and 1,114 phases of stick, with roundings of some 1e-14 in each of them.
+    """
+    lever, squared = np.array([1.0, 1.0]), 0.01
+    across = np.array([1.0, -1.0])
+    matrix = np.outer(lever, lever) + 0.25 * determinant * np.outer(across, across)
+    start = np.array([-1.0, 0.9])
+    root = np.array([1.0, 1.0 / math.sqrt(squared)])
+    squares, modes = np.linalg.eigh(root[:, None] * matrix * root)
+    squares[0] = np.linalg.det(matrix) / squared / squares[1]
+    rates, speeds = np.sqrt(squares), modes.T @ (root * start)
+
+    def push(time: float) -> float:
+        return -float(modes[0] @ (speeds * np.sin(rates * time) / rates))
+
+    times = np.linspace(0.0, 2.0 * math.pi / rates[0], 200_000)[1:]
+    pushes = -(modes[0] * speeds / rates) @ np.sin(np.outer(rates, times))
+    first = int(np.argmax(pushes < 0.0))
+    end = brentq(push, times[first - 1], times[first], xtol=1e-16, rtol=1e-15)
+    velocity = modes @ (speeds * np.cos(rates * end)) / root
+    found = energetic_impact(matrix, start, 1e12, 1.0, tangential_compliance=squared)
+    np.testing.assert_allclose([found.velocity_normal, found.velocity_tangential], velocity, atol=1e-9)
 
 
 def test_a_point_that_chatters_keeps_cone_and_energy() -> None:
@@ -101,6 +145,51 @@ class TestLimits:
         ):
             for each in dataclasses.fields(Impact):
                 np.testing.assert_array_equal(getattr(same, each.name), getattr(rigid, each.name))
+
+    @pytest.mark.parametrize("size", [200, pytest.param(20_000, marks=pytest.mark.nightly)], ids=["few", "many"])
+    @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+    def test_the_rigid_law_is_reached_without_a_jump(self, e: float, size: int) -> None:
+        """The stated bounds hold, 30 eta at eta^2 = 1e-4, and the impulse has no jump there nor at 0."""
+        impacts = random_impacts(11, size) | {"restitution": np.full(size, e)}
+        impacts["restitution_friction"] = impacts["friction"]
+
+        def impulse(squared: float) -> np.ndarray:
+            return impulse_and_velocity(energetic_impact(**impacts | {"tangential_compliance": squared}))[:, :2]
+
+        rigid, least = impulse(0.0), impulse(1e-4)
+        largest = abs(rigid).max(axis=-1, keepdims=True)
+        assert np.all(abs(least - rigid) < 30 * 1e-2 * largest)
+        # The mean is linear in eta: a change of eta^2 by 1e-12 of it, or from 0 to 1e-24, leaves 30 times that.
+        assert np.all(abs(least - impulse(1e-4 * (1.0 - 1e-12))) < 1e-12 * largest)
+        assert np.all(abs(rigid - impulse(1e-24)) < 30 * 1e-12 * largest)
+
+    @pytest.mark.parametrize("e", [0.0, 0.5])
+    def test_a_mean_with_the_rigid_law_keeps_cone_and_energy(self, e: float) -> None:
+        """Sums of works are the change of the kinetic energy, which does not grow, and W_r = -e*^2 W_c, up to roundings of the terms."""
+        impacts = random_impacts(12, 1000) | {"restitution": np.full(1000, e), "tangential_compliance": 2.5e-5}
+        impacts["restitution_friction"] = impacts["friction"]
+        found = energetic_impact(**impacts)
+        matrix, start = impacts["inverse_mass"], impacts["velocity"]
+        impulse, end = np.split(impulse_and_velocity(found), 2, axis=-1)
+        before, after = (0.5 * np.einsum("ki,kij,kj->k", each, np.linalg.inv(matrix), each) for each in (start, end))
+        terms = np.abs(start).sum(-1) + np.einsum("kij,kj->k", np.abs(matrix), np.abs(impulse))
+        assert np.all(np.abs(end - start - np.einsum("kij,kj->ki", matrix, impulse)) < 1e-12 * terms[:, None])
+        assert np.all(np.abs(impulse[:, 1]) <= impacts["friction"] * impulse[:, 0] * (1.0 + 1e-12))
+        # A correlation of 0.95 makes the energies up to twenty times the terms of which they are sums.
+        np.testing.assert_allclose(found.energy_change, after - before, atol=1e-12 * before.max())
+        assert np.all(found.energy_change <= 0.0)
+        np.testing.assert_allclose(
+            found.restitutive_work[0], -(e**2) * found.compressive_work[0], rtol=1e-9, atol=1e-14
+        )
+
+    def test_a_single_impact_is_that_of_an_array(self) -> None:
+        """Bit for bit but for the order of sums in arrays, with rigid, elastic and mean impacts side by side."""
+        impacts = random_impacts(13, 30)
+        impacts["tangential_compliance"] = np.tile([0.0, 1e-6, 0.3], 10)
+        together = impulse_and_velocity(energetic_impact(**impacts))
+        for index, row in enumerate(together):
+            single = energetic_impact(**{key: value[index] for key, value in impacts.items()})
+            np.testing.assert_allclose(impulse_and_velocity(single), row, rtol=1e-11, atol=1e-12)
 
     @pytest.mark.parametrize(
         ("mu", "e", "radial", "order"),

@@ -74,7 +74,7 @@ class CompliantLaw(ContactLaw):
         rigid = energetic_at(pair, space)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
-        # A stiffer one is rigid, as in the impact law.
+        # A stiffer one is rigid here; the law takes a mean of the rigid impact and the one at that value.
         compliance = self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         # A tangential spring multiplies rounding of places by its stiffness.
         rounding = max(1.0, 1.0 / compliance) if compliance else 1.0

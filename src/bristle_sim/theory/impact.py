@@ -53,7 +53,8 @@ __all__ = [
 MOST_FRICTION = 1e150  # more makes impulses that overflow
 
 LEAST_COMPLIANCE, MOST_COMPLIANCE = 1e-4, 1e4
-"""Range of eta^2. Each swing of the tangential spring is a phase of its own, some 0.65/eta of them: below it the rigid law serves."""
+"""Least eta^2 whose springs are followed, and the largest that is accepted. Each swing of the tangential spring is a phase of its own,
+some 0.65/eta of them; below the least value the impact is a mean of the rigid one and the one at that value."""
 
 BLOCK = 1 << 13
 
@@ -81,8 +82,11 @@ def energetic_impact(
             if known more accurately than from the rounded K: at a mass ratio of 1e12 the difference keeps only four digits.
         tangential_compliance: eta^2, the contact's normal over its tangential stiffness, from 0 (rigid along the
             surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
-            (``impact_compliance``). Below 1e-4 the rigid law is used instead. This changes the impulse by some 2 eta^2,
-            or by up to 1.3 eta where slip reverses or ends with the approach, as in a radial strike.
+            (``impact_compliance``). Below 1e-4 the impact is a mean of the rigid one and that at 1e-4, weighted
+            linearly in eta, so that it is continuous. In 20,000 random K, of a correlation up to 0.95 and a ratio of the
+            entries up to 100, with mu <= 2, the impulse at 1e-4 differs from the rigid one by less than 30 eta of its
+            largest component, and the mean by less than 15 eta from the springs' own. Half of them differ by less than
+            0.001 eta.
 
     Returns:
         The impact; floats for a single one, arrays of the broadcast shape otherwise.
@@ -90,6 +94,18 @@ def energetic_impact(
     Raises:
         ValueError: for non-finite values, a K that is not symmetric positive semidefinite, mu < 0, e* outside [0, 1], a
             stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works too large for a float.
+
+    A body of 1 kg that slips throughout: p_c = 1, and W_r = 0.25 W_c with p_r = 0.5; friction takes 0.2 of 1.5 N s.
+
+    >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 0.2, 0.5)
+    >>> impact.velocity_normal, round(impact.velocity_tangential, 12), impact.impulse_normal
+    (0.5, 0.2, 1.5)
+
+    Springs of equal stiffness that stick, e* = 1: both swing through half a period, and both velocities are reversed.
+
+    >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 9.0, 1.0, tangential_compliance=1.0)
+    >>> round(impact.velocity_normal, 12), round(impact.velocity_tangential, 12)
+    (1.0, -0.5)
     """
     given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
     return _resolve(_energetic_end, given, tangential_compliance)
@@ -109,6 +125,11 @@ def poisson_impact(
     Arguments, result and errors are those of ``energetic_impact``. With one coefficient of friction no energy is gained;
     with a ``restitution_friction`` of its own it can be. Springs define no impulse of restitution, so that the tangential
     compliance must be 0.
+
+    A body of 1 kg without friction: p_c = 1 and p_r = 0.5 N s.
+
+    >>> poisson_impact(np.eye(2), (-1.0, 0.0), 0.0, 0.5).impulse_normal
+    1.5
     """
     _require_rigid(tangential_compliance)
     return _resolve(
@@ -130,6 +151,11 @@ def newton_impact(
     Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses it can gain energy, as in
     Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it serves for comparison. Springs
     define no velocity of separation, so that the tangential compliance must be 0.
+
+    A body of 1 kg that approaches at 2 m/s leaves at half that speed.
+
+    >>> newton_impact(np.eye(2), (-2.0, 0.0), 0.3, 0.5).velocity_normal
+    1.0
     """
     _require_rigid(tangential_compliance)
     return _resolve(
@@ -192,22 +218,39 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
 
 
 def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
-    """Resolve a row of impacts: those with a tangential compliance together, the rigid ones in blocks that fit the cache."""
-    parts, order = [], None
-    if squared is not None:
-        elastic = (squared >= LEAST_COMPLIANCE) & (values[3] < 0.0) & (values[0] > 0.0)
-        if elastic.any():
-            from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
+    """Resolve a row of impacts: with a tangential compliance by springs, or by a mean with the rigid impact where it is small."""
+    if squared is None:
+        return _rigid_row(end, values)
+    elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
+    if not elastic.any():
+        return _rigid_row(end, values)
+    from bristle_sim.theory.impact_compliance import (  # only where a contact has this effect
+        compliant_impact,
+        mean_impact,
+    )
 
-            if elastic.all():
-                return compliant_impact(values, squared)
-            parts.append(compliant_impact([each[elastic] for each in values], squared[elastic]))
-            order = np.argsort(np.argsort(~elastic, kind="stable"))
-            values = [each[~elastic] for each in values]
-    parts += [walk(end, *(each[i : i + BLOCK] for each in values)) for i in range(0, max(values[0].size, 1), BLOCK)]
-    columns = ([getattr(part, each.name) for part in parts] for each in fields(Impact))
-    joined = (column[0] if len(parts) == 1 else np.concatenate(column) for column in columns)
-    return Impact(*(each if order is None else each[order] for each in joined))
+    if (elastic & (squared >= LEAST_COMPLIANCE)).all():
+        return compliant_impact(values, squared)
+    rigid = _rigid_row(end, values)
+    followed = np.maximum(squared[elastic], LEAST_COMPLIANCE)
+    springs = compliant_impact([value[elastic] for value in values], followed)
+    chosen = Impact(*(getattr(rigid, entry.name)[elastic] for entry in fields(Impact)))
+    mean = mean_impact(chosen, springs, np.sqrt(squared[elastic] / followed))
+    columns = []
+    for entry in fields(Impact):
+        column = np.array(getattr(rigid, entry.name))
+        column[elastic] = getattr(mean, entry.name)
+        columns.append(column)
+    return Impact(*columns)
+
+
+def _rigid_row(end: End, values: list[Number]) -> Impact:
+    """Resolve a row of rigid impacts in blocks that fit the cache."""
+    starts = range(0, max(values[0].size, 1), BLOCK)
+    parts = [walk(end, *(value[start : start + BLOCK] for value in values)) for start in starts]
+    if len(parts) == 1:
+        return parts[0]
+    return Impact(*(np.concatenate([getattr(part, entry.name) for part in parts]) for entry in fields(Impact)))
 
 
 def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]) -> tuple[list[Number], None] | None:

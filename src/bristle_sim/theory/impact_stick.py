@@ -52,18 +52,19 @@ class Contact(NamedTuple):
     slip: Number
 
 
-def stick(contact: Contact, settles: Number, patient: bool) -> tuple[Contact, Number, tuple[Number, ...]]:
+def stick(contact: Contact, jams: Number, settles: Number, patient: bool) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance to the end of a phase of stick; return the contact, event, and impulses and works along the normal and the surface.
 
-    Where ``settles``, the fast mode's swing and its energy are taken from the motion instead. A few contacts may be left
-    without an event; unless ``patient``, so are those whose rates differ much.
+    Where ``settles``, the fast mode's swing and its energy are taken from the motion instead; where ``jams``, only if one degree of
+    freedom is pressed on across its line, which has no end. A few contacts may be left without an event; unless ``patient``, so
+    are those whose rates differ much.
     """
     steep, eta = contact.steep, contact.eta
     modes, (cosine, sine) = _modes(contact)
-    time, event = followed(modes, settles, patient)
+    # Its drift is constant in stick.
+    pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
+    time, event = followed(modes, settles | (jams & pressed), patient)
     (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
-    # One degree of freedom that is pressed on across its line has no end.
-    pressed = (contact.stick == 0.0) & (modes.drifts * sine * w_2 > 0.0)
     event = np.where((event == SETTLED) & pressed, NEVER, event)
     still = (event == NEVER) | (event == SETTLED)
     moved = still | (time > 0.0)  # no rounding where nothing happens
