@@ -259,8 +259,8 @@ def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | No
                 finished.append(outcome)
                 bar.update()
                 if len(finished) == BLOCK or time.perf_counter() - written > WRITTEN_EVERY:
-                    block, finished, written = finished, [], time.perf_counter()
-                    results.write(block)
+                    results.write(finished)
+                    finished, written = [], time.perf_counter()  # only now: an interrupted write is done again below
         finally:
             if finished:
                 results.write(finished)
