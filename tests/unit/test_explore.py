@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import socket
+import subprocess
+import sys
 import threading
 import time
 import urllib.parse
@@ -23,8 +27,15 @@ from bristle_sim.cli import command
 pytest.importorskip("flask")
 
 from bristle_sim.cli.explore import explore
-from bristle_sim.cli.explore import server as server_module
-from bristle_sim.cli.explore.server import application, server
+from bristle_sim.cli.explore import worker as worker_module
+from bristle_sim.cli.explore.server import application, meant_for, server
+from bristle_sim.cli.explore.worker import Worker, Workers
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a busy machine take its time."""
+    monkeypatch.setattr(worker_module, "TIME_LIMIT", 600.0)
 
 
 @pytest.fixture(scope="module")
@@ -79,17 +90,102 @@ def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) 
     assert "must" in client.get("/radial?bar_radius=0.05").json["error"]
 
 
-def test_a_wire_that_bends_runs_beside_the_server(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A newer run of the same page ends the older one, and a server takes no more than it can bear."""
-    slow, wire = server_module.SlowRuns(), ["wire_links=2", "accuracy=1e-3"]
+SLOW = ["wire_links=16", "accuracy=1e-10"]
+"""Assignments of a run that takes longer than these tests wait for it."""
+
+
+def running(workers: Workers) -> Worker:
+    """Wait for the run of the page."""
+    while "page" not in workers._running:
+        time.sleep(0.01)
+    return workers._running["page"]
+
+
+def test_a_newer_run_of_the_page_ends_the_older_one() -> None:
+    workers = Workers()
     with ThreadPoolExecutor(1) as pool:
-        older = pool.submit(slow.compute, "page", [], ["wire_links=24"])
-        while not slow._running:
-            time.sleep(0.01)
-        assert slow.compute("page", [], wire)["answer"].startswith("The bristle strikes at ")
-        assert older.result()["error"] == "stopped by a newer run"
-    monkeypatch.setattr(server_module, "MOST_CLIENTS", 0)
-    assert "the server is busy" in client.get(f"/run?{'&'.join(wire)}").json["error"]
+        older = pool.submit(workers.answer, "page", "run", [], SLOW)
+        ended = running(workers)
+        assert workers.answer("page", "run", [], ["accuracy=1e-3"])["answer"].startswith("The bristle strikes at ")
+        assert older.result() == {"error": "stopped by a newer run"}
+    assert not ended.alive
+    assert all(each.alive for each in workers._idle)
+
+
+def test_a_run_that_takes_too_long_or_dies_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    workers = Workers()
+    with ThreadPoolExecutor(1) as pool:
+        lost = pool.submit(workers.answer, "page", "run", [], SLOW)
+        running(workers)._process.kill()
+        assert "the process that computed this ended with status" in lost.result()["error"]
+    monkeypatch.setattr(worker_module, "TIME_LIMIT", 0.2)
+    assert workers.answer("", "run", [], SLOW)["error"].startswith("not done in 0.2 s; ")
+    monkeypatch.setattr(workers, "_free", threading.BoundedSemaphore(1))
+    with workers._free:
+        assert "the server is busy" in workers.answer("", "run", [], [])["error"]
+
+
+def test_a_worker_ends_with_its_server() -> None:
+    """In the middle of a run too: the server is killed, which leaves it no time to end anything."""
+    program = (
+        "from bristle_sim.cli.explore.worker import Worker\nworker = Worker()\nprint(worker._process.pid, flush=True)\n"
+        f"worker.answer('run', [[], {SLOW}])"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as server_:
+        assert server_.stdout is not None
+        pid = int(server_.stdout.readline())
+        server_.kill()
+    while is_alive(pid):
+        time.sleep(0.01)
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process runs; one whose status nobody has asked for does not."""
+    try:
+        os.kill(pid, 0)
+        status = Path(f"/proc/{pid}/stat")
+        return not status.exists() or status.read_text().split()[2] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+
+
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [
+        ("localhost", 200),
+        ("127.0.0.1:80", 200),
+        ("[::1]", 200),
+        ("elsewhere.example", 421),
+        ("127.0.0.1:81", 421),
+        ("", 421),
+    ],
+)
+def test_only_requests_to_this_machine_are_answered(client: Any, name: str, status: int) -> None:
+    answer = client.get("/", headers={"Host": name})
+    assert answer.status_code == status
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+    assert "default-src 'none'; script-src 'sha256-" in answer.headers["Content-Security-Policy"]
+
+
+@pytest.mark.parametrize(
+    ("name", "host", "meant"),
+    [
+        ("tools.example:8000", "tools.example", True),
+        ("10.0.0.7:8000", "0.0.0.0", True),
+        ("evil.example:8000", "0.0.0.0", False),
+        ("10.0.0.7:8000", "127.0.0.1", False),
+        ("127.0.0.1:port", "127.0.0.1", False),
+    ],
+)
+def test_a_server_on_another_address_has_its_name(name: str, host: str, meant: bool) -> None:
+    assert meant_for(name, host, "8000") is meant
+
+
+def test_a_request_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    monkeypatch.setattr("bristle_sim.cli.explore.server._Quiet.timeout", 0.2)
+    with socket.create_connection(("127.0.0.1", urllib.parse.urlparse(address).port or 0), timeout=30.0) as slow:
+        slow.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        assert slow.recv(1) == b""
 
 
 def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -57,15 +57,6 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
     return words | {"unit": unit, "range": between, "start": start, "limits": limits, "whole": declared.whole}
 
 
-def takes_seconds(pass_of: Scenario, assignments: Sequence[str]) -> bool:
-    """Whether a run takes seconds: its values are valid, and the wire bends or its contacts are resolved in time."""
-    try:
-        values = pass_of.values_of(assignments)
-    except ValueError:
-        return False
-    return bool(values["wire_links"] > 1 or values["contact"] == "compliant")
-
-
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
     """Return the run for typed values on top of those that the page began with; ``error`` is the one line of a refusal."""
     try:
@@ -119,12 +110,17 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     return {"assignments": {"bar_horizontal": f"{found.horizontal:.9g}", "bar_vertical": f"{found.vertical:.9g}"}}
 
 
-def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str, str]:
-    """Return the text of a file of the run, and its media type; ``kind`` is toml, json, csv or html.
+def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
+    """Return the ``text`` of a file of the run, and its ``media`` type, or its ``error``; ``kind`` is toml, json, csv or html."""
+    try:
+        text, media = _file(pass_of, kind, assignments)
+    except (ValueError, ArithmeticError) as error:
+        return {"error": " ".join(str(error).split())}
+    return {"text": text, "media": media}
 
-    Raises:
-        ValueError: for values that are refused.
-    """
+
+def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str, str]:
+    """Return text and media type of a file of the run."""
     values = pass_of.values_of(assignments)
     if kind == "json":
         return document(pass_of.name, values, pass_of.answer(values)) + "\n", "application/json"

@@ -2,83 +2,63 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
+import hashlib
 import io
-import multiprocessing
+import ipaddress
+import re
 import threading
 from collections.abc import Sequence
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from typing import Any
+from urllib.parse import urlsplit
 
 from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
 from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.explore import bench
+from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.render.report import explore_page
 
-GIVE_UP = 120.0
-"""Longest time that a run may take, s; a wire of many links takes more."""
+READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
 
-MOST_CLIENTS = 64
-"""Slow runs at once; the server then refuses another."""
-
-
-class SlowRuns:
-    """Runs in processes of their own, where a client's newer run stops its older one."""
-
-    def __init__(self) -> None:
-        """Begin without a run."""
-        self._running: dict[str, BaseProcess] = {}
-        self._lock = threading.Lock()
-        self._context = multiprocessing.get_context("spawn")
-
-    def compute(self, client: str, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-        """Return the run, or its ``error`` in one line."""
-        ours, theirs = self._context.Pipe()
-        process = self._context.Process(target=_compute, args=(theirs, list(start), list(typed)), daemon=True)
-        with self._lock:
-            self.stop(client)
-            if len(self._running) >= MOST_CLIENTS:
-                return {"error": "the server is busy; try again in a minute"}
-            self._running[client] = process
-            process.start()
-        theirs.close()
-        try:
-            found: dict[str, Any] = (
-                ours.recv() if ours.poll(GIVE_UP) else {"error": f"not done in {GIVE_UP:g} s; take fewer links"}
-            )
-        except EOFError:
-            found = {"error": "stopped by a newer run"}
-        with self._lock:
-            if self._running.get(client) is process:
-                self.stop(client)
-        return found
-
-    def stop(self, client: str) -> None:
-        """End the client's run, if there is one."""
-        process = self._running.pop(client, None)
-        if process is not None:
-            process.terminate()
+NAMES = ("localhost", "127.0.0.1", "::1")
+"""Names by which this machine calls its own server. A page elsewhere can let a name of its own point here (DNS rebinding); its
+requests carry that name."""
 
 
-def _compute(pipe: Connection, start: list[str], typed: list[str]) -> None:
-    pipe.send(bench.run_of(whole_pass(), start, typed))
-
-
-def application(start: Sequence[str] = ()) -> Flask:
-    """Return the bench as a web application that begins with the tool of these assignments.
+def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
+    """Return the bench as a web application that begins with the tool of these assignments, on a host.
 
     Raises:
         ValueError: for values that are refused.
     """
     app = Flask("bristle_sim.cli.explore", static_folder=None)
-    pass_of, slow = whole_pass(), SlowRuns()
+    pass_of, workers = whole_pass(), Workers()
     page = explore_page(bench.knobs(pass_of, start))
 
     def typed() -> list[str]:
         return [f"{key}={value}" for key, value in request.args.items() if key != "pin"]
+
+    policy = content_policy(page)
+
+    @app.before_request
+    def check_host() -> Response | None:
+        if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
+            return None
+        return Response("Host: must be the address that the command printed\n", status=421, mimetype="text/plain")
+
+    @app.after_request
+    def protect(response: Response) -> Response:
+        response.headers["Content-Security-Policy"] = policy
+        response.headers["X-Content-Type-Options"] = "nosniff"
+        response.headers["Referrer-Policy"] = "no-referrer"
+        response.headers["Cache-Control"] = "no-store"
+        return response
+
+    def client() -> str:
+        return request.headers.get("X-Client", "")
 
     @app.get("/")
     def index() -> Response:
@@ -86,23 +66,55 @@ def application(start: Sequence[str] = ()) -> Flask:
 
     @app.get("/run")
     def run() -> Response:
-        if bench.takes_seconds(pass_of, [*start, *typed()]):
-            return jsonify(slow.compute(request.headers.get("X-Client", ""), start, typed()))
-        return jsonify(bench.run_of(pass_of, start, typed()))
+        return jsonify(workers.answer(client(), "run", list(start), typed()))
 
     @app.get("/radial")
     def radial() -> Response:
-        return jsonify(bench.radial_bar(pass_of, [*start, *typed()]))
+        return jsonify(workers.answer(client(), "radial", [*start, *typed()]))
 
     @app.get("/download/<any(toml, json, csv, html):kind>")
     def download(kind: str) -> Response:
-        try:
-            text, media = bench.download(pass_of, kind, [*start, *typed()])
-        except (ValueError, ArithmeticError) as error:
-            return Response(" ".join(str(error).split()) + "\n", status=400, mimetype="text/plain")
-        return Response(text, mimetype=media, headers={"Content-Disposition": f"attachment; filename=tool.{kind}"})
+        found = workers.answer("", "download", kind, [*start, *typed()])
+        if "error" in found:
+            return Response(found["error"] + "\n", status=400, mimetype="text/plain")
+        headers = {"Content-Disposition": f"attachment; filename=tool.{kind}"}
+        return Response(found["text"], mimetype=found["media"], headers=headers)
 
     return app
+
+
+def meant_for(header: str, host: str, port: str) -> bool:
+    """Whether a Host header names the server: this machine, or the host it listens on, with the server's port.
+
+    A server that listens on every address of the machine may be called by any address; one cannot be made to point elsewhere.
+    """
+    try:
+        named = urlsplit(f"//{header}")
+        name, same_port = named.hostname or "", str(named.port or 80) == port
+    except ValueError:
+        return False
+    return same_port and (name in (*NAMES, host.lower()) or (host in ("0.0.0.0", "::") and _is_address(name)))
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def content_policy(page: str) -> str:
+    """Return the policy by which a browser runs the page's own script and asks this server alone."""
+    scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+    digests = [base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts]
+    own = " ".join(f"'sha256-{digest}'" for digest in digests)
+    # A notebook on this machine shows the page in a frame.
+    frames = "'self' http://localhost:* http://127.0.0.1:* vscode-webview:"
+    return (
+        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; img-src data:; connect-src 'self';"
+        f" base-uri 'none'; form-action 'none'; frame-ancestors {frames}"
+    )
 
 
 def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0) -> BaseWSGIServer:
@@ -115,13 +127,15 @@ def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0)
     taken = io.StringIO()
     try:
         with contextlib.redirect_stderr(taken):
-            return make_server(host, port, application(start), threaded=True, request_handler=_Quiet)
+            return make_server(host, port, application(start, host), threaded=True, request_handler=_Quiet)
     except SystemExit:  # werkzeug's answer to a port that is taken
         raise OSError(f"--host {host} --port {port}: {taken.getvalue().splitlines()[0]}") from None
 
 
 class _Quiet(WSGIRequestHandler):
-    """Answers requests without a log line for each."""
+    """Answers requests without a log line for each, and waits for one no longer than READ_TIMEOUT."""
+
+    timeout = READ_TIMEOUT
 
     def log(self, type: str, message: str, *args: Any) -> None:
         """Write nothing."""

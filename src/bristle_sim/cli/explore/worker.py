@@ -1,0 +1,157 @@
+"""The processes that compute for the bench, so that a run can be ended, and a fault ends a run and not the server.
+
+A worker reads one job a line from its standard input and writes one answer a line, both JSON. It ends when its input ends, and
+so with the server, however that ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import weakref
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+TIME_LIMIT = 60.0
+"""Longest time that an answer may take, s. A run of the default tool takes 0.05 s, that of a wire of four links some seconds."""
+
+MOST_RUNNING = 4  # answers computed at once; further requests wait for as long as TIME_LIMIT
+
+MOST_IDLE = 2  # workers kept without a job; each holds about 100 MB
+
+Answer = dict[str, Any]
+
+
+class Worker:
+    """A process that waits for jobs.
+
+    Attributes:
+        reason: the line that says why it was ended, if the server has ended it.
+    """
+
+    def __init__(self) -> None:
+        """Start the process, which begins to import what it needs."""
+        self.reason = ""
+        command = [sys.executable, "-c", f"from {__name__} import work; work()"]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self._finalize = weakref.finalize(self, _end, self._process)
+
+    def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
+        """Return the answer to a job; ``error`` is the one line of a refusal, or of the worker's end."""
+        sent, received = self._process.stdin, self._process.stdout
+        assert sent is not None
+        assert received is not None
+        timer = threading.Timer(
+            TIME_LIMIT, self.end, [f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"]
+        )
+        timer.start()
+        try:
+            sent.write(json.dumps([kind, arguments]).encode() + b"\n")
+            sent.flush()
+            line = received.readline()
+        except OSError:  # the worker has ended
+            line = b""
+        finally:
+            timer.cancel()
+        if line.endswith(b"\n"):
+            found: Answer = json.loads(line)
+            return found
+        status = self._process.wait()
+        return {"error": self.reason or f"the process that computed this ended with status {status}; try other values"}
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process.poll() is None
+
+    def end(self, reason: str = "") -> None:
+        """End the process, for a reason that its answer then gives."""
+        self.reason = reason
+        self._process.kill()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        with contextlib.suppress(OSError):  # a job that was never read
+            pipe.close() if pipe is not None else None
+
+
+class Workers:
+    """The workers of a server, one of which always waits, so that replacing one costs no time."""
+
+    def __init__(self) -> None:
+        """Start no worker before the first request."""
+        self._idle: list[Worker] = []
+        self._running: dict[str, Worker] = {}
+        self._lock = threading.Lock()
+        self._free = threading.BoundedSemaphore(MOST_RUNNING)
+
+    def answer(self, page: str, kind: str, *arguments: Any) -> Answer:
+        """Return the answer to a job. A newer job of the same page ends its older one; a page "" has no other jobs."""
+        with self._lock:
+            if (older := self._running.get(page)) is not None:
+                older.end("stopped by a newer run")
+        if not self._free.acquire(timeout=TIME_LIMIT):
+            return {"error": "the server is busy; try again in a minute"}
+        try:
+            with self._job(page) as worker:
+                return worker.answer(kind, arguments)
+        finally:
+            self._free.release()
+
+    @contextlib.contextmanager
+    def _job(self, page: str) -> Iterator[Worker]:
+        with self._lock:
+            self._idle = [each for each in self._idle if each.alive]
+            worker = self._idle.pop() if self._idle else Worker()
+            if not self._idle:
+                self._idle.append(Worker())
+            if page:
+                if (older := self._running.get(page)) is not None:
+                    older.end("stopped by a newer run")
+                self._running[page] = worker
+        try:
+            yield worker
+        finally:
+            with self._lock:
+                if self._running.get(page) is worker:
+                    del self._running[page]
+                if not worker.reason and worker.alive and len(self._idle) < MOST_IDLE:
+                    self._idle.insert(0, worker)
+
+
+def work() -> None:
+    """Answer jobs until standard input ends, then end at once, in the middle of a run too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, and with it standard input
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # where anything printed goes
+    jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def read() -> None:
+        for line in sys.stdin.buffer:
+            jobs.put(line)
+        os._exit(0)
+
+    threading.Thread(target=read, daemon=True).start()
+    from bristle_sim.cli.command import whole_pass
+    from bristle_sim.cli.explore import bench
+
+    kinds: dict[str, Callable[..., Answer]] = {
+        "run": bench.run_of,
+        "radial": bench.radial_bar,
+        "download": bench.download,
+    }
+    pass_of = whole_pass()
+    bench.run_of(pass_of, [], [])  # imports what a run needs
+    while True:
+        kind, arguments = json.loads(jobs.get())
+        answers.write(json.dumps(kinds[kind](pass_of, *arguments)).encode() + b"\n")
+        answers.flush()
