@@ -235,7 +235,7 @@ def test_the_page_in_a_browser(address: str, browser: Any) -> None:
     pages[1].click("#pin")
     pages[1].fill("#knob-hub_speed", "2600rpm")
     pages[1].press("#knob-hub_speed", "Tab")
-    pages[1].wait_for_function("document.querySelector('#changed').innerText.includes('hub_speed')")
+    pages[1].wait_for_selector("#changed tr:has-text('hub_speed')")
     assert pages[1].inner_text("#rows tr:first-child td:nth-child(3)") == simulated  # of the pinned tool
     assert "pin=friction%3D0.5" in pages[1].url
     assert "hub_speed=2600rpm" in pages[1].url
