@@ -64,6 +64,12 @@ class TestTurn:
             first.relative_rate[-1],
         )
 
+    def test_power_balances_where_the_bar_leaves_the_wires_flank_for_its_end(self):
+        """Wire and bar then have two samples at one instant, with the forces before and after it; within a hundred accuracies."""
+        tool = Tool(Hub(speed="3000 rpm"), bristle=Bristle(length=0.03), bar=Bar(horizontal=0.05489, vertical=0.00556))
+        (power,) = (each for each in whole_tool(tool, Assembly(), FINE).quantities if each.name == "drive_power")
+        assert power.simulated == pytest.approx(power.theory, rel=1e-6)
+
     def test_a_jam_completes_no_turn(self):
         jammed = Tool(bar=Bar(horizontal=0.055407))
         with pytest.raises(TurnNotCompleted, match=r"^the bristle completes no turn: jam at "):

@@ -122,7 +122,8 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
     rows = rows[rows < len(run.time)]
     time, force, lines = run.time[rows], run.normal_force[rows], complex_points(run.centre_line[rows])
     states = _slip_and_place(tool, run, contact.obstacle, rows)
-    jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
+    # Of two samples at the instant of a jump the earlier one has the force before it.
+    jumps = np.searchsorted(time, time[np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1])
     part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
     arms = levers(*touched(tool, contact.obstacle, lines))
