@@ -37,7 +37,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=contact_series,
-    without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
+    without=(*SHAPE_KEYS, "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
-    without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
+    without=(*SHAPE_KEYS, "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from typing import Any
 
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
-from bristle_sim.units import Choice, Range, likely_key, shown
+from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
 ABSENT = "false"  # the text that ``read_keys`` returns for an absent part
 
@@ -112,4 +112,5 @@ def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
     unit = f"; {declared.unit}" if isinstance(declared, Range) and declared.unit != "1" else ""
     words = f"{declared.meaning}{unit} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
-    return [*comment, f"# {key} = none" if value is None else f"{key} = {json.dumps(value)}"]
+    absent = value is None or isinstance(value, Computed)
+    return [*comment, f"# {key} = none" if absent else f"{key} = {json.dumps(value)}"]

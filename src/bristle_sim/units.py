@@ -112,19 +112,19 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
         return ""
     unit = "" if declared.unit == "1" else f" {declared.unit}"
     ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
-    meant = _meant_unit(declared, given if isinstance(given, str) else f"{given:g}", default)
+    meant = _meant_unit(declared, given if isinstance(given, str) else f"{given:g}", default or math.sqrt(least * most))
     return f"{declared.key} = {value:.6g}{unit}{ratio}{meant}"
 
 
-def _meant_unit(declared: Range, text: str, default: float | None) -> str:
-    """Suggest the unit of a bare number that would bring it within a factor of ten of the default."""
+def _meant_unit(declared: Range, text: str, typical: float) -> str:
+    """Suggest the unit of a bare number that would bring it within a factor of ten of a typical value."""
     try:
         number = float(text)
     except ValueError:  # it has a unit already
         return ""
     for unit in TYPICAL_UNITS:
         size = conversion(unit, declared.unit) or 1.0
-        if default and size != 1.0 and 0.1 <= abs(number * size / default) <= 10.0:
+        if size != 1.0 and 0.1 <= abs(number * size / typical) <= 10.0:
             return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
     return ""
 
@@ -251,6 +251,15 @@ def validate(instance: Any) -> None:
         object.__setattr__(instance, name, value)
         if value != default and (line := unusual_value(declared, default, value, given)):
             warnings.warn(line, UnusualValueWarning, stacklevel=4)
+
+
+class Computed(float):
+    """The number of a declared field that was not given: its object computes it from its other fields.
+
+    A copy by ``dataclasses.replace`` computes it again, and a tool's file leaves it out.
+    """
+
+    __slots__ = ()
 
 
 class UnusualValueWarning(UserWarning):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pymunk
 import pytest
 
-from bristle_sim.parameters import Belt, Tool
+from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene import impacts as contact_laws
 from bristle_sim.scene import tool
 from bristle_sim.scene.build import Scene
@@ -109,7 +109,7 @@ class TestBar:
         assert {check_strike, check_retraction, check_bar} <= failing(replace(Tool(), bar=moved))
 
     def test_wire_without_thickness(self) -> None:
-        thin = replace(Tool().bristle, wire_diameter=0.0)
+        thin = Bristle(wire_diameter=0.0, mass=8.387e-5)
         assert {check_strike, check_retraction, check_bar} <= failing(replace(Tool(), bristle=thin))
 
     def test_bar_that_throws_back(self) -> None:

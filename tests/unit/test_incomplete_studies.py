@@ -44,7 +44,7 @@ from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.least_pitch import least_pitch
 from bristle_sim.studies.neighbours import neighbours
 from bristle_sim.studies.pass_invariants import invariant_rows
-from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
+from bristle_sim.studies.strike_point import NotCuedError, strike_measures
 from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.studies.whole_tool import Assembly, periodic_turn, whole_tool
@@ -73,7 +73,6 @@ REFUSALS = [
     (partial(write_tool, 3, "tool.toml"), "^tool = 3: must be a Tool"),  # type: ignore[arg-type]
     (partial(Sampling, samples=3), "^samples = 3: must be a power of 2"),
     (lambda: simulate(Tool(), Settings(hub_turn=0.1)).at(0.0, side="left"), "^side = 'left': must be before or after"),
-    (partial(start_angle, UNBARRED), "^bar = None: must be a Bar"),
     (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
     (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
@@ -105,7 +104,7 @@ REFUSALS = [
     (lambda: struck(Strike(impact_angle_deg=60.0)), "^impact_angle_deg = 60: must be less than 59"),
     (lambda: struck(Strike(impact_angle_deg=1e-12)), "it barely touches"),
     (lambda: struck(hub=Hub(speed=0.0)), "^hub_speed = 0: must be above 0"),
-    (lambda: struck(wire=Bristle(wire_diameter=0.0, links=2)), "^wire_diameter = 0: must be above 0"),
+    (lambda: struck(wire=Bristle(wire_diameter=0.0, mass=1e-4, links=2)), "^wire_diameter = 0: must be above 0"),
     (partial(least_pitch, simulate(UNBARRED, Settings(hub_turn=0.1)), 0.0), "^wire_diameter = 0: must be above 0"),
     (partial(least_pitch, simulate(AT_REST, Settings(hub_turn=0.1)), 7e-4), "^hub_speed = 0: must be above 0"),
     (

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import cmath
+import dataclasses
+import itertools
 import math
 from typing import Any
 
@@ -120,3 +122,52 @@ def test_a_tool_is_changed_by_the_keys_of_the_command_line():
     assert tool.replace(contact=Contact("engine")).contact == Contact("engine")
     assert Tool().replace(contact="engine").contact == Contact("engine")
     assert found.replace(bar=Bar(), bar_radius=0.004).bar == Bar(radius=0.004)
+
+
+def test_a_mass_follows_from_the_wire_unless_it_is_given():
+    """Density times pi/4 d^2 L; the printed wire of 83.87 mg has 7845.78 kg/m^3."""
+    assert Bristle().density == pytest.approx(7845.78, abs=5e-3)
+    thin = Tool().replace(wire_diameter="0.35 mm").replace(bristle_length=0.04, wire_density=8000.0)
+    assert thin.bristle.mass == pytest.approx(8000.0 * math.pi / 4.0 * 3.5e-4**2 * 0.04, rel=1e-14)  # roundings
+    assert dataclasses.replace(thin.bristle, length=0.02).mass == pytest.approx(0.5 * thin.bristle.mass, rel=1e-14)
+    given = Tool().replace(bristle_mass=9e-5, bristle_length=0.03)
+    assert given.bristle.mass == 9e-5
+    assert given.replace(bristle_length=0.04, wire_diameter=1e-3).bristle.mass == 9e-5
+    assert Tool().replace(bristle_mass=Tool().bristle.mass).replace(bristle_length=0.04).bristle.mass == 8.387e-5
+    with pytest.raises(ValueError, match=r"^bristle_mass = 0\.0: must be .* it follows from bristle_length, wire_diam"):
+        Bristle(wire_diameter=0.0)
+
+
+def first_covered(tool: Tool) -> float:
+    """The hub angle at which the undeflected wire first touches the bar, from 100,000 angles of the bar seen from the root."""
+    path = np.array([0.0, *(complex(-y, x) for x, y in tool.bristle.path)]) + tool.hub.radius
+    turns = np.linspace(-math.pi, math.pi, 100_001)
+    centre, distance = math.hypot(*tool.bar.centre) * np.exp(1j * turns), np.full(turns.shape, math.inf)
+    for begin, end in itertools.pairwise(path):
+        along = np.clip((np.conj(end - begin) * (centre - begin)).real / abs(end - begin) ** 2, 0.0, 1.0)
+        distance = np.minimum(distance, abs(begin + along * (end - begin) - centre))
+    covered = turns[distance < tool.bar_reach]
+    return -math.atan2(tool.bar.horizontal, tool.bar.vertical) - covered.max(initial=-math.inf)
+
+
+def test_a_pass_starts_a_quarter_turn_before_the_workpart_or_5_deg_before_the_bar():
+    """Against the distances of sampled places; every start is clear of the bar, which is met after less than a turn."""
+    rng, starts = np.random.default_rng(1), list[float]()
+    for knee in np.where(rng.random(100) < 0.5, 0.0, rng.uniform(-90.0, 90.0, 100)):
+        direction, length = rng.uniform(0.0, math.pi), rng.uniform(0.01, 0.06)
+        away = 0.0275 + rng.uniform(0.3, 1.1) * length + 3e-3
+        tool = Tool(
+            bar=Bar(radius=2e-3, horizontal=away * math.sin(direction), vertical=away * math.cos(direction)),
+            bristle=Bristle(length=length, knee_angle_deg=float(knee), knee_position=rng.uniform(0.1, 0.9)),
+            workpart=None,
+        )
+        meeting = first_covered(tool)
+        if math.isinf(meeting):
+            assert tool.start_hub_angle == -math.pi / 2.0
+            continue
+        expected = -math.pi / 2.0 if meeting > -math.pi / 2.0 else meeting - math.radians(5.0)
+        # Two of the sampled angles; the covered ones begin within that of the touch, where the wire crosses the bar's circle.
+        assert tool.start_hub_angle == pytest.approx(expected, abs=1e-4)
+        starts.append(tool.start_hub_angle)
+    assert min(starts) < -math.pi / 2.0 == max(starts)
+    assert Tool(start_hub_angle_deg=-100.0).start_hub_angle == math.radians(-100.0)

@@ -19,7 +19,7 @@ BARE = replace(TOOL, bar=None)
 def with_bar_at(distance: float, radius: float, angle: float = 1.2, **surface: float) -> Tool:
     """A bar at a distance from the hub's centre, in a direction ``angle`` before the workpart, and a thin wire."""
     bar = Bar(radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle), **surface)
-    return replace(TOOL, bar=bar, bristle=replace(TOOL.bristle, wire_diameter=0.0))
+    return replace(TOOL, bar=bar, bristle=Bristle(wire_diameter=0.0, mass=8.387e-5))
 
 
 def test_too_long_a_plain_step_is_refused() -> None:
@@ -87,10 +87,11 @@ class TestLimits:
 
 def scaled(size: float, pace: float) -> Tool:
     """Lengths times s at the same mass, rates times p: belt torque times s^2 p^2, impulses times s p."""
+    mass = float(TOOL.bristle.mass)
     return Tool(
         hub=Hub(speed=261.8 * pace, radius=0.0275 * size),
         belt=Belt(stiffness=TOOL.belt.stiffness * size**2 * pace**2),
-        bristle=Bristle(length=0.027 * size, wire_diameter=7.1e-4 * size),
+        bristle=Bristle(length=0.027 * size, wire_diameter=7.1e-4 * size, mass=mass),
         bar=Bar(radius=TOOL.bar.radius * size, horizontal=0.05037 * size, vertical=0.0225 * size),
         workpart=Workpart(penetration=0.0045 * size),
     )

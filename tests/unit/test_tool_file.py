@@ -40,6 +40,13 @@ def test_a_comment_tells_meaning_unit_and_source(tmp_path: Path):
     assert tomllib.loads(text)["friction"] == 0.31
 
 
+def test_only_a_mass_that_was_given_is_written(tmp_path: Path):
+    for tool, mass in ((Tool().replace(bristle_length=0.03), 2.0), (Tool().replace(bristle_mass=1e-4), 1.0)):
+        write_tool(tool, tmp_path / "tool.toml")
+        longer = read_tool(tmp_path / "tool.toml").replace(bristle_length=2.0 * tool.bristle.length)
+        assert longer.bristle.mass == pytest.approx(mass * tool.bristle.mass, rel=1e-15)
+
+
 def read(tmp_path: Path, text: str) -> Tool:
     path = tmp_path / "tool.toml"
     path.write_text(text, encoding="utf-8")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
@@ -25,6 +28,26 @@ def value(name: str, report: Report) -> float:
     (found,) = (each.simulated for each in report.quantities if each.name == name)
     assert found is not None
     return found
+
+
+class TestStart:
+    def test_a_pass_begins_before_a_bar_that_stands_behind_a_quarter_turn(self) -> None:
+        """Bar at 111.6 deg, where a search found the radial strike of a wire of 40 mm: the hub is then at -gamma."""
+        tool = Tool().replace(bristle_length=0.04, bar_horizontal=0.05129, bar_vertical=-0.02031)
+        report = whole_pass(tool, SETTINGS, with_reference=True)
+        assert "not released by a bar" not in report.answer
+        assert {each.ok for each in report.quantities if each.reference is not None} == {True}
+        # A bar that is rounded to 10 um turns the strike by up to 1e-3 rad.
+        struck = tool.start_hub_angle + 261.8 * value("contact_time", report)
+        assert struck == pytest.approx(-math.acos(0.063 / 0.0675), abs=1e-3)
+
+    @pytest.mark.parametrize("solve", [simulate, simulate_reference])
+    def test_an_earlier_start_delays_everything_by_its_turn(self, solve: Callable[..., Trajectory]) -> None:
+        """A straight wire without gravity turns with the hub, unchanged, until it meets the bar; to the requested accuracy."""
+        options = {"settings": Settings(accuracy=1e-9)} if solve is simulate else {"accuracy": 1e-9}
+        runs = [solve(Tool(start_hub_angle_deg=degrees), stop_after="strike", **options) for degrees in (-90.0, -150.0)]
+        first, later = (run.event_time("strike") for run in runs)
+        assert later - first == pytest.approx(math.radians(60.0) / 261.8, rel=1e-7)
 
 
 class TestAnswer:

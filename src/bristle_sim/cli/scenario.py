@@ -111,7 +111,10 @@ class Scenario:
             values[key] = typed.get(key, default)
         for key, (declared, default) in keys.items():
             other, relation, wanted = declared.needs.split() if declared.needs else ("", "", "")
-            if other not in values or (values[other] == type(values[other])(wanted)) is (relation == "="):
+            if other not in values:
+                continue
+            held = values[other]
+            if (held is None if wanted == "none" else held == type(held)(wanted)) is (relation == "="):
                 continue
             if key in typed and (declared.optional or typed[key] != default):
                 words = f"must be left out unless {declared.needs}, or it has no effect"

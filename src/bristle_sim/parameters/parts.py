@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.units import ANY, Declared, choice, count, quantity
+from bristle_sim.units import ANY, Computed, Declared, Range, choice, count, declarations, quantity
 
 Vector = tuple[float, float]
 
 PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
 USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
 USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad: the printed number, which is per degree, is less
+
+PRINTED_MASS, PRINTED_LENGTH, PRINTED_DIAMETER = (
+    8.387e-5,
+    0.027,
+    7.1e-4,
+)  # of the wire; Zhang 2020, figs. 2.7, eq. 2.2, sec. 4.1
+PRINTED_DENSITY = PRINTED_MASS / (math.pi / 4.0 * PRINTED_DIAMETER**2 * PRINTED_LENGTH)  # 7,845.78 kg/m^3: steel
+USUAL_MASSES = (PRINTED_MASS / 100.0, PRINTED_MASS * 100.0)  # kg
 
 RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
@@ -53,18 +61,25 @@ class Belt(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Bristle(Declared):
-    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends."""
+    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends.
+
+    A mass that is not given is that of the wire's volume, and follows when ``dataclasses.replace`` changes length, diameter or
+    density; one that is given stays.
+    """
 
     length: float = quantity(
-        0.027,
+        PRINTED_LENGTH,
         "1e-9 <= bristle_length <= 1e3 m: length of the wire from root to tip, along its centre line"
         " [Zhang 2020, eq. 2.2]",
     )
     mass: float = quantity(
-        8.387e-5, "1e-30 <= bristle_mass <= 1e6 kg: mass of one bristle [Zhang 2020, caption of fig. 2.7]"
+        None,
+        "1e-30 <= bristle_mass <= 1e6 kg: mass of one bristle; none: wire_density times the wire's volume"
+        " [the wire's volume: 8.387e-5 kg as printed]",
+        usual=USUAL_MASSES,
     )
     wire_diameter: float = quantity(
-        7.1e-4,
+        PRINTED_DIAMETER,
         "0 <= wire_diameter <= 100 m: thickness of the wire, half of which touches the bar"
         " [Zhang 2020, sec. 4.1: tip ellipse]",
     )
@@ -95,6 +110,29 @@ class Bristle(Declared):
         "0 <= wire_damping_ratio <= 1e3: damping ratio of the wire's first bending mode [undamped as in Zhang 2020]",
         needs="wire_links != 1",
     )
+    density: float = quantity(
+        PRINTED_DENSITY,
+        "1e-3 <= wire_density <= 1e6 kg/m^3: density of the wire, from which its mass follows"
+        " [Zhang 2020, caption of fig. 2.7: 8.387e-5 kg over the wire's volume; steel]",
+        needs="bristle_mass = none",
+    )
+
+    def __post_init__(self) -> None:
+        given: float | None = None if isinstance(self.mass, Computed) else self.mass
+        object.__setattr__(self, "mass", given)
+        Declared.__post_init__(self)
+        if given is None:
+            object.__setattr__(self, "mass", Computed(self._mass_of_volume()))
+
+    def _mass_of_volume(self) -> float:
+        """Return the density times the wire's volume, kg: the printed mass times ratios that are 1 for the printed wire."""
+        section = (self.wire_diameter / PRINTED_DIAMETER) ** 2
+        mass = PRINTED_MASS * section * (self.length / PRINTED_LENGTH) * (self.density / PRINTED_DENSITY)
+        declared = declarations(Bristle)["mass"]
+        assert isinstance(declared, Range)
+        if not declared.lowest <= mass <= declared.highest:
+            raise declared.refusal(mass, "; not given, it follows from bristle_length, wire_diameter and wire_density")
+        return mass
 
     @property
     def path(self) -> tuple[Vector, ...]:
@@ -138,9 +176,9 @@ class Bristle(Declared):
 
 def _bar_radius() -> float:
     """Return the bar radius that makes the printed bar position touch the wire at the printed retraction angle."""
-    hub_radius, length, wire_diameter = 0.0275, 0.027, 7.1e-4
+    hub_radius, length = 0.0275, PRINTED_LENGTH
     tip_radius = math.sqrt(hub_radius**2 + length**2 + 2.0 * hub_radius * length * math.cos(RETRACTION_AT_RELEASE))
-    return math.hypot(0.05037, 0.0225) - wire_diameter / 2.0 - tip_radius
+    return math.hypot(0.05037, 0.0225) - PRINTED_DIAMETER / 2.0 - tip_radius
 
 
 @dataclass(frozen=True, slots=True)

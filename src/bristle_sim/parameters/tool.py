@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import cmath
 import dataclasses
+import itertools
 import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.units import Choice, Declared, Range, declarations, likely_key, quantity, shown
+from bristle_sim.units import Choice, Computed, Declared, Range, declarations, likely_key, quantity, shown
+
+START = -math.pi / 2.0  # rad; hub angle at the start of a pass, a quarter turn before the direction of the workpart
+CLEAR_OF_BAR = math.radians(
+    5.0
+)  # rad; hub angle from an earlier start to the touch, far more than the rounding of a gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +35,11 @@ class Tool(Declared):
         0.0,
         "0 <= gravity <= 1e6 m/s^2: acceleration of gravity, towards the workpart"
         " [off: 1e-4 of the centrifugal acceleration]",
+    )
+    start_hub_angle_deg: float | None = quantity(
+        None,
+        "-360 <= start_hub_angle_deg <= 360 deg: hub angle at the start of a pass, from the direction of the workpart; none:"
+        " -90, or earlier where the bar would stand in the wire or behind it [-90, or 5 before the wire would meet the bar]",
     )
 
     def __post_init__(self) -> None:
@@ -64,13 +76,51 @@ class Tool(Declared):
             elif name not in places:
                 raise ValueError(f"unknown key {name!r}; {likely_key(name, {*PARTS, *places})}")
         for part, keys in tool_keys().items():
-            values = {keys[key][0]: value for key, value in changes.items() if key in keys and key not in found}
+            values = dict[str, Any]()
+            for key, value in changes.items():
+                if key in keys and key not in found:
+                    values[keys[key][0]] = float(value) if isinstance(value, Computed) else value  # given from now on
             owner: Any = found.get(part, getattr(self, part)) if part else self
             if values and owner is None:
                 raise ValueError(f"{part} = None: must be present where one of its keys is given")
             if values:
                 found |= {part: dataclasses.replace(owner, **values)} if part else values
         return dataclasses.replace(self, **found)
+
+    @property
+    def start_hub_angle(self) -> float:
+        """Return the hub angle at the start of a pass, rad; by default -pi/2 if the wire is then clear of the bar and behind it.
+
+        Otherwise the start is CLEAR_OF_BAR before the wire meets the bar.
+        """
+        if self.start_hub_angle_deg is not None:
+            return math.radians(self.start_hub_angle_deg)
+        meeting = self.bar_meeting_angle
+        return START if meeting is None or meeting >= START else meeting - CLEAR_OF_BAR
+
+    @property
+    def bar_meeting_angle(self) -> float | None:
+        """Return the hub angle at which the undeflected wire first touches the bar, rad; None if it passes under the bar.
+
+        Seen from the hub's centre, with the root's direction as real axis, the bar's centre is S e^{i phi}, phi falling. It
+        touches a straight piece of direction e^{i eta}, at the distance h from the hub's centre, where
+        S sin(phi - eta) = h + r_b + d/2, and a corner rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2.
+        The largest phi comes first.
+        """
+        if self.bar is None:
+            return None
+        corners = [complex(self.hub.radius - y, x) for x, y in ((0.0, 0.0), *self.bristle.path)]
+        distance, touches = math.hypot(*self.bar.centre), list[float]()
+        for start, end in itertools.pairwise(corners):
+            along = (end - start) / abs(end - start)
+            aside = (start / along).imag + self.bar_reach
+            foot = math.sqrt(max(0.0, distance**2 - aside**2))
+            if (start / along).real <= foot <= (end / along).real:
+                touches.append(cmath.phase(along) + math.atan2(aside, foot))
+            cosine = (distance**2 + abs(end) ** 2 - self.bar_reach**2) / (2.0 * distance * abs(end))
+            if cosine <= 1.0:
+                touches.append(cmath.phase(end) + math.acos(cosine))
+        return -math.atan2(self.bar.horizontal, self.bar.vertical) - max(touches) if touches else None
 
     @property
     def workpart_depth(self) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Surface, Tool
+from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.reference.contacts import Bar, Point, WirePairs, Workpart, obstacles_of
 from bristle_sim.reference.decisions import close_contact
 from bristle_sim.reference.log import PEAK, STRIKE, Log
@@ -39,7 +39,7 @@ requested = functools.partial(quantity, usual=ANY)
 class Request:
     """The arguments of a run, checked."""
 
-    start_hub_angle: float = requested(-0.5 * math.pi, "-1e6 <= start_hub_angle <= 1e6 rad")
+    start_hub_angle: float = requested(START, "-1e6 <= start_hub_angle <= 1e6 rad")
     start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
     start_relative_rate: float = requested(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s")
     hub_turn: float = requested(1.0, "0 < hub_turn <= 1e6 rad")
@@ -58,7 +58,7 @@ class Request:
 def simulate_reference(
     tool: Tool,
     *,
-    start_hub_angle: float = -0.5 * math.pi,
+    start_hub_angle: float | None = None,
     start_relative_angle: float = 0.0,
     start_relative_rate: float = 0.0,
     hub_turn: float = 1.5 * math.pi,
@@ -77,7 +77,7 @@ def simulate_reference(
 
     Args:
         tool: its bar and workpart may be None.
-        start_hub_angle: psi at t = 0, rad; by default the bristle points along -x.
+        start_hub_angle: psi at t = 0, rad; by default ``tool.start_hub_angle``.
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
         hub_turn: angle by which the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
@@ -93,7 +93,8 @@ def simulate_reference(
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
             fastest motion.
     """
-    start = (start_hub_angle, start_relative_angle, start_relative_rate)
+    angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
+    start = (angle, start_relative_angle, start_relative_rate)
     request = Request(*start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after)
     return _simulate(tool, request, [request.start_hub_angle], {})[0]
 
@@ -126,7 +127,8 @@ def simulate_row_reference(
         One trajectory for each bristle, the foremost first, at common instants. A touch of two wires is the event
         ``wire touch`` of both.
     """
-    request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **requested)
+    start = {"start_hub_angle": tool.start_hub_angle}
+    request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **(start | requested))
     starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     pairs = WirePairs(bristles, tool.bristle.wire_diameter, surface)

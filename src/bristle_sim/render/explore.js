@@ -49,6 +49,7 @@ function place(key, text) { // the slider where the text is, if the text is a nu
 function holds(needs) { // whether a condition "KEY = VALUE" or "KEY != VALUE" is true of the knobs
   if (!needs) return true;
   const [name, relation, value] = needs.split(" "), knob = knobs.get(name);
+  if (value === "none") return (knob.text.value.trim() === "") === (relation === "=");
   const same = knob.key.choices ? knob.text.value === value : parseFloat(knob.text.value) === parseFloat(value);
   return same === (relation === "=");
 }

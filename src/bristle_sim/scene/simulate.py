@@ -15,7 +15,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.system import Plan
-from bristle_sim.scene.tool import LONE, START, Row, build_tool
+from bristle_sim.scene.tool import LONE, Row, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Declared, quantity, shown
@@ -42,7 +42,7 @@ def simulate(
     tool: Tool,
     settings: Settings | None = None,
     *,
-    start_hub_angle: float = START,
+    start_hub_angle: float | None = None,
     start_relative_angle: float = 0.0,
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
@@ -52,7 +52,7 @@ def simulate(
     Args:
         tool: the tool; its parts that are None are absent from the scene.
         settings: numerical settings.
-        start_hub_angle: angle of the root from the direction of the workpart, rad.
+        start_hub_angle: angle of the root from the direction of the workpart, rad; by default ``tool.start_hub_angle``.
         start_relative_angle: angle of the bristle from the radial direction, rad.
         start_relative_rate: its rate relative to the hub, rad/s.
         stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``,
@@ -76,7 +76,7 @@ def simulate_in_steps(
     step: float,
     settings: Settings | None = None,
     *,
-    start_hub_angle: float = START,
+    start_hub_angle: float | None = None,
     start_relative_angle: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
@@ -99,7 +99,7 @@ def simulate_row(
     pitch: float,
     neighbour_friction: float,
     neighbour_restitution: float,
-    start_hub_angle: float = START,
+    start_hub_angle: float | None = None,
     stop_after: str | None = None,
 ) -> tuple[Trajectory, ...]:
     """Simulate in pymunk a row of bristles in one plane; they can touch each other, the bar and the workpart.
@@ -112,7 +112,7 @@ def simulate_row(
         bristles: number of them.
         pitch: angle from each root to the one that follows it, rad.
         neighbour_friction, neighbour_restitution: Coulomb's mu and the energetic coefficient e* between two wires.
-        start_hub_angle: of the foremost root from the direction of the workpart, rad.
+        start_hub_angle: of the foremost root from the direction of the workpart, rad; by default ``tool.start_hub_angle``.
         stop_after: name of an event; the run ends when every bristle has had it.
 
     Returns:
@@ -129,7 +129,7 @@ def simulate_row(
 def _simulated(
     tool: Tool,
     settings: Settings | None,
-    begin: tuple[float, float, float],
+    begin: tuple[float | None, float, float],
     row: Row,
     stop_after: str | None,
     step: float | None = None,
@@ -140,7 +140,8 @@ def _simulated(
     if not isinstance(settings, Settings | None):
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     stop_after = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
-    settings, described = settings or Settings(), StartRelativeToHub(*begin)
+    settings, hub_angle = settings or Settings(), begin[0]
+    described = StartRelativeToHub(tool.start_hub_angle if hub_angle is None else hub_angle, *begin[1:])
     scene, units = build_tool(tool, hub_start=described.hub_angle, row=row)
     mechanism = scene.mechanism
     links, rate = range(len(mechanism.links)), mechanism.hub_speed + described.relative_rate * units.time

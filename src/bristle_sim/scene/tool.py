@@ -11,14 +11,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.parameters import START, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
-START = -math.pi / 2.0  # angle of the root at the start of a pass: 90 degrees before the workpart's normal
 SLOWEST_MOTION = 1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
 SHORTEST_PIECE = 1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
 

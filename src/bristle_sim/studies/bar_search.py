@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures, strike_of_keys
+from bristle_sim.studies.strike_point import NotCuedError, strike_measures, strike_of_keys
 from bristle_sim.studies.whole_pass import GivenUpError, reference_accuracy
 from bristle_sim.theory import cueing
 
@@ -149,7 +149,7 @@ def reference_solution(settings: Settings) -> Strike:
     options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
 
     def strike(tool: Tool) -> Measures:
-        run = simulate_reference(tool, start_hub_angle=start_angle(tool), **options)
+        run = simulate_reference(tool, **options)
         return strike_measures(tool, run)
 
     return strike

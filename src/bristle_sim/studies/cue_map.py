@@ -101,8 +101,9 @@ def _found_in_words(simulated: Values) -> str:
     direction = found["bar_direction_for_radial_strike_deg"]
     apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
     fastest = "there the tip is also fastest" if abs(apart) < 0.05 else f"the tip is fastest {apart:+.2f}° from there"
-    horizontal, vertical = (f"{1e3 * found[name]:.2f} mm" for name in ("bar_horizontal", "bar_vertical"))
-    place = f"{horizontal} before the hub's axis and {vertical} below it"
+    horizontal, vertical = (1e3 * found[name] for name in ("bar_horizontal", "bar_vertical"))
+    side = "below" if vertical >= 0.0 else "above"
+    place = f"{horizontal:.2f} mm before the hub's axis and {abs(vertical):.2f} mm {side} it"
     return (
         f"The bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
         f" {amount(found['highest_tip_speed'], 'm/s')}."

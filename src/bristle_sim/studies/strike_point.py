@@ -20,9 +20,6 @@ STRIKE_UNITS = {
 }
 """Units of a cued strike's measures."""
 
-# Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad
-CLEAR_OF_BAR = math.radians(5.0)
-
 
 class NotCuedError(ValueError):
     """The pass has no strike cued by the bar."""
@@ -33,12 +30,10 @@ def strike_of_keys(
 ) -> dict[str, float | None]:
     """Return the measures of the strike of a tool at other values of its keys, in the units of STRIKE_UNITS.
 
-    The pass begins 90 degrees before the workpart, or earlier if the bar stands there.
-
     Raises ValueError if the run is given up, or has no cued strike.
     """
     settings, tool = settings or Settings(), (tool or Tool()).replace(**values)
-    run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
+    run = simulate(tool, settings, stop_after="strike")
     require_result(run, settings)
     return strike_measures(tool, run)
 
@@ -54,15 +49,6 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     except ValueError as error:
         return row | {"no_strike": str(error)}
     return row | {name: each for name, each in found.items() if name in row}
-
-
-def start_angle(tool: Tool) -> float:
-    """Return an angle of the hub at which a radial bristle is clear of the bar, at most -pi/2, rad."""
-    if tool.bar is None:
-        raise ValueError("bar = None: must be a Bar, or nothing cues the bristle")
-    direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-    covered = math.asin(min(1.0, tool.bar_reach / math.hypot(*tool.bar.centre)))
-    return -max(0.5 * math.pi, direction + covered + CLEAR_OF_BAR)
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:

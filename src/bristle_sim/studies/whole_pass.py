@@ -191,7 +191,7 @@ def _formulas(tool: Tool) -> Values:
         cue = cueing.cue(tool, retraction)
     except ValueError:
         return UNKNOWN
-    release = (math.pi / 2.0 - math.atan2(bar.horizontal, bar.vertical) + cue.tip_lag) / hub.speed
+    release = (cue.tip_lag - math.atan2(bar.horizontal, bar.vertical) - tool.start_hub_angle) / hub.speed
     rate = cue.highest_relative_speed + hub.speed
     tip_speed = bristle.length * rate + hub.radius * hub.speed
     retractions = [math.degrees(retraction)] * 2

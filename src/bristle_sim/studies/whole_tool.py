@@ -21,7 +21,6 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
-from bristle_sim.studies.strike_point import start_angle
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 from bristle_sim.studies.whole_pass import ran, require_result, require_rigid
 from bristle_sim.trajectory import Trajectory
@@ -80,10 +79,9 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
     natural_rate = max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
     settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
-    start = -0.5 * math.pi if tool.bar is None else start_angle(tool)
     runs, changes, angle, rate = list[Trajectory](), list[float](), 0.0, 0.0
     while len(runs) < MOST_TURNS:
-        run = simulate(tool, settings, start_hub_angle=start, start_relative_angle=angle, start_relative_rate=rate)
+        run = simulate(tool, settings, start_relative_angle=angle, start_relative_rate=rate)
         require_result(run, settings)
         if run.stop_reason is not StopReason.END:
             after = "" if not runs else f" of turn {len(runs) + 1}"

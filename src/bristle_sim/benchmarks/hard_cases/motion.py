@@ -21,7 +21,6 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 from bristle_sim.parameters import Bar, Belt, Tool, tool_keys
 from bristle_sim.scene.pairs import LEAST_REACH
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.tool import START
 from bristle_sim.settings import Settings, StopReason
 
 TOOL, FREE = Tool(), Tool(bar=None, workpart=None)
@@ -131,10 +130,10 @@ def tunnelling() -> Iterator[HardCase]:
 def with_bar_at(distance: float, radius: float, speed: float = TOOL.hub.speed, angle: float = 1.2) -> Tool:
     """Return a tool with a bar at a distance (m), ``angle`` (rad) before the workpart's direction; its wire has no width."""
     bar = Bar(radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle))
-    return TOOL.replace(hub_speed=speed, bar=bar, wire_diameter=0.0)
+    return TOOL.replace(hub_speed=speed, bar=bar, wire_diameter=0.0, bristle_mass=TOOL.bristle.mass)
 
 
-def first_bar_touch(tool: Tool, start: float = START) -> float:
+def first_bar_touch(tool: Tool) -> float:
     """Return when a radial bristle meets the bar, s: its end on the reach (law of cosines) or its flank (tangent)."""
     assert tool.bar is not None
     distance, reach = math.hypot(tool.bar.horizontal, tool.bar.vertical), tool.bar_reach
@@ -142,7 +141,7 @@ def first_bar_touch(tool: Tool, start: float = START) -> float:
         between = math.acos((distance**2 + TIP**2 - reach**2) / (2.0 * distance * TIP))
     else:
         between = math.asin(reach / distance)
-    return (-start - math.atan2(tool.bar.horizontal, tool.bar.vertical) - between) / tool.hub.speed
+    return (-tool.start_hub_angle - math.atan2(tool.bar.horizontal, tool.bar.vertical) - between) / tool.hub.speed
 
 
 def _meets_at_accuracy(accuracy: float) -> Finding:
@@ -151,7 +150,7 @@ def _meets_at_accuracy(accuracy: float) -> Finding:
     for speed in (1.0, 261.8, 1e5):
         bare = TOOL.replace(hub_speed=speed, bar=None)
         bars = [with_bar_at(0.9 * TIP, radius, speed) for radius in (THINNEST, 1e-6, 1e-3)]
-        tried = [(bare, "strike", (-START - math.acos(bare.workpart_depth / TIP)) / speed)]
+        tried = [(bare, "strike", (-bare.start_hub_angle - math.acos(bare.workpart_depth / TIP)) / speed)]
         for tool, event, expected in tried + [(each, "bar touch", first_bar_touch(each)) for each in bars]:
             run = simulate(tool, settings, stop_after=event)
             at = run.event_time(event)

@@ -24,7 +24,6 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 from bristle_sim.parameters import Belt, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain
-from bristle_sim.scene.tool import START
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
 
@@ -180,7 +179,7 @@ def _dips(obstacle: str, depth: float) -> Finding:
     if at is None or depth < 0.0:
         missed = at is None and run.event_time(absence) is not None and depth < 0.0
         return Finding(absence if at is None else touch, missed and is_finite(run), run.cost.steps)
-    angle = tool.hub.speed * at + START
+    angle = tool.hub.speed * at + tool.start_hub_angle
     tip = (TIP * math.sin(angle), -TIP * math.cos(angle))
     gap = tool.workpart_depth + tip[1] if tool.bar is None else math.dist(tip, tool.bar.centre) - tool.bar_reach
     return all_of(within(gap / LENGTH, TOUCH_GAP, "gap", run.cost.steps), Finding(run.stop_reason, is_finite(run)))

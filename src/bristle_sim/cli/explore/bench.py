@@ -13,13 +13,13 @@ import numpy as np
 from bristle_sim.cli.output import csv_text, document, word
 from bristle_sim.cli.scenario import Scenario, built
 from bristle_sim.comparison import cells
-from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
 from bristle_sim.settings import Settings
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Range, declarations
+from bristle_sim.units import Choice, Computed, Range, declarations
 
 OFTEN = ("hub", "bristle", "workpart")
 """Parts whose knobs are open when the page is loaded."""
@@ -144,11 +144,11 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
     """Return the assignments that make a tool from the defaults."""
-    found, keys = list[str](), pass_of.keys()
-    for name, kinds in PARTS.items() if tool is not None else ():
-        part = getattr(tool, name)
-        for field, declared in declarations(kinds[0]).items() if part is not None else ():
-            value = getattr(part, field)
-            if declared.key in keys and value is not None and value != keys[declared.key][1]:
-                found.append(f"{declared.key}={value}")
-    return found
+    assignments, known = list[str](), pass_of.keys()
+    for part, keys in tool_keys().items() if tool is not None else ():
+        owner = getattr(tool, part) if part else tool
+        for key, (field, _) in keys.items() if owner is not None else ():
+            value = getattr(owner, field)
+            if key in known and not isinstance(value, Computed | None) and value != known[key][1]:
+                assignments.append(f"{key}={value}")
+    return assignments
