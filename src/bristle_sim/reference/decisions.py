@@ -6,11 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bristle_sim.reference.contacts import Point, Spring, WirePairs, Workpart, follows
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import Surface
+from bristle_sim.reference.contacts import Point, Spring, Touch, WirePairs, Workpart, follows
 from bristle_sim.reference.forces import EDGE, acting, closed
 from bristle_sim.reference.log import Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
-from bristle_sim.theory.impact import energetic_impact
+from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
+from bristle_sim.theory.impact import Impact, energetic_impact
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
 MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
@@ -73,11 +76,42 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
     """Return a contact that begins, with its spring if it is compliant."""
-    touch, obstacle = system.at(state).touch(point), system.obstacles[point.obstacle]
-    spring = None
-    if system.stiffness is not None and isinstance(obstacle, Workpart):
-        spring = Spring(system.stiffness, obstacle.surface.restitution, touch.gap, obstacle.compliance, touch.along)
+    instant, obstacle, spring = system.at(state), system.obstacles[point.obstacle], None
+    touch = instant.touch(point)
+    if isinstance(obstacle, Workpart) and (stiffness := _stiffness(instant, touch, point)) is not None:
+        spring = Spring(stiffness, obstacle.surface.restitution, touch.gap, obstacle.compliance, touch.along)
     return Sustained(point, 0, state, touch.velocity, spring)
+
+
+def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
+    """Return the stiffness of a wire's contacts with the workpart, N/m; None where they are rigid.
+
+    It follows from the requested duration of the first one: by the impact law for a rigid wire; for a wire of several links by
+    the frictionless motion that it had if its hinges were rigid.
+    """
+    system, chain = instant.system, instant.system.chain
+    wire = point.piece if len(chain.tips) > 1 else 0  # in a row each wire has one piece
+    if system.duration is None or wire in system.stiffnesses:
+        return system.stiffnesses.get(wire)
+    surface = system.obstacles[point.obstacle].surface
+    if len(chain.tips) == 1 and chain.links > 1:
+        inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
+        lever = touch.along - float(instant.motion.joint[0].real)
+        stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, system.duration)
+    else:
+        hit = _impact(instant, touch, surface, 0.0)[0]
+        stiffness = stiffness_for_duration(hit, touch.velocity[0], surface.restitution, system.duration)
+    system.stiffnesses[wire] = stiffness
+    return stiffness
+
+
+def _impact(instant: Instant, touch: Touch, surface: Surface, compliance: float) -> tuple[Impact, Array]:
+    """Return an impact by the energetic law, and the change of all rates by a normal and by a tangential unit impulse."""
+    rows = np.array([touch.normal_row, touch.tangential_row])
+    response = np.linalg.solve(instant.mass, rows.T)
+    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
+    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
+    return energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance), response
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
@@ -145,12 +179,8 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
     """Resolve one impact by the energetic law, and record it."""
     instant, obstacle = system.at(state), system.obstacles[point.obstacle]
-    touch, surface = instant.touch(point), obstacle.surface
-    rows = np.array([touch.normal_row, touch.tangential_row])
-    response = np.linalg.solve(instant.mass, rows.T)
-    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
-    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
-    hit = energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=obstacle.compliance)
+    touch = instant.touch(point)
+    hit, response = _impact(instant, touch, obstacle.surface, obstacle.compliance)
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
     after = state._replace(rates=state.rates + response @ impulse)
     log.impacts.append(state.time)

@@ -84,7 +84,8 @@ def simulate_reference(
         accuracy: relative, of the motion; the integrator's tolerance is a hundredth of it, but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just after the impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
-        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; rigid by default.
+        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; by default it
+            follows from the duration that the tool's contact law gives the first contact, else the contact is rigid.
 
     Returns:
         The trajectory, with the events of ``stop_reason``. ``cost.steps`` counts right-hand sides.
@@ -148,7 +149,8 @@ def _simulate(
     log = Log(wires, interval, request.stop_after, [pair for each in touches.values() for pair in each.pairs])
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
-    system = System(chain, {**fixed, **touches}, request.contact_stiffness)
+    duration = tool.contact.duration if request.contact_stiffness is None else None
+    system = System(chain, {**fixed, **touches}, request.contact_stiffness, duration)
     run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)

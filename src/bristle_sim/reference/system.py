@@ -48,11 +48,17 @@ class Sustained:
 class System:
     """A chain, its obstacles by name, and the contacts that are sustained now.
 
-    ``stiffness`` is that of contacts with the workpart, N/m; None where they are rigid, as all others are.
+    Contacts with the workpart are springs if their stiffness, N/m, or the duration of the first one, s, is given, from
+    which the stiffness follows when a wire first touches; all other contacts are rigid.
     """
 
-    def __init__(self, chain: Chain, obstacles: Obstacles, stiffness: float | None) -> None:
-        self.chain, self.obstacles, self.stiffness = chain, obstacles, stiffness
+    def __init__(
+        self, chain: Chain, obstacles: Obstacles, stiffness: float | None, duration: float | None = None
+    ) -> None:
+        self.chain, self.obstacles, self.duration = chain, obstacles, duration
+        self.stiffnesses = dict[int, float]()
+        if stiffness is not None:
+            self.stiffnesses = dict.fromkeys(range(len(chain.tips)), stiffness)
         self.sustained: list[Sustained] = []
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate

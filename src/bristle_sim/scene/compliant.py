@@ -15,7 +15,8 @@ from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, ener
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Expectation, Spring
-from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact
+from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
+from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
@@ -87,7 +88,7 @@ class CompliantLaw(ContactLaw):
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
-        stiffness = self.stiffness or (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
+        stiffness = self.stiffness or stiffness_for_duration(rigid, space.velocity[0], restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
@@ -137,33 +138,6 @@ class CompliantLaw(ContactLaw):
             )
 
 
-def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Return the duration of the contact for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
-
-    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the phase is
-    part of a harmonic motion; the impact law gives the velocities and forces at its ends.
-    """
-    works, time, stored = impact.phase_work_normal.tolist(), 0.0, 0.0
-    for index, impulse in enumerate(impact.phase_impulse.tolist()):
-        if impulse <= 0.0:
-            continue
-        stiffness = 1.0
-        if index >= 2:
-            stiffness, stored = 1.0 / restitution**2, sum(works[index:])
-        left = stored - works[index]
-        change = 2.0 * (works[index] / impulse - velocity)
-        forces = [math.sqrt(2.0 * stiffness * max(energy, 0.0)) for energy in (stored, left)]
-        compliance, velocities = change / impulse, (velocity, velocity + change)
-        if change <= 1e-12 * max(map(abs, velocities)):
-            time += 2.0 * impulse / sum(forces) if any(forces) else 0.0
-        else:
-            impedance = math.sqrt(compliance / stiffness)
-            before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
-            time += (after - before) / math.sqrt(compliance * stiffness)
-        stored, velocity = left, velocity + change
-    return time
-
-
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
@@ -180,7 +154,7 @@ def rigid_stiffness(
     )
     joint, root = poses[link].joint, poses[link - link % size].joint
     lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
-    return (0.5 * math.pi * (1.0 + pair.restitution) / duration) ** 2 * inertia / lever**2
+    return frictionless_stiffness(lever**2 / inertia, pair.restitution, duration)
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:

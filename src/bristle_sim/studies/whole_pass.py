@@ -90,7 +90,8 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         from bristle_sim.reference import simulate_reference
 
         accuracy = reference_accuracy(settings)
-        reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after="strike")
+        end = "strike" if tool.contact.duration is None else "workpart release"
+        reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after=end)
         referred = _measured(tool, reference)
         within = _tolerances(tool, settings, referred)
 
