@@ -50,6 +50,37 @@ class TestStart:
         assert later - first == pytest.approx(math.radians(60.0) / 261.8, rel=1e-7)
 
 
+class TestContactPoint:
+    def test_a_wire_that_strikes_with_its_knee(self) -> None:
+        """Records name the knee and its place; the checks of energy and momentum use that point, the answer names it."""
+        tool = Tool(bristle=Bristle(knee_angle_deg=-80.0, knee_position=0.9))
+        report = whole_pass(tool, SETTINGS, with_reference=True)
+        assert {each.ok for each in report.quantities} == {True}
+        assert report.answer.startswith("The bristle strikes with its knee at ")
+        for run in (report.subject.trajectory, report.subject.reference):
+            strike = run.first_contact("workpart")
+            knee = run.at(strike.time).centre_line[1]
+            assert strike.point == "knee"
+            assert strike.place == pytest.approx(knee, abs=1e-12)  # roundings of 0.05 m
+            assert strike.place[1] == pytest.approx(-tool.workpart_depth, abs=1e-9)
+
+    @pytest.mark.parametrize("solve", [simulate, simulate_reference])
+    def test_the_bar_meets_flank_or_tip(self, solve: Callable[..., Trajectory]) -> None:
+        """The flank is met where the tip's circle reaches beyond the tangent's foot, sqrt(S^2 - (r_b + d/2)^2) < r_h + L."""
+        for length, point in ((0.027, "tip"), (0.04, "flank")):
+            touch = solve(Tool(bristle=Bristle(length=length)), stop_after="bar touch").contacts[0]
+            assert touch.point == point
+            tangent = math.sqrt(math.hypot(*Bar().centre) ** 2 - Tool().bar_reach ** 2)
+            assert (tangent < 0.0275 + length) is (point == "flank")
+            assert math.dist(touch.place, Bar().centre) == pytest.approx(Tool().bar_reach, rel=1e-9)
+
+    @pytest.mark.parametrize("compliance", [0.0, 1.21])
+    def test_a_contact_in_time_agrees_with_the_reference(self, compliance: float) -> None:
+        tool = Tool(contact=Contact("compliant", 5e-5, compliance))
+        report = whole_pass(tool, SETTINGS, with_reference=True)
+        assert {each.ok for each in report.quantities} == {True}
+
+
 class TestAnswer:
     def test_of_the_operating_point(self) -> None:
         """Time, lag, speeds and impulse of the strike, and the differences that are largest: 10 % of p_fy, 26 % of v_C."""

@@ -164,7 +164,8 @@ def _simulate(
     states, forces = zip(*log.samples, strict=True)
     normal_forces = np.array(forces)[:, :, 0].T
     each_wire = zip(log.records, normal_forces, strict=True)
-    return tuple(own.trajectory(states, force, reason, cost=cost, parameters=parameters) for own, force in each_wire)
+    runs = [own.trajectory(states, force, reason, cost=cost, parameters=parameters) for own, force in each_wire]
+    return tuple([each.with_places(tool) for each in runs])
 
 
 def _check_start(chain: Chain, obstacles: Mapping[str, Bar | Workpart], start: State) -> None:

@@ -167,7 +167,8 @@ def _simulated(
     }
     if row is not LONE:
         parameters["row"] = dataclasses.asdict(row)
-    return trajectories_in_si(recording, scene, units, parameters, cost, with_estimate=step is None)
+    runs = trajectories_in_si(recording, scene, units, parameters, cost, with_estimate=step is None)
+    return tuple([each.with_places(tool) for each in runs])
 
 
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:

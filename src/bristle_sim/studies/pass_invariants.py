@@ -144,7 +144,8 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     """
     depths = [0.0]
     if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
-        depths.append(float((-tool.workpart_depth - run.tip[:, 1]).max()))
+        corners = run.centre_line[:, 1 if tool.bristle.links == 1 else -1 :, 1]  # joints between links pass through
+        depths.append(float((-tool.workpart_depth - corners).max()))
     if tool.bar is not None:
         point = nearest(tool, complex_points(run.centre_line))[2]
         depths.append(float((tool.bar_reach - abs(point - complex(*tool.bar.centre))).max()))
@@ -208,7 +209,8 @@ def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
 def touched(tool: Tool, obstacle: str, lines: Points) -> tuple[Points, Points]:
     """Return the obstacle's normal and the contact point of each centre line, each of shape (n,)."""
     if obstacle == "workpart":
-        return np.full(len(lines), 1j), lines[:, -1]
+        corner = 1 + abs(lines[:, 1:].imag + tool.workpart_depth).argmin(axis=1)  # tip or knee
+        return np.full(len(lines), 1j), lines[np.arange(len(lines)), corner]
     assert tool.bar is not None
     point = nearest(tool, lines)[2]
     away = point - complex(*tool.bar.centre)

@@ -117,9 +117,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         remarks=tuple(remarks),
         extra={"invariants": dict(map(attrgetter("name", "simulated"), invariants)), "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
-        answer=_why_not(tool, run)
-        if contact is None
-        else _strike_in_words(measured, outcome_of(contact)) + differences(found),
+        answer=_why_not(tool, run) if contact is None else _strike_in_words(measured, contact) + differences(found),
     )
 
 
@@ -138,13 +136,14 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
     return within
 
 
-def _strike_in_words(measured: Values, outcome: str) -> str:
+def _strike_in_words(measured: Values, contact: ContactRecord) -> str:
+    outcome, with_knee = outcome_of(contact), " with its knee" if contact.point == "knee" else ""
     names = ("contact_time", *STATE, "normal_final_impulse")
     time, lag, speed, tip, impulse = itemgetter(*names)(measured)
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
+        f"The bristle strikes{with_knee} at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
         f" {amount(tip, 'm/s')}, with a normal impulse of {amount(impulse, 'N s')} ({outcome})."
     )
 
@@ -222,8 +221,10 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
         )
         lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
         rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
-    values = math.degrees(lag), rate - tool.hub.speed, math.hypot(*contact.velocity_before)
-    return dict(zip(STATE, values, strict=True))
+    speed = math.hypot(*contact.velocity_before)
+    if contact.point == "knee":
+        speed = float(run.tip_speed[int(abs(run.time - contact.time).argmin())])
+    return dict(zip(STATE, (math.degrees(lag), rate - tool.hub.speed, speed), strict=True))
 
 
 def beside_radial(lag: float) -> str:

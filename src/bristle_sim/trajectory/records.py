@@ -158,6 +158,9 @@ class ContactRecord:
         history: of a contact resolved in time.
         link: number of the link in contact, from 1 at the root; None for a rigid bristle, and of the reference.
         neighbour: number of the other bristle in its row, from 1 for the foremost one; None for other obstacles.
+        point: of the wire in contact when it began: ``tip``, ``knee`` (or a joint between links), or ``flank``; empty for a contact
+            of two wires and for a single contact without a pass.
+        place: of that point on the wire's centre line then, (x, y) from the hub's centre, m; None as for ``point``.
     """
 
     obstacle: str
@@ -178,6 +181,8 @@ class ContactRecord:
     history: ContactHistory | None = None
     link: int | None = None
     neighbour: int | None = None
+    point: str = ""
+    place: tuple[float, float] | None = None
 
     def columns(self) -> dict[str, Array]:
         """Return the history under keys of name and unit. Raises ValueError for a contact not resolved in time."""

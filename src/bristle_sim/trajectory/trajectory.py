@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,6 +23,7 @@ from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+CORNER_ROUNDING = 1e-9  # of a piece's length: a touch nearer to its end is one of the corner
 NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
 
@@ -88,6 +90,14 @@ class Trajectory(Motion):
             if each.obstacle == obstacle:
                 return each
         return None
+
+    def with_places(self, tool: Tool) -> Trajectory:
+        """Return the trajectory with ``point`` and ``place`` of each contact of this tool's wire with the bar or the workpart."""
+        contacts = []
+        for contact in self.contacts:
+            line = self.centre_line[int(abs(self.time - contact.time).argmin())]
+            contacts.append(located(contact, tool, line) if contact.obstacle in ("bar", "workpart") else contact)
+        return dataclasses.replace(self, contacts=tuple(contacts))
 
     def columns(self) -> dict[str, Array]:
         """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
@@ -166,3 +176,25 @@ class Trajectory(Motion):
     def load(cls, path: str | Path) -> Trajectory:
         """Read a file written by :meth:`save`, under exactly the same name; raises OSError, or ValueError for any other file."""
         return cls(**read(Path(path)))
+
+
+def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
+    """Return a record with the point in contact of the wire's centre line, of shape (corners, 2), m.
+
+    It is the corner at the workpart's surface, or the point nearest to the bar's centre.
+    """
+    if contact.obstacle == "workpart":
+        corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
+        place = line[corner]
+    else:
+        assert tool.bar is not None
+        pieces = np.diff(line, axis=0)
+        along = ((np.array(tool.bar.centre) - line[:-1]) * pieces).sum(axis=1) / (pieces**2).sum(axis=1)
+        along = np.clip(along, 0.0, 1.0)
+        points = line[:-1] + along[:, np.newaxis] * pieces
+        piece = int(np.linalg.norm(points - tool.bar.centre, axis=1).argmin())
+        place = points[piece]
+        near = np.array([along[piece], 1.0 - along[piece]]) <= CORNER_ROUNDING
+        corner = piece + int(near[1]) if near.any() else 0
+    name = "tip" if corner == len(line) - 1 else "knee" if corner else "flank"
+    return dataclasses.replace(contact, point=name, place=(float(place[0]), float(place[1])))
