@@ -1,0 +1,50 @@
+"""Tools that ``cue_map`` finds and writes run in every other scenario that takes a tool, in ``compare`` and on the page.
+
+The scripts judge themselves: status 0 means that simulation, reference and balances agree within their tolerances.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bristle_sim.cli import command
+
+EVERYDAY = [(2500.0, 40.0, 1.0), (3400.0, 30.0, 1.0)]
+"""Hub speed, rpm, length, mm, and belt stiffness over the default; the bar stands at 112 and 89 degrees."""
+
+RNG = np.random.default_rng(1)
+RANDOM = [(RNG.uniform(1800.0, 3800.0), RNG.uniform(25.0, 40.0), RNG.uniform(0.8, 2.0)) for _ in range(18)]
+
+OTHERS = {
+    "cue_and_impact": ["--set", "reference=yes"],
+    "cue_timing": [],
+    "whole_tool": [],
+    "inertia_driven": [],
+    "neighbours": ["--set", "search=no", "--set", "pitch_deg=40"],
+}
+
+
+@pytest.mark.parametrize(
+    ("speed", "length", "stiffness"), [*EVERYDAY, *(pytest.param(*each, marks=pytest.mark.nightly) for each in RANDOM)]
+)
+def test_a_tool_that_was_found_runs_everywhere(
+    speed: float, length: float, stiffness: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, page = str(tmp_path / "found.toml"), tmp_path / "page.html"
+    keys = (f"hub_speed={speed}rpm", f"bristle_length={length}mm", f"belt_stiffness={stiffness * 0.0234913}")
+    wanted = [word for key in (*keys, "reference=no", "accuracy=1e-7") for word in ("--set", key)]
+    assert command.main(["cue_map", *wanted, "--write-tool", file]) == 0
+    capsys.readouterr()
+    for name, options in OTHERS.items():
+        report = ["--report", str(page)] if name == "cue_and_impact" else []
+        status = command.main([name, "--parameters", file, *options, *report])
+        printed = capsys.readouterr()
+        assert status == 0, (name, printed)
+        if name == "cue_and_impact":
+            assert "not released by a bar" not in printed.out
+            assert ", radial, " in printed.out.replace("\n ", "")
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert command.main(["compare", file, file]) == 0
