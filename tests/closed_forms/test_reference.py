@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp, trapezoid
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
 from bristle_sim.reference import simulate_reference
+from bristle_sim.reference.crossing import crossings
 from bristle_sim.settings import StopReason
 
 FREE = Tool(bar=None, workpart=None)
@@ -293,3 +294,24 @@ class TestSprings:
         hub, wire = run.hub_angle[still], run.angles[still, 0]
         expected = -tool.hub.radius * tool.hub.speed * np.cos(hub) / (tool.bristle.length * np.cos(wire))
         np.testing.assert_allclose(run.rates[still, 0], expected, rtol=1e-6)
+
+
+class TestRounding:
+    """Values within 1e-13 have no sign of their own."""
+
+    @pytest.mark.parametrize("rounding", [1e-15, -1e-15])
+    @pytest.mark.parametrize("before", [-1, 0, 1])
+    def test_a_function_that_begins_as_rounding(self, rounding, before):
+        """Its first change of sign is the one from the sign that it had before, at once, as t^2 is beyond 1e-13 at t = 3e-7."""
+        assert crossings(lambda time: rounding * np.cos(50.0 * time), 0.0, 1.0, 1e-13, before) == []
+        rises = crossings(lambda time: time**2 + rounding, 0.0, 1.0, 1e-13, before)
+        assert [sense for _, sense in rises] == [1] * (before == -1)
+        assert all(0.0 <= time < 3.2e-7 for time, _ in rises)
+
+    @pytest.mark.parametrize("rounding", [1e-15, -1e-15])
+    def test_a_function_that_ends_as_rounding_or_touches_zero(self, rounding):
+        assert crossings(lambda time: (time - 1.0) ** 2 + rounding, 0.0, 1.0, 1e-13) == []
+        assert crossings(lambda time: (time - 0.4) ** 2 + rounding, 0.0, 1.0, 1e-13) == []
+        # Its two roots are 2e-6 apart; the dip between them is ten times the resolution.
+        found = crossings(lambda time: (time - 0.4) ** 2 - 1e-12, 0.0, 1.0, 1e-13)
+        assert [sense for _, sense in found] == [-1, 1]
