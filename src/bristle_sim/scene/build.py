@@ -11,25 +11,18 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.joints import Connected
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
+from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import SHAPE_MARGIN, ClosedPair, ContactPair
-from bristle_sim.scene.shapes import ContactShapes
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.solver import WireSteps, WireVelocities
-
-HIGHEST_FRICTION = 2.0
-"""Friction up to which the engine's iterations solve a rigid link's contact. An iteration leaves 1 - g of the error, with
-g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the angle a to the normal: at most 1.92 at mu = 2."""
+from bristle_sim.scene.solver import SolvedSteps, WireVelocities
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +46,6 @@ class Scene:
     Attributes:
         hub, links, joints: the kinematic body that carries the roots, or None; the links' bodies from the root; their pivots.
         engine: takes the steps; ``step`` takes some of one length, ``angles`` and ``rates`` read the links' (less ``turned``).
-        contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
         placed: the state and drift of the last call of ``place``.
         turned: whole turns subtracted from the angles before they are given to the engine, rad.
 
@@ -80,8 +72,7 @@ class Scene:
         self.links, self.joints = _add_links(space, mechanism, self.hub)
         _add_springs(self, space)
         self.engine = _engine_steps(self, space)
-        self.contacts = ContactShapes(space, mechanism, self.links, self.engine.set_iterations)
-        self.engine.set_iterations(self.contacts.in_flight)
+        self.engine.set_iterations(space.iterations)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
         self.step, self.angles, self.rates = self.engine.take, self.engine.angles, self.engine.rates
@@ -115,37 +106,32 @@ class Scene:
     @property
     def solves_joints(self) -> bool:
         """Whether the engine's iterations suffice to solve the joints in flight."""
-        return self.contacts.in_flight < MOST_ITERATIONS
-
-    @property
-    def joint_solver(self) -> WireVelocities:
-        """The solver of joints and sustained contacts of several links."""
-        return cast("WireSteps", self.engine).joint_solver
+        return self.engine.space.iterations < MOST_ITERATIONS
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on, solve for these sustained contacts of several links in every engine step."""
-        cast("WireSteps", self.engine).keep_closed(contacts)
+        """From now on, solve for these sustained contacts in every engine step."""
+        self.engine.keep_closed(contacts)
 
     def correct_joints(self, *, completely: bool) -> None:
         """Choose whether every step closes the joints or leaves them alone."""
         if self.effects.hinges:
-            self.joint_solver.correct = completely
+            self.engine.joint_solver.correct = completely
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
 
-def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps; for several links it also solves joints, damping and contacts."""
-    mechanism, effects, bodies = scene.mechanism, scene.effects, (scene.hub, scene.links, scene.joints)
-    if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.pairs):
-        return EngineSteps(space, *bodies)
-    from bristle_sim.scene.solver import WireSteps, WireVelocities
-
-    belt = effects.damping if effects.stiffness is not None else 0.0
-    hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
-    damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
-    wires = functools.partial(WireVelocities, space, mechanism, damping, scene.hub, scene.links)
-    return WireSteps(wires, bool(effects.hinges), space, *bodies)
+def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
+    """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""
+    mechanism, effects = scene.mechanism, scene.effects
+    make: Callable[[], WireVelocities | LinkVelocity]
+    if mechanism.lone:
+        make = functools.partial(LinkVelocity, mechanism, scene.hub, scene.links[0])
+    else:
+        belt = effects.damping if effects.stiffness is not None else 0.0
+        hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
+        damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
+        make = functools.partial(WireVelocities, space, mechanism, damping, scene.hub, scene.links)
+    return SolvedSteps(make, bool(effects.hinges), space, scene.hub, scene.links, scene.joints)
 
 
 def _add_links(

@@ -18,7 +18,7 @@ from bristle_sim.scene.impact_error import propagate_error
 from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair, dented
-from bristle_sim.scene.rigid import LEAST_SLIP, rigid_contacts, sense_of_slip
+from bristle_sim.scene.rigid import LEAST_SLIP, RigidContacts, sense_of_slip
 from bristle_sim.scene.spring import ContactLoad
 from bristle_sim.scene.spring_phases import after_impact, begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import System
@@ -128,7 +128,7 @@ def _engage(system: System, motion: Motion, ordered: Sequence[ActiveContact], *,
         if contact.slip is None and contact.pair.friction:
             contact.slip = sense_of_slip(gaps, contact.pair, system.state, system.slip_error(system.state))
     pairs, slips = [contact.pair for contact in ordered], [contact.slip for contact in ordered]
-    motion.rigid = rigid_contacts(system.scene, pairs, slips, paired=paired)
+    motion.rigid = RigidContacts(system.scene, pairs, slips, paired=paired)
     system.state = motion.rigid.set_back(gaps, system.state)
     if system.mechanism.lone and paired:
         # From here on the geometry gives angle and rate, whatever their errors before.
@@ -149,7 +149,7 @@ def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
 ) -> list[ActiveContact]:
     """End some contacts and record them; return the others."""
-    system.scene.contacts.release()
+    system.scene.keep_closed(())
     for contact in contacts:
         if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
             system.contact(record, contact.pair)
@@ -253,7 +253,7 @@ def _after_impact(system: System, motion: Motion, pair: ContactPair, name: str, 
         contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
         _name_releases(system, motion.ordered)
     left = _least_opening_rate(system, pair) if lone else math.inf
-    system.scene.contacts.release()
+    system.scene.keep_closed(())
     try:
         record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
     except ValueError as error:

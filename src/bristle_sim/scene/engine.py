@@ -36,10 +36,7 @@ class EngineSteps:
     """Places the bodies of a space, takes its steps, and counts them.
 
     ``work`` counts the steps, each once more for every ``ITERATIONS_OF_A_STEP`` solver iterations in it.
-    ``solves_contacts`` says whether sustained contacts are solved for with the joints, not left to the engine's own contact.
     """
-
-    solves_contacts = False
 
     def __init__(
         self,
@@ -104,20 +101,6 @@ class EngineSteps:
         advance(length)
         after = list(map(lib.cpBodyGetAngularVelocity, links))
         return [*map(lib.cpBodyGetAngle, links), *after, *[change / length for change in map(sub, after, before)]]
-
-    def warm_up(self, length: float) -> None:
-        """Take one step of a length, from the bodies as they were placed, and put them back there.
-
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales the applied impulse at once.
-        The one it reports, and that which limits friction and push, are rescaled only after a step.
-        """
-        if length > LONGEST_SINGLE_RATIO * self._last_length:
-            self._start_cold(length)
-        self._last_length = length
-        self.steps += 1
-        self.work += self._price
-        self._step(length)
-        self.place(None)
 
     def _start_cold(self, length: float) -> None:
         """Make the engine forget the last step's impulses, which it would otherwise scale to the next step's length."""

@@ -18,6 +18,7 @@ from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
+from bristle_sim.scene.shapes import engine_impact
 from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
@@ -145,18 +146,12 @@ class EngineLaw(ContactLaw):
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that only the impact happens in it."""
         touch, _ = contact_at(scene, state, pair)
-        friction, elasticity = pair.friction, pair.restitution
-        scene.contacts.engage(pair, friction=friction, elasticity=elasticity, iterations=self.iterations)
-        record = scene.contacts.record(pair, slips=False)
-        record.begin()
-        scene.step(ENGINE_STEP, 1, record.note)
-        ((*impulse, _),) = record.read(touch.normal) or [(0.0, 0.0, 0.0)]
-        scene.contacts.release()
+        impulse = engine_impact(scene, pair, touch.piece, touch.normal, self.iterations, ENGINE_STEP)
         rates = tuple(scene.rates())
         scene.place(State(state.time, state.angles, rates))
         velocity = pair.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
-        entries = {"impulse": tuple(impulse), "velocity_before": touch.velocity, "velocity_after": velocity}
+        entries = {"impulse": impulse, "velocity_before": touch.velocity, "velocity_after": velocity}
         return self._after(scene, pair, state, outcome=outcome, **entries)
 
 

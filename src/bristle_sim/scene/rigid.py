@@ -1,23 +1,17 @@
-"""Rigid sustained contacts: two ways to keep them closed, and a load that sums their forces.
+"""Rigid sustained contacts as a load that sums their forces; the solver of the joints keeps them closed.
 
-A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
-engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as
-expensive. Contacts of several links, and of a lone one whose friction is too high for the engine's iterations, are solved
-for together with the joints (:mod:`bristle_sim.scene.solver`). :func:`rigid_contacts` alone decides between the
-two.
+A single link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from operator import mul
 
 import numpy as np
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
 from bristle_sim.scene.load import NUMBERS, sums_of
 from bristle_sim.scene.mechanism import State, cross
@@ -28,8 +22,10 @@ LEAST_SLIP = 1e-9  # slip, in the scene's unit, below which it has no sense, how
 LEAST_ACCELERATION = 1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
 
 
-class RigidContacts(ABC):
-    """The rigid contacts of a smooth motion; the motion ends when the force of one of them vanishes.
+class RigidContacts:
+    """The rigid contacts of a smooth motion, solved for together with the joints; it ends when the force of one of them vanishes.
+
+    In steps that are symmetric in time (``paired``) odd and even ones have errors in the force that cancel in the mean of two.
 
     Attributes:
         scene: of the contacts.
@@ -41,26 +37,50 @@ class RigidContacts(ABC):
 
     symmetric = True  # they act alike forwards and backwards in time
 
-    def __init__(self, scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None]) -> None:
-        self.scene, self.pairs, self.slips = scene, tuple(pairs), list(slips)
+    def __init__(
+        self, scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None], *, paired: bool
+    ) -> None:
+        self.scene = scene
+        self.pairs = tuple(pairs)
+        self.slips = list(slips)
         self.pieces: list[int | None] = [None] * len(pairs)
         self._pushes: Sequence[float] = ()
+        self._paired = paired and scene.engine.joint_solver.reversible
+        self._step = 0.0
+        self._steps: list[list[tuple[float, float, float]]] = []
 
-    @abstractmethod
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
+        self.pieces = [self._next_piece(each, state) for each in self.pairs]
+        self.scene.keep_closed([ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)])
+        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
 
-    @abstractmethod
     def set_back(self, gaps: Gaps, state: State) -> State:
-        """Return the nearest state in which all contacts are closed and stay so; those that stick do not slip either."""
+        """Set links back onto the pairs; contacts that stick do not slip either."""
+        if self.scene.mechanism.lone:
+            return turned_back(gaps, self.pairs[0], state, self.pieces[0])
+        return set_back(gaps, self.pairs, state, self.pieces, self.slips)
 
-    @abstractmethod
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return a callback to run before each step, which notes the previous step's impulses."""
+        """Reset the record of the impulses; return the callback that notes the previous step's."""
+        solver, steps = self.scene.engine.joint_solver, list[list[tuple[float, float, float]]]()
+        self._step, self._steps = step, steps
 
-    @abstractmethod
+        def note() -> None:
+            steps.append(solver.impulses)
+
+        return note
+
     def totals(self) -> list[float]:
-        """Return the numbers of each contact's :class:`Sums`, with the last step."""
+        """Return the numbers of each contact; where it has to pull in the interval, the last pull is its force."""
+        found, steps = list[float](), [*self._steps[1:], self.scene.engine.joint_solver.impulses]
+        self._pushes = [min(push for push, _, _ in step) for step in steps]
+        for each in zip(*steps, strict=True):
+            pushes, rubs, slips = zip(*each, strict=True)
+            normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
+            force = ([push for push in normal if push < 0.0] or normal)[-1] / self._step, along[-1] / self._step
+            found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
+        return found
 
     def lasts(self) -> float:
         """Return the fraction of the last interval after which the first force vanishes, by the pushes in its steps."""
@@ -124,109 +144,9 @@ class RigidContacts(ABC):
         return pair.closest(self.scene.mechanism.poses(later), later.rates).piece
 
 
-class EngineContact(RigidContacts):
-    """The engine's own contact of a lone link."""
-
-    def __init__(self, scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None]) -> None:
-        super().__init__(scene, pairs, slips)
-        (self._pair,) = pairs
-        self._record = scene.contacts.record(self._pair, slips=self._pair.friction > 0.0)
-        self._step, self._normal = 0.0, (0.0, 0.0)
-
-    def engage(self, gaps: Gaps, state: State) -> float:
-        """Activate the contact from a state on; return its compliance in slip.
-
-        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - this
-        fraction of the error. Their number is chosen to suit the state.
-        """
-        pair, contacts, compliance = self._pair, self.scene.contacts, self.compliance_in_slip(gaps, state)
-        touch, self.pieces = gaps.closest(pair, state), [piece := self._next_piece(pair, state)]
-        left = min(max(abs(1.0 - compliance), 1e-3), 1.0 - 1e-6)
-        rounds = max(contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
-        contacts.engage(pair, friction=pair.friction, elasticity=0.0, iterations=rounds, piece=piece)
-        self._normal = touch.normal
-        if (slip := self.slips[0]) is not None:
-            contacts.direct_friction(slip, touch.tangent)
-        return compliance
-
-    def set_back(self, gaps: Gaps, state: State) -> State:
-        """Turn the link back onto the pair."""
-        return turned_back(gaps, self._pair, state, self.pieces[0])
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset the record of the contact's impulses; return the callback that notes the previous step's."""
-        if step != self._step:
-            self.scene.engine.warm_up(step)
-        self._step = step
-        self._record.begin()
-        return self._record.note
-
-    def totals(self) -> list[float]:
-        """Return the contact's numbers."""
-        found = self._record.read(self._normal) or [(0.0, 0.0, 0.0)]
-        pushes, rubs, slips = zip(*found, strict=True)
-        self._pushes = pushes
-        force = pushes[-1] / self._step, rubs[-1] / self._step
-        return [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
-
-
-class SolvedContacts(RigidContacts):
-    """Contacts of several links; their forces are solved for together with the joints.
-
-    In steps that are symmetric in time (``paired``) odd and even ones have errors in the force that cancel in the mean of two.
-    """
-
-    def __init__(
-        self, scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None], *, paired: bool
-    ) -> None:
-        super().__init__(scene, pairs, slips)
-        self._paired, self._step = paired, 0.0
-        self._steps: list[list[tuple[float, float, float]]] = []
-
-    def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return the least compliance in slip."""
-        self.pieces = [self._next_piece(each, state) for each in self.pairs]
-        self.scene.keep_closed([ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)])
-        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
-
-    def set_back(self, gaps: Gaps, state: State) -> State:
-        """Set links back onto the pairs; contacts that stick do not slip either."""
-        return set_back(gaps, self.pairs, state, self.pieces, self.slips)
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset the record of the impulses; return the callback that notes the previous step's."""
-        solver, steps = self.scene.joint_solver, list[list[tuple[float, float, float]]]()
-        self._step, self._steps = step, steps
-
-        def note() -> None:
-            steps.append(solver.impulses)
-
-        return note
-
-    def totals(self) -> list[float]:
-        """Return the numbers of each contact; where it has to pull in the interval, the last pull is its force."""
-        found, steps = list[float](), [*self._steps[1:], self.scene.joint_solver.impulses]
-        self._pushes = [min(push for push, _, _ in step) for step in steps]
-        for each in zip(*steps, strict=True):
-            pushes, rubs, slips = zip(*each, strict=True)
-            normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
-            force = ([push for push in normal if push < 0.0] or normal)[-1] / self._step, along[-1] / self._step
-            found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
-        return found
-
-
 def _means(numbers: Sequence[float]) -> Sequence[float]:
     """Return the means of the first two numbers, the next two, and so on."""
     return [0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)]
-
-
-def rigid_contacts(
-    scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None], *, paired: bool = True
-) -> RigidContacts:
-    """Return the contacts of a scene, by the engine or by the linear solve."""
-    if scene.engine.solves_contacts:
-        return SolvedContacts(scene, pairs, slips, paired=paired)
-    return EngineContact(scene, pairs, slips)
 
 
 def sense_of_slip(gaps: Gaps, pair: ContactPair, state: State, error: float) -> int | None:

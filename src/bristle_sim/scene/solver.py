@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
@@ -150,6 +151,8 @@ class WireVelocities:
         impulses: normal and tangential impulse of each of them in the last step, and its slip.
     """
 
+    reversible = True  # its steps can be symmetric in time
+
     def __init__(
         self,
         space: pymunk.Space,
@@ -230,27 +233,28 @@ class WireVelocities:
             self.impulses.append((push, rubs.get(at, ratios[at] * push), slip))
 
 
-class WireSteps(EngineSteps):
-    """Engine steps, each followed by a linear solve: for wires that bend always, for rigid links only in sustained contact.
+class SolvedSteps(EngineSteps):
+    """Engine steps, each followed by a solution for joints and contacts: for wires that bend always, for rigid links only in contact.
 
-    ``engine`` are the arguments of :class:`EngineSteps`; ``wires`` makes the solver when it is first needed.
+    ``engine`` are the arguments of :class:`EngineSteps`; ``make`` makes the solver when it is first needed.
     """
 
-    solves_contacts = True
-
-    def __init__(self, wires: Callable[[], WireVelocities], bending: bool, *engine: Any) -> None:
+    def __init__(self, make: Callable[[], WireVelocities | LinkVelocity], bending: bool, *engine: Any) -> None:
         super().__init__(*engine)
-        self._make, self._bending, self._engine_step = wires, bending, self._step
+        self._make = make
+        self._bending = bending
+        self._engine_step = self._step
 
     @cached_property
-    def joint_solver(self) -> WireVelocities:
+    def joint_solver(self) -> WireVelocities | LinkVelocity:
         """The solver, made when it is first needed."""
         return self._make()
 
     @property
     def take_symmetric(self) -> Callable[..., list[float]] | None:
         """The function that takes time-symmetric steps, while the joints are solved for; else None."""
-        return None if self._step is self._engine_step else self._take_symmetric
+        solves = self._step is not self._engine_step and self.joint_solver.reversible
+        return self._take_symmetric if solves else None
 
     def set_iterations(self, count: int) -> None:
         """Set the engine's iterations per step; 1 leaves the joints of bending wires to the linear solve."""
@@ -277,14 +281,16 @@ class WireSteps(EngineSteps):
         """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does."""
         self.steps += count
         self.work += count * self._price
-        self.joint_solver.begin_symmetric()
+        solver = self.joint_solver
+        assert isinstance(solver, WireVelocities)
+        solver.begin_symmetric()
         for left in range(count, 0, -1):
             if left == 2:
                 before = self.rates()
             if act is not None:
                 act()
             self._step(length)
-        self.joint_solver.symmetric = False
+        solver.symmetric = False
         after = self.rates()
         angles = [angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)]
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
