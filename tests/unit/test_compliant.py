@@ -93,6 +93,37 @@ class TestCompliantContact:
         assert math.log(coarse / fine) / math.log(512 / 64) > 0.95
         assert fine < 4e-3 * float(np.abs(limit).max())  # 1e-3 at about 2000 steps measured with the bare engine
 
+    @pytest.mark.parametrize(
+        ("chain", "surface"),
+        [
+            (Chain((2.472, 0.656), (1.0, 1.0), (0.286, 0.475), (0.644, -0.685)), Surface(0.435, 0.903, 0.205)),
+            (
+                Chain((0.532, 0.778, 2.01), (1.118, 1.131, 1.052), (-0.075, -0.311, -0.27), (-1.014, -0.768, 1.485)),
+                Surface(0.164, 0.811, 1.0),
+            ),
+        ],
+    )
+    def test_slip_that_later_friction_presses_on_stays_at_rest(self, chain: Chain, surface: Surface) -> None:
+        """With mu_2 the deepest point would be pressed on, with mu_1 it parts: v_n = 0 and a friction between them until slip stops.
+
+        The difference from the law falls as the duration does, but for a tenth of it.
+        """
+        unit, settings = 1.0 / max(map(abs, chain.rates)), Settings(accuracy=1e-8)
+        law = strike(chain, surface, Contact(), Settings()).contact.rates_after
+        longer, shorter = (
+            strike(chain, surface, Contact("compliant", duration * unit), settings).contact for duration in (1e-3, 1e-4)
+        )
+        first, second = (np.abs(np.subtract(each.rates_after, law)).max() * unit for each in (longer, shorter))
+        assert first / second == pytest.approx(10.0, rel=0.1)
+        history = shorter.history
+        assert history is not None
+        friction = np.abs(history.tangential_force) / np.maximum(history.normal_force, 1e-300)
+        at_rest = (np.abs(history.normal_velocity) < 1e-6 / unit) & (np.abs(history.tangential_velocity) > 0.1 / unit)
+        assert np.count_nonzero(at_rest) > 3
+        assert friction[at_rest].min() >= surface.friction * (1.0 - 1e-6)
+        assert friction[at_rest].max() <= surface.friction_in_restitution
+        assert history.penetration[at_rest] == pytest.approx(history.penetration.max(), rel=1e-6)
+
     @pytest.mark.parametrize("duration", [1e-5, 1e-2, 0.1])
     @pytest.mark.parametrize(("friction", "later"), [(2.0, 2.0), (0.3, 5.0)])
     def test_stiction_ends_with_compression(self, duration: float, friction: float, later: float) -> None:

@@ -8,18 +8,32 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface, Tool
 from bristle_sim.render.impact_figure import impact_figure
 from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import oblique_impact
+from bristle_sim.trajectory import Trajectory
 
 GAMMA = math.radians(23.4)
 BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,), 0.0275, 261.8, -GAMMA)
 ROD = Chain((6.3,), (1.0,), (-0.575,), (0.856,))  # on a hub at rest: all of it stands still where slip stops
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 ACCURACY = 1e-7
+
+
+def thrown(tool: Tool, accuracy: float) -> Trajectory:
+    """A wire that is let go 0.7 rad behind the hub, up to the end of its strike."""
+    return simulate(
+        tool,
+        Settings(accuracy=accuracy, hub_turn=1.6, maximum_steps=100_000),
+        start_hub_angle=-GAMMA - 0.21,
+        start_relative_angle=-0.7,
+        start_relative_rate=877.0,
+        stop_after="workpart release",
+    )
 
 
 def struck(chain: Chain, surface: Surface, contact: Contact) -> np.ndarray:
@@ -62,6 +76,48 @@ def test_compression_that_a_swing_along_the_surface_ends() -> None:
     surface = Surface(0.711, 0.24, 1.0)
     law = struck(chain, surface, Contact(tangential_compliance=0.01))
     assert struck(chain, surface, Contact("compliant", None, 0.01)) == pytest.approx(law, abs=1e-5)
+
+
+def test_a_short_excursion_beyond_the_cone_is_not_missed() -> None:
+    """The force in stick of two rods leaves the cone and comes back within an interval: within the angle turned meanwhile, 1e-5."""
+    chain, surface = Chain((2.281, 0.911), (1.0, 1.0), (0.865, -0.201), (-1.44, 1.049)), Surface(0.455, None, 1.0)
+    law = struck(chain, surface, Contact(tangential_compliance=0.00501))
+    assert struck(chain, surface, Contact("compliant", 1e-5 / 1.44, 0.00501)) == pytest.approx(law, abs=1e-5)
+
+
+@pytest.mark.parametrize("squared", [0.05, 1.21])
+def test_a_foot_that_stops_stands_while_the_wire_bends(squared: float) -> None:
+    """Where the foot's velocity falls through zero the force turns back from the cone's edge, whatever accelerates the tip."""
+    contact = Contact("compliant", 2e-4, squared)
+    found = thrown(Tool(bristle=Bristle(links=4), bar=None, contact=contact), 1e-5)
+    assert found.stop_reason == "requested event"
+
+
+def test_a_frictionless_tip_swings_along_the_surface() -> None:
+    """Its slip turns round in compression; the law knows one phase. Within ten times the angle turned meanwhile, 1e-4."""
+    chain, surface = Chain((2.0, 1.0), (1.0, 1.0), (-0.6, 0.4), (1.0, -0.3)), Surface(0.0, 0.2, 0.3)
+    (law_impulse, law_rates), (impulse, rates) = (
+        (found.impulse, found.rates_after)
+        for found in (
+            strike(chain, surface, each, Settings(accuracy=ACCURACY)).contact
+            for each in (Contact(tangential_compliance=0.01), Contact("compliant", 1e-4, 0.01))
+        )
+    )
+    assert rates == pytest.approx(law_rates, abs=1e-3)
+    assert impulse == pytest.approx(law_impulse, abs=1e-3)
+
+
+def test_the_error_that_the_shortest_contact_leaves_is_estimated() -> None:
+    """Its difference from the impact law, which is more than the accuracy; rates are some times the motion's unit, 20 at most."""
+    squared, accuracy = 1.21, 1e-8
+    tool = Tool(bar=None, contact=Contact(tangential_compliance=squared))
+    law = thrown(tool, accuracy)
+    found = thrown(tool.replace(contact=Contact("compliant", None, squared)), accuracy)
+    after, expected = (np.array(each.first_contact("workpart").rates_after) for each in (found, law))
+    difference = np.abs(after - expected).max() / np.abs(expected).max()
+    assert difference > accuracy
+    assert found.cost.error_estimate is not None
+    assert difference < 20.0 * found.cost.error_estimate < 400.0 * difference
 
 
 def test_the_oblique_strike_is_as_it_was_predicted() -> None:

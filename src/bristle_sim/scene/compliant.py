@@ -158,6 +158,6 @@ def rigid_stiffness(
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
-    """In stick update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
-    if spring.expected.moves and not spring.slip:
+    """In stick and in slip at rest update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
+    if spring.expected.moves and (spring.at_rest or not spring.slip):
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass

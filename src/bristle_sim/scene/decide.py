@@ -214,6 +214,7 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
         return Contacts(motion.contacts, motion.separating)
     if outcome is Outcome.REBOUND:
         spring.course.release()
+        _add_limit_error(system, contact, spring)
     staying = end_contacts(system, motion.contacts, [contact], outcome)
     gap = system.gaps.gap(pair, system.state)
     if gap < -system.plan.accuracy:
@@ -239,6 +240,14 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
         system.event(f"{pair.name} release", wires)
         return Contacts(staying, [*motion.separating, pair])
     return Contacts([*staying, ActiveContact(pair)], motion.separating)
+
+
+def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> None:
+    """Add the difference from the impact law to the error of a contact whose duration is to be short enough for that limit."""
+    if contact.start is None or spring.expected.moves:
+        return
+    limit, _ = system.law_of(contact.pair).resolve(system.scene, contact.start, contact.pair)
+    system.recording.error += max(abs(a - b) for a, b in zip(system.state.rates, limit.rates, strict=True))
 
 
 def _after_impact(system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool) -> Contacts:

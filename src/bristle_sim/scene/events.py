@@ -21,6 +21,7 @@ from bristle_sim.scene.system import System
 LEAST_COMPLIANCE_IN_SLIP = (
     1e-3  # of a free link's; with less, the force that keeps a contact closed grows beyond bounds: a jam
 )
+PLACE_ROUNDING = 4e-16  # of a tip's place, in the scene's unit of length
 LOCATED_VELOCITY = 0.1  # fraction of an interval's error in velocity to which a spring's events are located
 
 
@@ -145,20 +146,43 @@ def _spring_events(system: System, contact: ActiveContact, spring: Spring, index
     def slip(at: Advance) -> float:
         return spring.slip * spring.foot_speed(touch(at.state).velocity)
 
+    def slip_at_rest(at: Advance) -> float:
+        return slip(at) - spring.least_slip_at_rest
+
     def beyond(level: float, at: Advance) -> float:
         return (spring.surface - touch(at.state).gap - level) / duration
 
-    def spare(at: Advance) -> float:
+    def above_deepest(at: Advance) -> float:
+        return -beyond(spring.deepest or 0.0, at)
+
+    def excess(at: Advance) -> float:
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
-        return spring.spare_friction(penetration, at.sums(index).tangential) / (spring.stiffness * duration)
+        return spring.excess_friction(penetration, at.sums(index).tangential) / (spring.stiffness * duration)
 
+    def spare(at: Advance) -> float:
+        if spring.elastic and not spring.at_rest:
+            force = spring.elastic_force(gaps.along(pair, at.state))
+        elif at.totals:
+            force = at.sums(index).tangential
+        else:
+            return math.nan
+        return spring.spare_friction(spring.surface - touch(at.state).gap, force) / (spring.stiffness * duration)
+
+    # It rises from zero and may come back at once: nothing but rounding of a place counts as zero.
+    at_deepest = min(tolerance, PLACE_ROUNDING / duration)
+    if spring.at_rest:
+        yield Event(slip_at_rest, -1, Kind.FOOT_STOPS, contact, tolerance)
+        yield Event(spare, -1, Kind.REST_ENDS, contact, tolerance)
+        yield Event(excess, -1, Kind.PRESSED_ON, contact, at_deepest)
+        return
     if spring.deepest is None:
-        yield Event(closing, -1, Kind.COMPRESSION_ENDS, contact, tolerance)
+        ends = Kind.RELOADING_ENDS if spring.pressed_on else Kind.COMPRESSION_ENDS
+        yield Event(closing, -1, ends, contact, tolerance)
     else:
         yield Event(partial(beyond, spring.residual), -1, Kind.UNLOADED, contact, tolerance)
-        yield Event(partial(beyond, spring.deepest), 1, Kind.PRESSED_ON, contact, tolerance)
+        yield Event(above_deepest, -1, Kind.PRESSED_ON, contact, at_deepest)
     if spring.slip:
         yield Event(slip, -1, Kind.FOOT_STOPS, contact, tolerance)
     elif spring.compliance_in_stick:

@@ -30,6 +30,11 @@ class Gaps:
         """Return the distance of link and pair, negative inside."""
         return self.closest(pair, state).gap
 
+    def along(self, pair: ContactPair, state: State) -> float:
+        """Return the place of a corner along the workpart, +x."""
+        poses = self.mechanism.poses(state)
+        return poses[pair.link].joint[0] + pair.closest(poses, state.rates).arm[0]
+
     def gap_and_rate(self, pair: ContactPair, state: State) -> tuple[float, float]:
         """Return the distance of link and pair, and its rate."""
         touch = self.closest(pair, state)

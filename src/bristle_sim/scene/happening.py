@@ -32,6 +32,10 @@ class Kind(Enum):
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
     PRESSED_ON = auto()  # contact with a spring that unloads: the penetration exceeds the deepest one
+    RELOADING_ENDS = (
+        auto()
+    )  # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
+    REST_ENDS = auto()  # contact with a spring in slip at rest: friction no longer keeps it at rest
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
     CONE_REACHED = auto()  # contact with a spring that sticks: its tangential force reaches the friction cone
     OVERDUE = auto()  # contact with a spring in the rigid-body limit: it lasts too long to be an impact
@@ -45,13 +49,25 @@ SPRING_KINDS = frozenset(
         Kind.COMPRESSION_ENDS,
         Kind.UNLOADED,
         Kind.PRESSED_ON,
+        Kind.RELOADING_ENDS,
+        Kind.REST_ENDS,
         Kind.FOOT_STOPS,
         Kind.CONE_REACHED,
         Kind.OVERDUE,
     }
 )
-BEGINS_POSITIVE = frozenset({Kind.LOCKED, Kind.RETRACTION_LIMIT, Kind.FOOT_STOPS, Kind.CONE_REACHED})
-"""Kinds whose value is positive where a motion begins, or rises from zero there."""
+BEGINS_POSITIVE = frozenset(
+    {
+        Kind.LOCKED,
+        Kind.RETRACTION_LIMIT,
+        Kind.PRESSED_ON,
+        Kind.RELOADING_ENDS,
+        Kind.REST_ENDS,
+        Kind.FOOT_STOPS,
+        Kind.CONE_REACHED,
+    }
+)
+"""Kinds whose value is positive where a motion begins, or rises from zero there, by the decision at the event before."""
 
 TURNS = SPRING_KINDS | {Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
 """Kinds whose value may change its sign twice within an interval."""

@@ -29,13 +29,18 @@ from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.load import Load
 from bristle_sim.scene.mechanism import Vector
-from bristle_sim.scene.pairs import ClosestApproach, WorkpartPair
+from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.trajectory import ContactHistory
 
 NO_SLIP_TO_STOP = 1e-14
 """Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
 
 EDGE_ROUNDING = 1e-9  # fraction of friction's limit within which a tangential spring's force is at the cone's edge
+
+SHORTEST_SWING = 1e-3
+"""Time in which a tangential spring swings from the friction of compression to that of restitution, as a fraction of the contact,
+below which the motion to and fro at the deepest point is replaced by its mean, slip at rest. The deepest point grows meanwhile
+by less than a tenth of this fraction, which the mean leaves out; a thousand swings cost some 300,000 engine steps."""
 
 
 class Expectation(NamedTuple):
@@ -64,7 +69,9 @@ class Spring:
         inverse_mass: K at the first touch or of the interval.
         deepest: penetration at which unloading began; None while the spring loads, unloading is steeper.
         slip: sense of slip, or 0 in stick.
-        stick_force: tangential force in stick at the last state.
+        at_rest: whether friction between the two coefficients keeps the normal velocity at zero in slip ("slip at rest").
+        pressed_on: whether it loads again, from rest at its deepest point.
+        stick_force: tangential force in stick, or in slip at rest, at the last state.
         foot: place of the tangential spring's foot along the surface.
     """
 
@@ -75,6 +82,8 @@ class Spring:
     inverse_mass: Array
     deepest: float | None = None
     slip: int = 0
+    at_rest: bool = False
+    pressed_on: bool = False
     stick_force: float = 0.0
     foot: float = 0.0
     course: ContactCourse = field(default_factory=ContactCourse)
@@ -120,13 +129,24 @@ class Spring:
     def forces(self, penetration: float) -> Vector:
         """Return (normal, tangential) force at a penetration, within the friction cone."""
         normal = max(self.present_stiffness * (penetration - self.residual), 0.0)
-        if self.slip:
+        if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
         return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the margin of the force in stick to the limit of friction."""
         return self.friction * self.present_stiffness * (penetration - self.residual) - abs(stick_force)
+
+    def excess_friction(self, penetration: float, force: float) -> float:
+        """Return the margin of the force in slip at rest to the friction of compression."""
+        return abs(force) - self.pair.friction * self.present_stiffness * (penetration - self.residual)
+
+    @property
+    def least_slip_at_rest(self) -> float:
+        """Slip velocity at rest below which a tangential spring's swings are resolved; 0 where there is none."""
+        pair, expected = self.pair, self.expected
+        rise = expected.compliance * (pair.restitution_friction - pair.friction) * (self.deepest or 0.0)
+        return rise / (SHORTEST_SWING * expected.duration)
 
     def foot_speed(self, velocity: Vector) -> float:
         """Return the velocity of the point that slips on the surface, for slip in the present sense."""
@@ -135,27 +155,23 @@ class Spring:
         steepness = self.expected.compliance * self.present_stiffness / self.stiffness
         return velocity[1] + self.friction * self.slip * steepness * velocity[0]
 
-    def settle(self, touch: ClosestApproach, place: float, error: float) -> None:
-        """Let the foot stand, or slip if the force is at the edge of the friction cone or beyond and would leave it.
+    def elastic_force(self, place: float) -> float:
+        """Return the tangential spring's force at a place along the surface while its foot stands."""
+        return -(self.stiffness / self.expected.compliance) * (place - self.foot)
 
-        The sign of the foot's velocity decides, or, if the velocity is within the ``error``, that of its acceleration.
-        """
-        limit = max(self.spare_friction(self.surface - touch.gap, 0.0), 0.0)
+    def set_foot(self, penetration: float, place: float) -> bool:
+        """Set the foot so that the force, limited to the friction cone, does not jump; return whether it is at the cone's edge."""
+        limit = max(self.spare_friction(penetration, 0.0), 0.0)
         force = min(max(self.stick_force, -limit), limit)
-        self.slip = int(-math.copysign(1.0, force) if force else math.copysign(1.0, touch.velocity[1]))
-        speed = self.slip * self.foot_speed(touch.velocity)
-        if abs(speed) <= error:
-            normal, tangential = (self.inverse_mass @ (1.0, -self.friction * self.slip)).tolist()
-            speed = self.slip * self.foot_speed((normal, tangential))
-        if self.friction and not (abs(force) >= limit * (1.0 - EDGE_ROUNDING) and speed > 0.0):
-            self.slip = 0
         self.stick_force, self.foot = force, place + force * self.expected.compliance / self.stiffness
+        return abs(force) >= limit * (1.0 - EDGE_ROUNDING)
 
 
 class SpringForce:
     """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums.
 
-    In each step the force of stick cancels the motion left from the step before, whether due to the spring or to inertia.
+    In each step the force of stick cancels the motion along the surface left from the step before, whether due to the spring or to
+    inertia; that of slip at rest cancels the motion along the normal, T = -(K_nn N + v_n/h)/K_nt.
     So the second step has the force at the interval's beginning, and one more step would have the force at its end, both up
     to powers of the step.
 
@@ -180,9 +196,12 @@ class SpringForce:
         """Reset the sums; return a callback that applies the force of the spring's present phase for a step."""
         spring, push, place_of, velocity_of = self._spring, self._push, self._place, self._velocity
         stiffness, height, foot = self._stiffness, self._height, spring.foot
-        ratio, stop, rigidity = self._ratio, 0.0, self._rigidity
-        if not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
-            ratio, stop = -float(spring.inverse_mass[0, 1]) / tangential, 1.0 / (tangential * step)
+        ratio, stop, rigidity, at_rest = self._ratio, 0.0, self._rigidity, spring.at_rest
+        normal_gain, coupling = spring.inverse_mass[0].tolist()
+        if at_rest:
+            ratio, stop = -normal_gain / coupling, 1.0 / (coupling * step)
+        elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
+            ratio, stop = -coupling / tangential, 1.0 / (tangential * step)
         pushes = rubs = loss = heat = 0.0
         in_stick: list[float] = []
 
@@ -191,7 +210,7 @@ class SpringForce:
             place, velocity = place_of(), velocity_of()
             x, y, slip = place.x, place.y, velocity.x
             normal = stiffness * (height - y)
-            along = ratio * normal - stop * slip - rigidity * (x - foot)
+            along = ratio * normal - stop * (velocity.y if at_rest else slip) - rigidity * (x - foot)
             push((along, normal), (x, y))
             pushes += normal
             rubs += along
@@ -205,7 +224,8 @@ class SpringForce:
             if rigidity:
                 last = -rigidity * (place_of().x - foot)
             elif stop:
-                last = ratio * stiffness * (height - place_of().y) - stop * velocity_of().x
+                left = velocity_of()
+                last = ratio * stiffness * (height - place_of().y) - stop * (left.y if at_rest else left.x)
                 first = in_stick[1] if len(in_stick) > 1 else last
             return [0.0, last, step * pushes, step * rubs, step * loss, step * heat, first]
 

@@ -10,7 +10,9 @@ import math
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.course import SpringPhase
+from bristle_sim.scene.extrapolation import Advance
 from bristle_sim.scene.happening import Kind
+from bristle_sim.scene.load import Sums
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import ContactLoad, Spring
@@ -52,6 +54,9 @@ def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
     """Return a motion's contacts with springs after an impact elsewhere, which changes the sense of their motion."""
     contacts = []
     for contact, spring in motion.springs:
+        if spring.at_rest and system.approach(contact.pair) < 0.0:
+            spring.deepest = None
+        spring.at_rest = False
         if spring.loading and system.approach(contact.pair) > 0.0:
             _unload(system, contact, spring)
         look_up_slip(system, motion, contact, spring)
@@ -101,8 +106,10 @@ def change_spring(system: System, motion: Motion, contact: ActiveContact, spring
 def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind) -> Outcome | None:
     """Apply an event; return the contact's outcome if it is over."""
     expected, course = spring.expected, spring.course
+    if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
+        _leave_rest(system, contact, spring)
     match kind:
-        case Kind.COMPRESSION_ENDS:
+        case Kind.COMPRESSION_ENDS | Kind.RELOADING_ENDS:
             return _end_compression(system, motion, contact, spring)
         case Kind.UNLOADED:
             return Outcome.REBOUND
@@ -114,17 +121,24 @@ def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spri
             stuck = expected.outcome in (Outcome.JAM, Outcome.STICTION)
             return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
         case Kind.PRESSED_ON:
+            spring.pressed_on = spring.at_rest
+            spring.at_rest = False
             spring.deepest = None
             if spring.elastic or not spring.slip:
                 _settle_slip(system, motion, contact, spring)
         case Kind.CONE_REACHED:
             spring.slip = -1 if spring.stick_force > 0.0 else 1
+        case Kind.FOOT_STOPS if spring.elastic:
+            sense = spring.slip
+            _settle_foot(system, motion, contact, spring)
+            # Its velocity falls through zero: the force turns back from the cone's edge. Without friction the point swings.
+            spring.slip = 0 if spring.friction else -sense
         case Kind.FOOT_STOPS:
             _settle_slip(system, motion, contact, spring)
             stopped = not spring.slip and _ends_in_stiction(system, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
             together = -system.approach(contact.pair) <= STOPS_TOGETHER * course.approach
-            if spring.loading and not spring.elastic and (stopped or together):
+            if spring.loading and (stopped or together):
                 return _end_compression(system, motion, contact, spring)
     return None
 
@@ -136,9 +150,39 @@ def _end_compression(system: System, motion: Motion, contact: ActiveContact, spr
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
         return Outcome.STICTION
-    if spring.elastic or not spring.slip:
+    spring.at_rest = _slips_at_rest(system, motion, contact, spring)
+    if not spring.at_rest and (spring.elastic or not spring.slip):
         _settle_slip(system, motion, contact, spring)
     return None
+
+
+def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> bool:
+    """Return whether friction holds the normal velocity at zero at the deepest point, where slip goes on.
+
+    The friction of restitution would press the point on, and that of compression would part it. Neither unloading nor further
+    loading is then consistent: the normal velocity stays zero under a friction between the two. A tangential spring makes the
+    force swing between the two; where that is fast, its mean does the same.
+    """
+    coupling = float(spring.inverse_mass[0, 1])
+    if spring.pair.restitution_friction <= spring.pair.friction or spring.slip * coupling <= 0.0:
+        return False
+    slip = system.gaps.closest(contact.pair, system.state).velocity[1]
+    if spring.slip * slip <= spring.least_slip_at_rest:
+        return False
+    before = spring.stick_force
+    spring.at_rest = True
+    follow_bodies(system.scene, system.state, spring)
+    mean = _probe(system, motion, contact, spring)[1].tangential_at_start
+    holds = spring.spare_friction(spring.deepest or 0.0, mean) > 0.0
+    spring.stick_force = mean if holds else before
+    return holds
+
+
+def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
+    """End slip at rest: unload; a tangential spring's force begins its next swing with the friction of compression."""
+    spring.at_rest = False
+    spring.deepest = _penetration(system, contact, spring)
+    spring.stick_force = -spring.slip * spring.pair.friction * spring.stiffness * spring.deepest
 
 
 def _unload(system: System, contact: ActiveContact, spring: Spring) -> None:
@@ -163,27 +207,50 @@ def _slip_error(system: System, contact: ActiveContact) -> float:
 
 def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
     """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
-    pair = contact.pair
     if spring.elastic:
-        touch, joint = system.gaps.closest(pair, system.state), system.gaps.poses(system.state)
-        spring.settle(touch, joint[pair.link].joint[0] + touch.arm[0], _slip_error(system, contact))
+        _settle_foot(system, motion, contact, spring)
         return
     spring.slip = 0
     follow_bodies(system.scene, system.state, spring)
-    others = [each for other, each in motion.springs if other is not contact]
+    probe, sums = _probe(system, motion, contact, spring)
+    spring.stick_force = force = sums.tangential_at_start
+    penetration = _penetration(system, contact, spring)
+    if spring.loading and not contact.impulse[0]:
+        # Both forces are zero at the first touch.
+        force = sums.tangential
+        penetration = spring.surface - system.gaps.gap(contact.pair, probe.state)
+    limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
+    if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
+        spring.slip = -1 if force > 0.0 else 1
+
+
+def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+    """Let the foot slip if the force is at the edge of the friction cone and would leave it, else stand.
+
+    It would leave the cone where the foot's velocity has the sense s against the force. A velocity within its error is zero; the
+    bodies' motion under all forces, its own edge force among them, then decides in which sense it begins.
+    """
+    pair, gaps = contact.pair, system.gaps
+    touch = gaps.closest(pair, system.state)
+    at_edge = spring.set_foot(spring.surface - touch.gap, gaps.along(pair, system.state))
+    force, smooth = spring.stick_force, not spring.friction
+    spring.slip = int(-math.copysign(1.0, force) if force else math.copysign(1.0, touch.velocity[1]))
+    speed = spring.slip * spring.foot_speed(touch.velocity)
+    if at_edge and not smooth and abs(speed) <= _slip_error(system, contact):
+        probe, _ = _probe(system, motion, contact, spring)
+        later = gaps.closest(pair, probe.state)
+        speed = spring.slip * spring.foot_speed(later.velocity) - speed
+    if not (smooth or (at_edge and speed > 0.0)):
+        spring.slip = 0
+
+
+def _probe(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> tuple[Advance, Sums]:
+    """Integrate over a short part of a contact in its present phase; return the result, and the contact's forces."""
+    others = [other for known, other in motion.springs if known is not contact]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
     normal, coupling = spring.inverse_mass[0].tolist()
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
     length = PROBED_FRACTION * min(spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf)
     probe = spring.expected.stepper.advance(system.scene, system.state, length, load)
-    sums = probe.sums(0 if motion.rigid is None else len(motion.rigid.pairs))
-    spring.stick_force = force = sums.tangential_at_start
-    penetration = _penetration(system, contact, spring)
-    if spring.loading and not contact.impulse[0]:
-        # Both forces are zero at the first touch.
-        force = sums.tangential
-        penetration = spring.surface - system.gaps.gap(pair, probe.state)
-    limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
-    if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
-        spring.slip = -1 if force > 0.0 else 1
+    return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.pairs))
