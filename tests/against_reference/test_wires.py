@@ -12,8 +12,10 @@ import pytest
 from against_reference.test_tools import wire
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Tool, Workpart
 from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.build import time_scale
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.settings import Settings
+from bristle_sim.scene.tool import build_tool
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import Trajectory
 
 ACCURACY = 1e-6
@@ -93,3 +95,24 @@ def test_no_jump_out_of_a_dent(knee: float, friction: float) -> None:
     speed = np.linalg.norm(run.tip_velocity, axis=1)
     # An interval of sustained contact turns a belt's radian at most: the speed between its ends is less than twice theirs.
     assert (way <= 2.0 * np.maximum(speed[1:], speed[:-1]) * time + 1e-12 * np.hypot(*run.tip[0])).all()
+
+
+SPEEDS = [Tool().hub.speed * (1.0 + 1e-3 * share) for share in range(14)]
+
+
+@pytest.mark.parametrize(
+    ("links", "accuracy", "speeds"),
+    [(4, 1e-3, SPEEDS[:1])]
+    + [pytest.param(links, each, SPEEDS, marks=pytest.mark.nightly) for links in (2, 4, 6, 8) for each in (1e-2, 1e-3)],
+)
+def test_a_wire_does_not_stutter(links: int, accuracy: float, speeds: list[float]) -> None:
+    """It slips before it is released from stick. A stutter of release and touch takes any number of steps at one instant.
+
+    The limit is twice the steps of intervals in which the fastest mode turns by two radians, repeated with 2, 4, ... 12 steps.
+    """
+    for speed in speeds:
+        tool = Tool(hub=replace(Tool().hub, speed=speed), bristle=Bristle(links=links))
+        scene, units = build_tool(tool)
+        run = simulate(tool, Settings(accuracy=accuracy, hub_turn=1.5, maximum_steps=200_000))
+        assert run.stop_reason is StopReason.END
+        assert run.cost.steps < 2.0 * 42.0 * run.time[-1] / (2.0 * time_scale(scene) * units.time)

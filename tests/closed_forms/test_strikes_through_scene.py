@@ -8,12 +8,15 @@ to a jam are left out here: there the result magnifies rounding without bound, w
 import math
 
 import numpy as np
+import pymunk
 import pytest
 
+from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.parameters import Contact, DoublePendulum, SinglePendulum, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import double_pendulum, single_pendulum
+from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.monofilament import monofilament_impact
 
 TOLERANCE = 1e-9
@@ -83,3 +86,23 @@ def test_pendulums_agree_with_theory_however_small_the_restitution(restitution: 
         double_pendulum(DoublePendulum(), surface, Contact(), Settings()),
     ):
         assert all(row.ok for row in report.quantities), report.quantities
+
+
+@pytest.mark.parametrize("slip", [0.0, 1e-11, -0.3])
+def test_a_hinged_rod_met_on_its_axis_cannot_slip_by_an_impulse(slip: float) -> None:
+    """It turns at right angles to its axis only: K_tt = K_nt = 0, p = (1 + e) v / K_nn, and no jam, at any angle and rounding."""
+    for angle in np.linspace(-3.0, 3.0, 101).tolist():
+        space, rod = pymunk.Space(), pymunk.Body(1.0, 1.0 / 12.0)
+        x, y = math.cos(angle), math.sin(angle)
+        rod.position, rod.angle, rod.velocity, rod.angular_velocity = (
+            (0.5 * x, 0.5 * y),
+            angle,
+            (0.5 * y, -0.5 * x),
+            -1.0,
+        )
+        space.add(rod, pymunk.PivotJoint(space.static_body, rod, (0.0, 0.0), (-0.5, 0.0)))
+        found = contact_space(rod, (0.9 * x, 0.9 * y), (-y, x), surface_velocity=(-slip * x, -slip * y))
+        assert found.velocity == pytest.approx((-0.9, slip), abs=1e-15)
+        impact = energetic_impact(found.inverse_mass, found.velocity, 0.3, 0.5, stick_compliance=found.stick_compliance)
+        assert impact.outcome_name == "rebound"
+        assert impact.impulse_normal == pytest.approx(1.5 * 0.9 / (3.0 * 0.9**2), rel=1e-12)

@@ -2,12 +2,16 @@
 
 import math
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from bristle_sim.scene.locate import Interval, at_state
+from bristle_sim.scene.happening import Event, Kind
+from bristle_sim.scene.locate import Interval, Monitor, at_state, first_change
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.root import locate
+from bristle_sim.scene.system import LEAST_VALUE
 from bristle_sim.scene.touches import first_touch
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
@@ -63,9 +67,10 @@ class TestFirstTouch:
             assert share == pytest.approx(0.3, abs=2e-5 / length if height < 0.0 else 1e-11)
 
     def test_a_gap_that_is_least_where_the_interval_begins(self) -> None:
-        """That is the touch which has just ended."""
-        assert first_touch(ROD, valley(1e-10, 1e-4), interval(), 0.01) is None
-        assert first_touch(ROD, valley(1e-8, 1e-4), interval(), 0.01) == pytest.approx(1e-8, abs=1e-11)
+        """That is the touch which has just ended. The polynomial's error falls there with the square of the time, to 2e-17 after 1e-8."""
+        assert first_touch(ROD, valley(1e-10, 1e-18), interval(), 0.01) is None
+        assert first_touch(ROD, valley(1e-8, 1e-4), interval(), 0.01) is None
+        assert first_touch(ROD, valley(1e-8, 1e-18), interval(), 0.01) == pytest.approx(1e-8, abs=1e-11)
         # What counts is the time, 1e-10, not the share of the interval.
         assert first_touch(ROD, valley(1e-10, 1e-12), interval(0.01), 1e-10) is None
 
@@ -96,3 +101,53 @@ class TestLocate:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
         found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
         assert jump <= found <= jump + 1e-14
+
+
+class TestFirstChange:
+    """A sign changes with its event only: no interval is accepted that ends beyond the zero of a function without the event."""
+
+    @pytest.mark.parametrize("share", [0.1 * 2.0**-power for power in range(16)])
+    @pytest.mark.parametrize("power", [0.3, 0.5, 1.0, 3.0])
+    def test_a_force_vanishes_early_in_a_long_interval(self, share: float, power: float) -> None:
+        """A rough estimate of its zero, to 1 % of the largest value, may lie on either side of it."""
+
+        def force(at: Any) -> float:
+            return float(share**power - at.state.time**power)
+
+        plan, stepper = SimpleNamespace(time_scale=1.0, accuracy=1e-3), SimpleNamespace(noise=1e-4)
+        system: Any = SimpleNamespace(plan=plan, stepper=stepper, state=interval().start, noise=LEAST_VALUE)
+        monitor = Monitor(Event(force, -1, Kind.RELEASE, None), system)
+        monitor.sign = 1.0
+        reached, event = first_change(system, [monitor], interval())
+        if event is None:
+            assert force(reached.end) >= -LEAST_VALUE
+        else:
+            assert abs(force(reached.end)) <= 1e-6
+
+    @pytest.mark.parametrize(
+        ("direction", "sign", "value", "kept"),
+        [
+            (-1, 1.0, -1.0, True),
+            (-1, -1.0, 1.0, False),
+            (1, 1.0, -1.0, False),
+            (1, -1.0, 1.0, True),
+            (0, 1.0, -1.0, True),
+            (0, None, -1.0, False),
+        ],
+    )
+    def test_a_change_of_sign_that_is_an_event_is_left_to_it(
+        self, direction: int, sign: float | None, value: float, kept: bool
+    ) -> None:
+        system: Any = SimpleNamespace(state=interval().start, noise=LEAST_VALUE)
+        monitor = Monitor(Event(lambda _: value, direction, Kind.SLIP_STOPS, None), system)
+        monitor.sign = sign
+        monitor.follow(value)
+        assert monitor.sign == (sign if kept else value)
+
+    def test_an_event_within_an_instant_of_the_start_is_there(self) -> None:
+        """What a shorter time is integrated to is rounding."""
+        whole = interval()
+        cut = whole.up_to(whole.again(1e-16))
+        assert cut.end is whole.first
+        assert cut.length == 0.0
+        assert whole.up_to(whole.again(1e-3)).length == 1e-3

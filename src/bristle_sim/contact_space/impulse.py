@@ -132,14 +132,14 @@ def contact_space(
     contact, velocity = _relative_motion(ends, point, normal, surface_velocity)
     columns, scale = scaled_columns([*[row.entries for row in rows], *contact], bodies)
     basis, triangle = _free_part(columns, len(rows))
-    sticks = len(triangle) == 2 and abs(triangle[1, 1]) > SINGULAR * math.hypot(*columns[:, -1].tolist())
+    stick, compliance = _in_stick(columns, basis, triangle)
     found = ContactSpace(
         inverse_mass=(triangle.T @ triangle)[::-1, ::-1],
         velocity=velocity,
         bodies=tuple(bodies),
         response=scale[:, None] * (basis @ triangle[:, ::-1]),
-        in_stick=scale * basis[:, 1] * triangle[1, 1] if sticks else np.zeros(len(scale)),
-        stick_compliance=float(triangle[1, 1]) ** 2 if sticks else 0.0,
+        in_stick=scale * stick,
+        stick_compliance=compliance,
     )
     if limited and any(limits := [row.limit for row in rows]):
         touch = columns[:, :-3:-1]
@@ -182,6 +182,20 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
         free = free - rigid @ (rigid.T @ free)
     basis, triangle = np.linalg.qr(free)
     return basis, triangle
+
+
+def _in_stick(columns: Array, basis: Array, triangle: Array) -> tuple[Array, float]:
+    """Return the motion in stick per unit normal impulse, and the stick compliance; 0 if the point cannot move then.
+
+    A point whose tangential motion is rounding, and is set to zero here, cannot slip: normal impulses move it as in stick.
+    """
+    tangential, normal = np.abs(columns[:, -2:]).max(axis=0).tolist()
+    if max(map(abs, triangle[:, 0].tolist())) <= SINGULAR * tangential:
+        triangle[:, 0] = 0.0
+        return basis @ triangle[:, 1], float(triangle[:, 1] @ triangle[:, 1])
+    if len(triangle) == 2 and abs(triangle[1, 1]) > SINGULAR * normal:
+        return basis[:, 1] * triangle[1, 1], float(triangle[1, 1]) ** 2
+    return np.zeros(len(columns)), 0.0
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:

@@ -19,7 +19,7 @@ from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair, dented
 from bristle_sim.scene.rigid import LEAST_SLIP, RigidContacts, sense_of_slip
-from bristle_sim.scene.spring import ContactLoad
+from bristle_sim.scene.spring import ContactLoad, Spring
 from bristle_sim.scene.spring_phases import after_impact, begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
@@ -316,7 +316,10 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
     """Resolve the impact by the pair's law, or by a law without restitution."""
-    before, law, touched = system.state, system.law_of(pair), pair
+    before, touched = system.state, pair
+    law = system.law_of(pair)
+    if system.recording.lost is None:
+        law = law.known_to(system.recording.error)
     if rests or -system.approach(pair) <= system.slow:
         law, touched = ENERGETIC, replace(pair, restitution=0.0)
     system.state, record = law.resolve(system.scene, before, touched)

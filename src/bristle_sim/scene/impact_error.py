@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.mechanism import State, cross
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.system import System
 from bristle_sim.trajectory import ContactRecord
 
@@ -15,15 +15,16 @@ MOST_CHANGED_APPROACH = 0.5  # by the error, as a fraction; the impact is beyond
 def propagate_error(system: System, pair: ContactPair, before: State, record: ContactRecord) -> None:
     """Propagate the error over an impact, by two motions that are off by it in angle, and in rate with either sign.
 
-    These touch at another instant, and their rates jump there in proportion to their approach. If the law has adjusted
-    the slip so that it ends with the approach, it is uncertain whether the contact sticks or jams.
+    These touch at another instant, with another approach and another lever, which change the jump of their rates. If the law
+    has adjusted the slip so that it ends with the approach, it is uncertain whether the contact sticks or jams.
     """
     gaps, recording, error = system.gaps, system.recording, system.recording.error
     if recording.lost is not None:
         return
     earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
     since = before.time - earlier.time or math.inf
-    approach, slip = gaps.closest(pair, before).velocity
+    touch = gaps.closest(pair, before)
+    approach, slip = touch.velocity
     changes = [(b - a) / since for a, b in zip(earlier.rates, before.rates, strict=True)]
     jumps = [b - a for a, b in zip(before.rates, record.rates_after, strict=True)]
     snap = abs(slip - record.velocity_before[1])
@@ -35,10 +36,22 @@ def propagate_error(system: System, pair: ContactPair, before: State, record: Co
         late = -gap / opening if opening else math.inf
         angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
         rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
-        there = gaps.closest(pair, State(before.time + late, tuple(angles), tuple(rates))).velocity[0]
-        part = there / approach - 1.0 if approach else math.inf
+        other = gaps.closest(pair, State(before.time + late, tuple(angles), tuple(rates)))
+        part = _jump_ratio(touch, other, single_link=system.mechanism.lone) - 1.0
         if undecided or not abs(part) < MOST_CHANGED_APPROACH:
             recording.lost = before.time
             return
         for jump in jumps:
             recording.error = max(recording.error, abs(error - jump * late), abs(off + jump * part))
+
+
+def _jump_ratio(touch: ClosestApproach, other: ClosestApproach, *, single_link: bool) -> float:
+    """Return the ratio of the jumps of the rates, the second over the first, in two nearby impacts.
+
+    A jump is in proportion to the approach and, of a single link, inversely to the lever of the normal.
+    """
+    jump, other_jump = touch.velocity[0], other.velocity[0]
+    if single_link:
+        jump *= cross(other.arm, other.normal)
+        other_jump *= cross(touch.arm, touch.normal)
+    return other_jump / jump if jump else math.inf

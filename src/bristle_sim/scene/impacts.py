@@ -50,6 +50,11 @@ class ContactLaw(ABC):
         del scene, state, pair, press
         return None
 
+    def known_to(self, error: float) -> ContactLaw:
+        """Return the law for velocities before the impact that are known to an error, relative; here the same."""
+        del error
+        return self
+
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply an instantaneous impact to the scene; all values are in engine units."""
@@ -87,6 +92,10 @@ class EnergeticLaw(ContactLaw):
     accuracy: float = 0.0
     tangential_compliance: float = 0.0
     name = "energetic"
+
+    def known_to(self, error: float) -> EnergeticLaw:
+        """Return the law with this accuracy, if that is higher."""
+        return dataclasses.replace(self, accuracy=error) if error < self.accuracy else self
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Change all bodies' velocities at once; positions stay."""

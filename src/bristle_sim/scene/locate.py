@@ -36,6 +36,8 @@ a shorter interval begins."""
 
 ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a function hardly moves
 
+ONE_INSTANT = 1e-15  # of the time at an interval's end plus 1: an event sooner after the start is at the start
+
 
 class Interval:
     """An interval that has been integrated: the results at its ends, and the function that integrates a shorter time."""
@@ -57,9 +59,17 @@ class Interval:
             self._curve = Curve(self.start, *middle, self.end.state)
         return self._curve(self.start.time + time)
 
+    @property
+    def instant(self) -> float:
+        """The time within which the end is the start."""
+        return ONE_INSTANT * (1.0 + self.end.state.time)
+
     def up_to(self, end: Advance) -> Interval:
-        """Return the interval with an earlier end."""
-        return self if end is self.end else Interval(self.first, end, self.again)
+        """Return the interval with an earlier end; within an instant that is the start, where nothing is integrated."""
+        if end is self.end:
+            return self
+        at_start = end.state.time - self.start.time <= self.instant
+        return Interval(self.first, self.first if at_start else end, self.again)
 
 
 class Monitor:
@@ -93,6 +103,15 @@ class Monitor:
         """Return the sign of a value, or the last one where the value has none."""
         return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
 
+    def follow(self, value: float) -> None:
+        """Take the sign of a value at an interval's end.
+
+        A change of sign that is an event is left to the next interval, at whose start the event then is.
+        """
+        sign = self.sign_of(value)
+        if self.sign in (None, sign) or self.event.direction == self.sign:
+            self.sign = sign
+
 
 def at_state(state: State) -> Advance:
     """Return a state as the end of an interval of no length."""
@@ -103,18 +122,19 @@ def first_change(system: System, monitors: Sequence[Monitor], interval: Interval
     """Return the interval up to the first event that triggers, and its monitor."""
     first = None
     for monitor in monitors:
-        instant = 1e-15 * (1.0 + interval.end.state.time)
-        if interval.length <= instant:
+        if interval.length <= interval.instant:
             break
         part = _to_the_extreme(monitor.event, interval) if monitor.event.kind in TURNS else interval
-        ends = _change(monitor, part) if part.length > instant else None
-        if ends is None:
-            continue
-        if _is_far(system, monitor, part):
-            interval = interval.up_to(_before_zero(monitor.event.value, part, *ends))
-            first = None
-        else:
-            interval = interval.up_to(_zero(system, monitor, part, *ends, instant))
+        ends = _change(monitor, part) if part.length > part.instant else None
+        while ends is not None and _is_far(system, monitor, part):
+            # The result near the zero may be on either side of it.
+            part = part.up_to(_before_zero(monitor.event.value, part, *ends))
+            ends = _change(monitor, part)
+            if ends is None:
+                interval = part
+                first = None
+        if ends is not None:
+            interval = part.up_to(_zero(system, monitor, part, *ends))
             first = monitor
     return interval, first
 
@@ -173,9 +193,9 @@ def _before_zero(value: Value, interval: Interval, left: float, right: float) ->
     return again(BEFORE_ZERO * zero)
 
 
-def _zero(system: System, monitor: Monitor, interval: Interval, left: float, right: float, instant: float) -> Advance:
+def _zero(system: System, monitor: Monitor, interval: Interval, left: float, right: float) -> Advance:
     """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
-    again, exact = interval.again, monitor.exact
+    again, exact, instant = interval.again, monitor.exact, interval.instant
     value, tolerance = monitor.event.value, monitor.event.tolerance
     rises = monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0
     begin = _rise(value, interval, instant) if rises else 0.0

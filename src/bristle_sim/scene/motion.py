@@ -108,15 +108,14 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
             motion.limit = system.plan.instant
             return None, None
         if slipping is not None:
-            sense = -1 if result.sums(slipping).tangential > 0.0 else 1
-            return None, Happening(Kind.SLIPS, motion.contacts[slipping], sense)
+            return None, _break_away(motion, result, slipping)
         if gone:
             return None, _approach_release(system, motion, motion.rigid, result, length)
     if system.stepper.accepts(result, length):
         before = (motion.before or at_state(start))._replace(state=start)
         return Interval(before, result, again), None
     durations = [SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in motion.springs]
-    if not math.isfinite(result.error) or length < min(durations, default=SHORTEST_INTERVAL):
+    if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
     return None, None
 
@@ -137,15 +136,27 @@ def _due(motion: Motion) -> Happening | None:
     return None
 
 
+def _break_away(motion: Motion, result: Advance, index: int) -> Happening:
+    """Return the beginning of the slip, against friction, of a contact that has stuck."""
+    return Happening(Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1)
+
+
 def _approach_release(
     system: System, motion: Motion, rigid: RigidContacts, result: Advance, length: float
 ) -> Happening | None:
-    """Shorten the interval towards the instant at which a force vanishes, or release the contact or its stick."""
+    """Shorten the interval towards the instant at which a force vanishes, or release the contact or its stick.
+
+    Only a contact that does not stick is released: its force vanishes where its gap begins to open. In stick the force also
+    depends on friction, which cannot act without it, and the gap may still close.
+    """
     plan, first = system.plan, motion.before is None
     for contact in motion.ordered:
         if first and contact.stopped:
             return Happening(Kind.SLIPS, contact, -contact.stopped)
     if (first and system.mechanism.lone) or length <= plan.shortest:
+        slipping = rigid.breaks_away(result.totals)
+        if slipping is not None:
+            return _break_away(motion, result, slipping)
         lost = zip(motion.contacts, rigid.normal(result.totals), strict=False)
         return Happening(Kind.RELEASE, tuple(contact for contact, force in lost if force <= 0.0))
     shorter = length / MOST_GROWTH if first else BEFORE_RELEASE * length * rigid.lasts()
@@ -158,8 +169,8 @@ def _until_release(motion: Motion) -> float:
     return BEYOND_RELEASE * min((contact.vanishes_in for contact in motion.contacts), default=math.inf)
 
 
-def up_to_first_event(system: System, motion: Motion, interval: Interval) -> tuple[Interval, Happening | None]:
-    """Return an interval up to its first event, and the event."""
+def up_to_first_event(system: System, motion: Motion, interval: Interval) -> tuple[Interval | None, Happening | None]:
+    """Return an interval up to its first event, and the event; None for the interval if it must be shorter."""
     whole = interval
     of_contacts = [monitor for monitor in motion.monitors if monitor.event.kind not in OF_THE_MOTION]
     of_motion = [monitor for monitor in motion.monitors if monitor.event.kind in OF_THE_MOTION]
@@ -172,13 +183,28 @@ def up_to_first_event(system: System, motion: Motion, interval: Interval) -> tup
         triggered = None
     interval, later = first_change(system, of_motion, interval)
     triggered = later or triggered
+    if interval is not whole and not _is_accurate(system, motion, interval):
+        return None, None
     for monitor in motion.monitors:
-        # The function that is zero at a new end has changed its sign; the later ones have not yet.
-        known = interval is whole or monitor is triggered
-        monitor.sign = monitor.sign_of(monitor.reached if known else monitor.event.value(interval.end))
+        if monitor is triggered:
+            monitor.sign = monitor.sign_of(monitor.reached)
+        else:
+            monitor.follow(monitor.reached if interval is whole else monitor.event.value(interval.end))
     if triggered is None:
         return interval, touch
     return interval, Happening(triggered.event.kind, triggered.event.subject)
+
+
+def _is_accurate(system: System, motion: Motion, interval: Interval) -> bool:
+    """Return whether an interval cut short at an event may be accepted; if not, the next one is shorter.
+
+    Its integration is another one than that of the whole interval, whose estimate may have been too small.
+    """
+    end, length = interval.end, interval.length
+    if end.failed:
+        motion.limit = 0.5 * length
+        return False
+    return length <= 0.0 or end.error <= system.stepper.noise or system.stepper.accepts(end, length)
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:

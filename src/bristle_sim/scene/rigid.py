@@ -87,7 +87,7 @@ class RigidContacts:
         pushes = self._pushes
         count = next((index for index, push in enumerate(pushes) if push <= 0.0), len(pushes))
         if count < 2:
-            return 0.5 * count / max(len(pushes), 1)
+            return 0.5 / max(len(pushes), 1)
         before, last = pushes[count - 2 : count]
         return (count - 1.0 + min(last / (before - last), 1.0) if last < before else count) / len(pushes)
 

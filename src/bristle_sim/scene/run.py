@@ -52,7 +52,9 @@ def run(
         interval, event = integrate(system, motion)
         if interval is not None:
             interval, event = up_to_first_event(system, motion, interval)
-            accept(system, motion, interval)
+        if interval is not None:
+            if interval.length > 0.0:
+                accept(system, motion, interval)
             event = event or overdue(system, motion)
             if motion.locked:
                 event = Happening(Kind.LOCKED, None)

@@ -22,6 +22,7 @@ CUBIC_ERROR, QUINTIC_ERROR = 0.01, 1.3e-5
 3.2e-6 h^6 with a safety factor. Likewise h^4 w^3/384 bounds the cubic's for a rate of amplitude 1 that vibrates with the fastest
 rate w."""
 
+NEAR_START = 16.0  # a polynomial's error near the start, over its bound and the square of the fraction passed
 SHORTEST_ADVANCE = 1e-9  # time and length; a least gap sooner is the one at which the interval begins
 LEAST_ADVANCE = 1.0 / 8.0  # fraction of the interval; least values of the gap in between show in its slopes
 GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an extrapolated interval
@@ -168,7 +169,7 @@ def first_touch(
     """Return the fraction of the interval at which the gap is closed or nearly so, on the polynomial; None if it stays open.
 
     The fraction may be later than the touch but never past a second one. ``interpolation_error`` bounds the gap's deviation from
-    that of the polynomial.
+    that of the polynomial; at a fraction f it is at most 16 f^2 (1 - f)^2 times that, as angles and rates at the ends are exact.
     """
     length, end, margin = interval.length, interval.end, interpolation_error
     bound = 1.5 * max(mechanism.speed_bound(interval.start), mechanism.speed_bound(end.state)) * length
@@ -184,7 +185,8 @@ def first_touch(
                 return gap(interval.at(part * length))
 
             dip, least = _least(at, fraction, ahead, following, lambda span, _: span < 2.0**-MOST_HALVINGS)
-            if least < 0.0 or (least < margin and dip * max(length, bound) > SHORTEST_ADVANCE):
+            near = least < margin * min(1.0, NEAR_START * dip**2)
+            if least < 0.0 or (near and dip * max(length, bound) > SHORTEST_ADVANCE):
                 return dip
         fraction, value, rate = ahead, following, next_rate
     return None
