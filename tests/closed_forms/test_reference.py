@@ -129,7 +129,7 @@ class TestHold:
     def test_friction_locks_a_thick_wire_on_the_bar(self, speed):
         """It jams where the edge of the friction cone points at the root, at any speed: tan of the angle is mu = 1."""
         bar = Bar(radius=0.001, horizontal=0.038, vertical=0.0085, friction=1.0)
-        tool = Tool(hub=Hub(speed=speed), bar=bar, workpart=None, bristle=Bristle(wire_diameter=0.018))
+        tool = Tool(hub=Hub(speed=speed), bar=bar, workpart=None, bristle=Bristle(mass=8.387e-5, wire_diameter=0.018))
         run = simulate_reference(tool, start_hub_angle=-2.6)
         assert (run.stop_reason, run.contacts[-1].law) == ("jam", "sustained")
         assert run.event_time("jam") == run.time[-1]

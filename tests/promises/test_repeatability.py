@@ -166,16 +166,13 @@ def test_a_space_is_freed_while_it_holds_its_bodies(monkeypatch: pytest.MonkeyPa
                 left.append(len(bodies))
             return getattr(engine, name)
 
-    shapes = scene.effects.pairs[0]
-    scene.contacts.engage(shapes, friction=0.1, elasticity=0.0, iterations=1)
-    record = scene.contacts.record(shapes, slips=True)
+    step = scene.step
     monkeypatch.setattr("pymunk.space.lib", Recorded())
     del scene
     gc.collect()
-    assert left == []  # the record reads the space
-    del record
+    del step  # it steps the space
     gc.collect()
-    assert left == [1]
+    assert set(left) == {1}
 
 
 def in_a_process(statement: str) -> None:

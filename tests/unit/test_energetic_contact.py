@@ -1,7 +1,6 @@
 """The energetic law in a user's own pymunk space."""
 
 import math
-import time
 from typing import Any
 
 import pymunk
@@ -196,28 +195,3 @@ class TestRest:
         assert not resting.is_sleeping
         # Equal masses, e = 1, no friction between them: speeds are swapped, less the floor's friction of 5 steps.
         assert resting.velocity.x == pytest.approx(-1.0, abs=0.3 * GRAVITY * 5e-3)
-
-    def test_rest_and_flight_cost_what_the_engine_costs(self) -> None:
-        """At most 20 times the engine's step at rest and twice in flight; the best of several, for a busy machine.
-
-        Fifty balls at rest take some 10 times as long: Python is called for each contact, 2.5 us beside the engine's 0.35 us.
-        """
-
-        def cost(height: float, ours: bool, balls: int = 1) -> float:
-            space, _ = floor_space()
-            for number in range(balls):
-                ball(space, 0.5 * number, height)
-            step = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5).step if ours else space.step
-            for _ in range(10):
-                step(1e-6)
-            times = []
-            for _ in range(60 // balls + 3):
-                start = time.process_time()
-                for _ in range(200):
-                    step(1e-6)
-                times.append(time.process_time() - start)
-            return min(times)
-
-        assert cost(0.1, True) < 20.0 * cost(0.1, False)
-        assert cost(0.1, True, 50) < 15.0 * cost(0.1, False, 50)
-        assert cost(1e3, True) < 2.0 * cost(1e3, False)

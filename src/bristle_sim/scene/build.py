@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,14 +123,11 @@ class Scene:
 def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
     """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""
     mechanism, effects = scene.mechanism, scene.effects
-    make: Callable[[], WireVelocities | LinkVelocity]
-    if mechanism.lone:
-        make = functools.partial(LinkVelocity, mechanism, scene.hub, scene.links[0])
-    else:
-        belt = effects.damping if effects.stiffness is not None else 0.0
-        hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
-        damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
-        make = functools.partial(WireVelocities, space, mechanism, damping, scene.hub, scene.links)
+    belt = effects.damping if effects.stiffness is not None else 0.0
+    hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
+    damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
+    solver: type[LinkVelocity | WireVelocities] = LinkVelocity if mechanism.lone else WireVelocities
+    make = functools.partial(solver, space, mechanism, damping, scene.hub, scene.links)
     return SolvedSteps(make, bool(effects.hinges), space, scene.hub, scene.links, scene.joints)
 
 

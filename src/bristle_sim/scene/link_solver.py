@@ -5,7 +5,7 @@ joint u, and friction that adds the fraction f = -mu s of the normal impulse p a
 
     u.n + l_n (w + (l_n + f l_t) p/I) = 0,
 
-where I is the moment of inertia about the joint. It is the solution of :mod:`bristle_sim.scene.solver` for one link, without its
+where I is the moment of inertia about the joint, plus the belt's damping times the step. It is the solution of :mod:`bristle_sim.scene.solver` for one link, without its
 matrices: those would make a pass 2.5 times as expensive.
 """
 
@@ -34,7 +34,18 @@ class LinkVelocity:
     reversible = False  # its steps are not symmetric in time
     symmetric = correct = False
 
-    def __init__(self, mechanism: Mechanism, hub: pymunk.Body | None, link: pymunk.Body) -> None:
+    def __init__(
+        self,
+        space: pymunk.Space,
+        mechanism: Mechanism,
+        damping: Sequence[float],
+        hub: pymunk.Body | None,
+        links: Sequence[pymunk.Body],
+    ) -> None:
+        (link,) = links
+        self._springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
+        self._damping = damping[0]
+        self._active = False
         self._link = mechanism.links[0]
         self._inertia = self._link.inertia_about_joint
         self._radius = mechanism.hub_radius
@@ -46,7 +57,11 @@ class LinkVelocity:
         self.impulses: list[tuple[float, float, float]] = []
 
     def take_over(self, *, active: bool) -> None:
-        """Leave the damping to the engine: it acts on the link alone."""
+        """Assign the damping to this solver or to the engine."""
+        if self._damping and active is not self._active:
+            self._active = active
+            for spring in self._springs:
+                spring.damping = 0.0 if active else self._damping
 
     @property
     def contacts(self) -> Sequence[ClosedPair]:
@@ -61,8 +76,7 @@ class LinkVelocity:
             self._ratio = -closed.pair.friction * (closed.slip or 0)
 
     def solve(self, step: float) -> None:
-        """Make the link's velocity after an engine step obey the joint and the contact."""
-        del step
+        """Make the link's velocity after an engine step obey the joint and the contact, with implicit damping."""
         assert self._touch is not None
         hub = lib.cpBodyGetAngle(self._hub) if self._hub is not None else 0.0
         angle = lib.cpBodyGetAngle(self._body)
@@ -72,11 +86,12 @@ class LinkVelocity:
         cosine, sine = math.cos(angle), math.sin(angle)
         x, y = self._link.centre
         centre_x, centre_y = cosine * x - sine * y, sine * x + cosine * y
-        # The nearest velocity that obeys the joint: the engine damps the link as if it were free.
+        # The nearest velocity that obeys the joint.
         velocity = lib.cpBodyGetVelocity(self._body)
         moment = centre_x * (velocity.y - moving_y) - centre_y * (velocity.x - moving_x)
-        inertia = self._inertia
-        rate = (self._link.inertia * rate + self._link.mass * moment) / inertia
+        damping = step * self._damping
+        inertia = self._inertia + damping
+        rate = (self._link.inertia * rate + self._link.mass * moment + damping * self._speed) / inertia
         arm_x, arm_y, normal_x, normal_y = self._touch(joint, cosine, sine)
         lever = arm_x * normal_y - arm_y * normal_x
         along = -arm_x * normal_x - arm_y * normal_y
