@@ -18,6 +18,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
+from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.impact import LEAST_COMPLIANCE
 
 
@@ -42,21 +43,14 @@ class Touch(NamedTuple):
 
 @dataclass(slots=True)
 class Spring:
-    """A compliant contact with energetic restitution: stiffer in unloading, so that it returns e*^2 of the work of loading.
+    """The spring of a compliant contact, and its state.
 
-    N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
-    delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r. It is measured from where the contact began, ``surface``:
-    in the dent that another one has left, below the workpart's.
-
-    Where the tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the point to a foot on the surface.
-    A foot that sticks is at ``anchor``, T = -k/eta^2 (x - anchor); one that slides in the sense s has T = -mu s N, and moves at
-    v_t - mu s eta^2 N'/k (Stronge, Impact Mechanics; Maw, Barber and Fawcett 1976).
+    The penetration is measured from where the contact began, ``surface``: in the dent that another one has left, below the
+    workpart's. The foot of a tangential spring is at ``anchor`` while it sticks.
     """
 
-    stiffness: float
-    restitution: float
+    law: ContactSpring
     surface: float = 0.0
-    compliance: float = 0.0
     anchor: float = 0.0
     deepest: float = 0.0
     loading: bool = True
@@ -64,30 +58,27 @@ class Spring:
     @property
     def left(self) -> float:
         """Penetration at which the force is back at zero, m."""
-        return (1.0 - self.restitution**2) * self.deepest
+        return self.law.residual(self.deepest)
 
     def force(self, gap: float) -> float:
         """Return the normal force at a gap to the undented obstacle, N."""
-        if self.loading:
-            return self.stiffness * (self.surface - gap)
-        return self.stiffness / self.restitution**2 * (self.surface - gap - self.left) if self.restitution else 0.0
+        return self.law.normal_force(self.surface - gap, None if self.loading else self.deepest)
 
-    def rub(self, touch: Touch, friction: float, slip: int) -> float | None:
+    def rub(self, touch: Touch, slip: int) -> float | None:
         """Return the tangential force, N; None where the contact is rigid along the surface."""
-        if not self.compliance:
+        if not self.law.compliance:
             return None
         if slip:
-            return -friction * slip * self.force(touch.gap)
-        return self.stiffness / self.compliance * (self.anchor - touch.along)
+            return -self.law.coefficient(loading=self.loading) * slip * self.force(touch.gap)
+        return self.law.tangential_force(touch.along, self.anchor)
 
-    def foot(self, touch: Touch, friction: float, slip: int) -> float:
+    def foot(self, touch: Touch, slip: int) -> float:
         """Return the foot's velocity in the sense of its slip, m/s; without a tangential spring that of the point."""
-        stiffer = 1.0 if self.loading else self.restitution**-2
-        return slip * touch.velocity[1] + friction * self.compliance * stiffer * touch.velocity[0]
+        return slip * self.law.foot_velocity(touch.velocity, slip, loading=self.loading)
 
     def stretch(self, touch: Touch, pull: float) -> None:
         """Let the foot stick where the tangential force is now ``pull``, N."""
-        self.anchor = touch.along + pull * self.compliance / self.stiffness
+        self.anchor = self.law.foot(touch.along, pull)
 
 
 def touch_of(

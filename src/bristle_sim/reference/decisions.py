@@ -12,6 +12,7 @@ from bristle_sim.reference.contacts import Point, Spring, Touch, WirePairs, Work
 from bristle_sim.reference.forces import EDGE, acting, closed
 from bristle_sim.reference.log import Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
+from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import Impact, energetic_impact
 
@@ -54,7 +55,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
             each.since, each.velocity_before = state, (0.0, instant.touch(each.point).velocity[1])
     resting = [each for each in touching if each.spring or abs(instant.touch(each.point).velocity[0]) <= still]
     for each in resting:
-        if each.spring is not None and each.spring.compliance:
+        if each.spring is not None and each.spring.law.compliance:
             each.slip = _foot(system, instant, each, each.spring)
     kept = acting(instant.mass, instant.forces, instant.acting(resting), still)
     if kept is None:
@@ -79,7 +80,11 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
     instant, obstacle, spring = system.at(state), system.obstacles[point.obstacle], None
     touch = instant.touch(point)
     if isinstance(obstacle, Workpart) and (stiffness := _stiffness(instant, touch, point)) is not None:
-        spring = Spring(stiffness, obstacle.surface.restitution, touch.gap, obstacle.compliance, touch.along)
+        surface = obstacle.surface
+        law = ContactSpring(
+            stiffness, surface.restitution, surface.friction, surface.friction_in_restitution, obstacle.compliance
+        )
+        spring = Spring(law, touch.gap, touch.along)
     return Sustained(point, 0, state, touch.velocity, spring)
 
 
@@ -117,10 +122,10 @@ def _impact(instant: Instant, touch: Touch, surface: Surface, compliance: float)
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
     """Return the sense in which a tangential spring's foot slides, 0 where it sticks; limit the force to the friction cone."""
     touch, mu = instant.touch(each.point), system.friction(each.point, spring)
-    pull, most = spring.rub(touch, mu, each.slip) or 0.0, mu * max(spring.force(touch.gap), 0.0)
+    pull, most = spring.rub(touch, each.slip) or 0.0, mu * max(spring.force(touch.gap), 0.0)
     pull = min(max(pull, -most), most)
     sense = int(-np.sign(pull) or np.sign(touch.velocity[1]))
-    if not mu or (abs(pull) >= (1.0 - EDGE) * most and spring.foot(touch, mu, sense) > 0.0):
+    if not mu or (abs(pull) >= (1.0 - EDGE) * most and spring.foot(touch, sense) > 0.0):
         return sense or 1
     spring.stretch(touch, pull)
     return 0
@@ -138,13 +143,13 @@ def end_compression(system: System, log: Log, each: Sustained, spring: Spring, s
     spring.deepest = spring.surface - system.at(state).touch(each.point).gap
     change_phase(system, each, spring, state)
     each.compression = each.sums
-    return decide(system, log, state) if spring.restitution else end_compliant_contact(system, log, each, state)
+    return decide(system, log, state) if spring.law.restitution else end_compliant_contact(system, log, each, state)
 
 
 def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
     """Begin restitution, or compression again: the tangential force stays, within the cone of the other friction."""
     touch = system.at(state).touch(each.point)
-    if each.slip and (pull := spring.rub(touch, system.friction(each.point, spring), each.slip)) is not None:
+    if each.slip and (pull := spring.rub(touch, each.slip)) is not None:
         spring.stretch(touch, pull)
         each.slip = 0
     spring.loading = not spring.loading

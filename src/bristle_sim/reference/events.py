@@ -160,12 +160,13 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
     mu, slip = system.friction(each.point, each.spring), each.slip
     speed, force = system.size * system.fastest, ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
     if each.spring is not None:
-        steepest = each.spring.stiffness / min(1.0, each.spring.restitution**2 or 1.0, each.spring.compliance or 1.0)
+        law = each.spring.law
+        steepest = law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
         force += steepest * GAP_ROUNDING * system.size
 
     def sliding(at: Instant) -> float:
         touch = at.contacts[number].touch
-        return each.spring.foot(touch, mu, slip) if each.spring else slip * touch.velocity[1]
+        return each.spring.foot(touch, slip) if each.spring else slip * touch.velocity[1]
 
     def cone(at: Instant) -> float:
         return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))

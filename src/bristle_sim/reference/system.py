@@ -131,7 +131,7 @@ class Instant:
         for each in sustained:
             touch = self.touch(each.point)
             mu, spring = self.system.friction(each.point, each.spring), each.spring
-            known = (None, None) if spring is None else (spring.force(touch.gap), spring.rub(touch, mu, each.slip))
+            known = (None, None) if spring is None else (spring.force(touch.gap), spring.rub(touch, each.slip))
             found.append(Acting(touch, mu, each.slip, *known))
         return found
 

@@ -15,6 +15,7 @@ from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, ener
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Expectation, Spring
+from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
@@ -100,8 +101,9 @@ class CompliantLaw(ContactLaw):
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper, compliance)
-        return Spring(stiffness, pair, expected, touch.gap, space.inverse_mass)
+        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
+        law = ContactSpring(stiffness, restitution, pair.friction, pair.restitution_friction, compliance)
+        return Spring(law, pair, expected, touch.gap, space.inverse_mass)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""

@@ -159,7 +159,7 @@ def _spring_events(system: System, contact: ActiveContact, spring: Spring, index
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
-        return spring.excess_friction(penetration, at.sums(index).tangential) / (spring.stiffness * duration)
+        return spring.excess_friction(penetration, at.sums(index).tangential) / (spring.law.stiffness * duration)
 
     def spare(at: Advance) -> float:
         if spring.elastic and not spring.at_rest:
@@ -168,7 +168,7 @@ def _spring_events(system: System, contact: ActiveContact, spring: Spring, index
             force = at.sums(index).tangential
         else:
             return math.nan
-        return spring.spare_friction(spring.surface - touch(at.state).gap, force) / (spring.stiffness * duration)
+        return spring.spare_friction(spring.surface - touch(at.state).gap, force) / (spring.law.stiffness * duration)
 
     # It rises from zero and may come back at once: nothing but rounding of a place counts as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)

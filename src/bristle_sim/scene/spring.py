@@ -1,17 +1,9 @@
 """The springs of a contact resolved in time, and their force and friction as a load on the scene.
 
-Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with delta_r =
-(1 - e*^2) delta_max while it unloads, so that the spring returns e*^2 of the work it took, whatever the bodies do. The
-tangential force is -mu sign(v_t) N in slip; in stick it is the force that stops the point within each engine step, -(K_nt N +
-v_t/h)/K_tt.
+The law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the surface has no tangential spring: in
+stick its force stops the point within each engine step, -(K_nt N + v_t/h)/K_tt.
 
-A contact that is elastic along the surface too has a tangential spring of stiffness k/eta^2 with a foot on the surface. In
-stick the foot stands still and the force is T = -(k/eta^2)(x - x_foot). Where that would leave the cone |T| <= mu N the foot
-slips in the sense s, with T = -mu s N, until its velocity
-
-    v_foot = v_t + (eta^2/k) dT/dt = v_t + mu s eta^2 kappa v_n
-
-comes to zero; kappa is 1 in loading and 1/e*^2 in unloading. As the contact gets shorter its outcome tends to that of the impact
+As the contact gets shorter its outcome tends to that of the impact
 law with the same eta^2 (:mod:`bristle_sim.theory.impact_compliance`).
 """
 
@@ -30,6 +22,7 @@ from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.load import Load
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import WorkpartPair
+from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory
 
 NO_SLIP_TO_STOP = 1e-14
@@ -47,7 +40,6 @@ class Expectation(NamedTuple):
     """The impact law's prediction of a contact (duration, outcome), and its integration (longest interval, stepper).
 
     In a contact of given duration the bodies move noticeably (``moves``); otherwise it is the rigid-body limit with constant K.
-    ``compliance`` is eta^2; 0 is rigid along the surface.
     """
 
     duration: float
@@ -55,7 +47,6 @@ class Expectation(NamedTuple):
     outcome: str
     moves: bool
     stepper: Stepper
-    compliance: float
 
 
 @dataclass(slots=True, eq=False)
@@ -63,8 +54,8 @@ class Spring:
     """Normal spring with energetic restitution, Coulomb friction, and a tangential spring if the contact has one.
 
     Attributes:
-        stiffness: in compression, engine units.
-        pair: the touched pair, with its coefficients.
+        law: constitutive law, in engine units.
+        pair: the touched pair.
         surface: gap at the first touch, from which the penetration is measured.
         inverse_mass: K at the first touch or of the interval.
         deepest: penetration at which unloading began; None while the spring loads, unloading is steeper.
@@ -75,7 +66,7 @@ class Spring:
         foot: place of the tangential spring's foot along the surface.
     """
 
-    stiffness: float
+    law: ContactSpring
     pair: WorkpartPair
     expected: Expectation
     surface: float
@@ -100,17 +91,17 @@ class Spring:
     @property
     def elastic(self) -> bool:
         """Whether there is a tangential spring."""
-        return self.expected.compliance > 0.0
+        return self.law.compliance > 0.0
 
     @property
     def friction(self) -> float:
         """Coulomb's mu, of compression or of restitution."""
-        return self.pair.friction if self.loading else self.pair.restitution_friction
+        return self.law.coefficient(loading=self.loading)
 
     @property
     def residual(self) -> float:
         """Penetration at which the force is back at zero."""
-        return 0.0 if self.deepest is None else self.deepest * (1.0 - self.pair.restitution**2)
+        return 0.0 if self.deepest is None else self.law.residual(self.deepest)
 
     @property
     def compliance_in_stick(self) -> float:
@@ -121,49 +112,44 @@ class Spring:
     @property
     def present_stiffness(self) -> float:
         """Stiffness in the present phase; 0 in unloading without restitution."""
-        restitution = self.pair.restitution
-        if self.loading:
-            return self.stiffness
-        return self.stiffness / restitution**2 if restitution else 0.0
+        return self.law.stiffness * self.law.steepness(loading=self.loading)
 
     def forces(self, penetration: float) -> Vector:
         """Return (normal, tangential) force at a penetration, within the friction cone."""
-        normal = max(self.present_stiffness * (penetration - self.residual), 0.0)
+        normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
         if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
         return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the margin of the force in stick to the limit of friction."""
-        return self.friction * self.present_stiffness * (penetration - self.residual) - abs(stick_force)
+        return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def excess_friction(self, penetration: float, force: float) -> float:
         """Return the margin of the force in slip at rest to the friction of compression."""
-        return abs(force) - self.pair.friction * self.present_stiffness * (penetration - self.residual)
+        return abs(force) - self.law.friction * self.law.normal_force(penetration, self.deepest)
 
     @property
     def least_slip_at_rest(self) -> float:
         """Slip velocity at rest below which a tangential spring's swings are resolved; 0 where there is none."""
-        pair, expected = self.pair, self.expected
-        rise = expected.compliance * (pair.restitution_friction - pair.friction) * (self.deepest or 0.0)
-        return rise / (SHORTEST_SWING * expected.duration)
+        law = self.law
+        rise = law.compliance * (law.restitution_friction - law.friction) * (self.deepest or 0.0)
+        return rise / (SHORTEST_SWING * self.expected.duration)
 
     def foot_speed(self, velocity: Vector) -> float:
         """Return the velocity of the point that slips on the surface, for slip in the present sense."""
-        if not self.elastic:
-            return velocity[1]
-        steepness = self.expected.compliance * self.present_stiffness / self.stiffness
-        return velocity[1] + self.friction * self.slip * steepness * velocity[0]
+        return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def elastic_force(self, place: float) -> float:
         """Return the tangential spring's force at a place along the surface while its foot stands."""
-        return -(self.stiffness / self.expected.compliance) * (place - self.foot)
+        return self.law.tangential_force(place, self.foot)
 
     def set_foot(self, penetration: float, place: float) -> bool:
         """Set the foot so that the force, limited to the friction cone, does not jump; return whether it is at the cone's edge."""
         limit = max(self.spare_friction(penetration, 0.0), 0.0)
         force = min(max(self.stick_force, -limit), limit)
-        self.stick_force, self.foot = force, place + force * self.expected.compliance / self.stiffness
+        self.stick_force = force
+        self.foot = self.law.foot(place, force)
         return abs(force) >= limit * (1.0 - EDGE_ROUNDING)
 
 
@@ -189,7 +175,7 @@ class SpringForce:
         self._stiffness, self._ratio = spring.present_stiffness, -spring.friction * spring.slip
         self._rigidity = 0.0
         if spring.elastic and not spring.slip:
-            self._rigidity = spring.stiffness / spring.expected.compliance
+            self._rigidity = spring.law.stiffness / spring.law.compliance
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:

@@ -146,7 +146,7 @@ def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spri
 def _end_compression(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> Outcome | None:
     """Begin unloading, and decide on slip that has stopped; without restitution the contact is over."""
     _unload(system, contact, spring)
-    if spring.pair.restitution == 0.0:
+    if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
         return Outcome.STICTION
@@ -164,7 +164,7 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
     force swing between the two; where that is fast, its mean does the same.
     """
     coupling = float(spring.inverse_mass[0, 1])
-    if spring.pair.restitution_friction <= spring.pair.friction or spring.slip * coupling <= 0.0:
+    if spring.law.restitution_friction <= spring.law.friction or spring.slip * coupling <= 0.0:
         return False
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
     if spring.slip * slip <= spring.least_slip_at_rest:
@@ -182,7 +182,7 @@ def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
     """End slip at rest: unload; a tangential spring's force begins its next swing with the friction of compression."""
     spring.at_rest = False
     spring.deepest = _penetration(system, contact, spring)
-    spring.stick_force = -spring.slip * spring.pair.friction * spring.stiffness * spring.deepest
+    spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * spring.deepest
 
 
 def _unload(system: System, contact: ActiveContact, spring: Spring) -> None:
