@@ -379,7 +379,8 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
     if isinstance(found, Range) and found.whole and default is not None:
         return [f"{default + 1}"]
     if default is None:
-        return {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"]}[found.unit]
+        values = {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"], "kg": ["1e-4"], "deg": ["-95"]}
+        return values[found.unit]
     if default == 0.0:
         return ["0.1", "30"]
     return [repr(default + 10.0 if default >= 100.0 else default * 1.1), repr(0.2 * default)]

@@ -96,7 +96,7 @@ def test_wires_that_touch_at_every_pitch_are_not_searched():
 def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
     """Friction in restitution locks the first strike: the second bristle, a pitch behind it, is on the bar then."""
     surface = Workpart(restitution_friction=1e8)
-    tool = Tool(belt=Belt(stiffness=0.094), bristle=Bristle(wire_diameter=1e-9), workpart=surface)
+    tool = Tool(belt=Belt(stiffness=0.094), bristle=Bristle(mass=8.387e-5, wire_diameter=1e-9), workpart=surface)
     found = neighbours(tool, Neighbours(search="no"), Settings())
     assert found.outcome == "no contact"
     assert all(each.ok is None for each in found.quantities if each.name in ALONE)

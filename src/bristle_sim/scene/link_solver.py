@@ -43,8 +43,10 @@ class LinkVelocity:
         links: Sequence[pymunk.Body],
     ) -> None:
         (link,) = links
-        self._springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
         self._damping = damping[0]
+        self._springs: list[pymunk.DampedRotarySpring] = []
+        if self._damping:
+            self._springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
         self._active = False
         self._link = mechanism.links[0]
         self._inertia = self._link.inertia_about_joint

@@ -29,12 +29,14 @@ class ContactSpring:
         friction, restitution_friction: Coulomb's mu in loading and in unloading.
         compliance: eta^2; 0 is rigid along the surface.
 
-    >>> spring = ContactSpring(stiffness=1e6, restitution=0.5, friction=0.3, restitution_friction=0.3)
-    >>> spring.normal_force(1e-4)
-    100.0
-    >>> spring.residual(1e-4)
-    7.5e-05
-    >>> spring.normal_force(7.5e-5, deepest=1e-4)
+    >>> spring = ContactSpring(stiffness=1000.0, restitution=0.5, friction=0.3, restitution_friction=0.3)
+    >>> spring.normal_force(0.25)
+    250.0
+    >>> spring.residual(0.5)
+    0.375
+    >>> spring.normal_force(0.5, deepest=0.5)
+    500.0
+    >>> spring.normal_force(0.375, deepest=0.5)
     0.0
     """
 
