@@ -20,9 +20,9 @@ from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.server import server
+from bristle_sim.cli.scripts import main_scenario
 
 SIZE = {"width": 1280, "height": 820}
 
@@ -64,7 +64,7 @@ class BenchDirective(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return the address, the answer, and the picture if one is requested."""
-        assignments, pass_of = self.options.get("set", "").split(), whole_pass()
+        assignments, pass_of = self.options.get("set", "").split(), main_scenario()
         if "radial" in self.options:
             found = bench.radial_bar(pass_of, assignments)
             assignments += [f"{key}={value}" for key, value in found["assignments"].items()]

@@ -16,7 +16,7 @@ it is first used, so that a program that needs the impact law alone does not wai
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bristle_sim.cli.explore import explore
+    from bristle_sim.cli.explore.entry import explore
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
     from bristle_sim.tool_file import read_tool, write_tool
     from bristle_sim.trajectory import Trajectory
-
-__version__ = "0.1.0"
+    from bristle_sim.version import __version__
 
 __all__ = [
     "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
@@ -40,7 +39,7 @@ _MODULES = {
     "Settings": "settings",
     "Trajectory": "trajectory",
     "energetic_impact": "theory.impact",
-    "explore": "cli.explore",
+    "explore": "cli.explore.entry",
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",
     "read_tool": "tool_file",
@@ -49,6 +48,7 @@ _MODULES = {
     "simulate_row": "scene.simulate",
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
+    "__version__": "version",
 }
 """Where each name is defined, below this package; names that are left out are parameters."""
 

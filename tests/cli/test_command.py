@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 
 import bristle_sim
-from bristle_sim import commit as commits
+from bristle_sim import version as versions
 from bristle_sim.cli import command
-from bristle_sim.commit import commit
+from bristle_sim.cli.scripts import script_paths
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.tool_file import read_tool, write_tool
+from bristle_sim.version import commit
 
 ROOT = Path(__file__).parents[2]
 
@@ -73,10 +74,10 @@ def test_a_distribution_carries_its_commit(tmp_path: Path, monkeypatch: pytest.M
     """Built from a checkout it has a file; without file and checkout nothing is known."""
     package = tmp_path / "lib" / "site-packages" / "bristle_sim"
     package.mkdir(parents=True)
-    monkeypatch.setattr(commits, "__file__", str(package / "commit.py"))
-    assert commits.commit.__wrapped__() == ""
+    monkeypatch.setattr(versions, "__file__", str(package / "version.py"))
+    assert versions.commit.__wrapped__() == ""
     (package / "commit.txt").write_text("0123456789ab\n")
-    assert commits.commit.__wrapped__() == "0123456789ab"
+    assert versions.commit.__wrapped__() == "0123456789ab"
 
 
 def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
@@ -99,7 +100,7 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
     empty.mkdir()
     with zipfile.ZipFile(tmp_path / "package.zip", "w") as archive:
         package = Path(bristle_sim.__file__).parent
-        scripts = next(iter(command.scripts().values())).parent  # in the package already, if this is installed
+        scripts = next(iter(script_paths().values())).parent  # in the package already, if this is installed
         for folder, place in {package: "bristle_sim", scripts: "bristle_sim/scenarios"}.items():
             for path in folder.rglob("*"):
                 if (folder == scripts or scripts not in path.parents) and path.suffix in (

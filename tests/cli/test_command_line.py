@@ -25,11 +25,11 @@ import pymunk
 import pytest
 import tqdm
 
-from bristle_sim import __version__
-from bristle_sim.cli import Scenario, command, main, output
-from bristle_sim.commit import named_commit
+from bristle_sim.cli import Scenario, main, output
+from bristle_sim.cli.scripts import script_paths
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.units import choice, quantity, validate
+from bristle_sim.version import __version__, named_commit
 
 
 @dataclass(frozen=True)
@@ -327,7 +327,7 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def started(name: str, *arguments: str) -> list[str]:
-    return [sys.executable, "-c", SCRIPT, str(command.scripts()[name]), *arguments]
+    return [sys.executable, "-c", SCRIPT, str(script_paths()[name]), *arguments]
 
 
 @posix

@@ -22,7 +22,8 @@ from typing import NamedTuple
 
 import pytest
 
-from bristle_sim.cli import Scenario, command, main
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scripts import load_scenario, script_paths
 from bristle_sim.units import Choice, Range
 
 NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))
@@ -46,7 +47,7 @@ SMALL = {
 PROGRESS = re.compile(r"\s*\d+%\|")
 """A progress bar, which long work may show before it is refused."""
 
-SCENARIOS = {name: command.load(path) for name, path in command.scripts().items() if name not in FIXED_WORK}
+SCENARIOS = {name: load_scenario(path) for name, path in script_paths().items() if name not in FIXED_WORK}
 
 needs_timer = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by")
 

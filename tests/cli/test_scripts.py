@@ -23,11 +23,12 @@ from typing import Any
 
 import pytest
 
-from bristle_sim.cli import Scenario, command, main
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scripts import load_scenario, script_paths
 from bristle_sim.units import Choice, Range, shown
 
 ROOT = Path(__file__).parents[2]
-SCRIPTS = command.scripts()
+SCRIPTS = script_paths()
 
 IMPACT = (
     "normal_compressive_impulse normal_final_impulse tangential_compressive_impulse normal_compressive_work"
@@ -206,7 +207,7 @@ def no_progress(monkeypatch: pytest.MonkeyPatch) -> None:
 @functools.cache
 def scenario(name: str) -> Scenario:
     """The scenario that a script declares, without running it."""
-    return command.load(SCRIPTS[name])
+    return load_scenario(SCRIPTS[name])
 
 
 def settings(assignments: str) -> list[str]:

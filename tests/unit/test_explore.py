@@ -26,8 +26,8 @@ from bristle_sim.cli import command
 
 pytest.importorskip("flask")
 
-from bristle_sim.cli.explore import explore
 from bristle_sim.cli.explore import worker as worker_module
+from bristle_sim.cli.explore.entry import explore
 from bristle_sim.cli.explore.server import application, meant_for, server
 from bristle_sim.cli.explore.worker import Worker, Workers
 

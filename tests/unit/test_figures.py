@@ -10,7 +10,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
-from bristle_sim.cli import Scenario, command
+from bristle_sim.cli import Scenario
+from bristle_sim.cli.scripts import load_scenario, script_paths
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, reached, verdict
@@ -50,7 +51,7 @@ QUICK |= {("bent_bristles", "penetration=-0.01"), ("cue_timing", "belt_damping_r
 
 @cache
 def scenario(name: str) -> Scenario:
-    return command.load(command.scripts()[name])
+    return load_scenario(script_paths()[name])
 
 
 def drawn(name: str, assignments: str, film: bool = False) -> Figure:

@@ -23,7 +23,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "arrays conversion",
-    "commit units files",
+    "version units files",
     "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",
@@ -110,6 +110,46 @@ def test_imports_go_one_way():
             all_faults = faults(layer, path.read_text(encoding="utf-8"), homes)
             found[path] = [each for each in all_faults if not each.startswith(door)]
     assert {path: each for path, each in found.items() if each} == {}
+
+
+def test_no_files_import_each_other_in_a_circle():
+    """Also not for typing or within functions: a reader follows those imports too."""
+    sources = {module_name(path): path.read_text(encoding="utf-8") for path in MODULES}
+    assert circle(sources) == []
+
+
+def module_name(path: Path) -> str:
+    """Return the name by which a file of the package is imported."""
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+
+
+def circle(sources: Mapping[str, str]) -> list[str]:
+    """Return the modules that import each other in a circle, or between two circles, from their sources by name."""
+    arrows = {
+        name: {other for other in imports(text) if other != name} & sources.keys() for name, text in sources.items()
+    }
+    left = dict(arrows)
+    while True:
+        # Neither a module that imports none of the others nor one that none of them imports is in a circle.
+        imported = set().union(*left.values())
+        kept = {name for name, others in left.items() if others and name in imported}
+        if len(kept) == len(left):
+            return sorted(left)
+        left = {name: arrows[name] & kept for name in kept}
+
+
+@pytest.mark.parametrize(
+    ("sources", "members"),
+    [
+        ({"a": "import b", "b": "import c", "c": ""}, []),
+        ({"a": "import b", "b": "import c", "c": "import b"}, ["b", "c"]),
+        ({"a": "def late():\n    import b", "b": "from a import thing"}, ["a", "b"]),
+        ({"a": "import b", "b": "if TYPE_CHECKING:\n    import a", "c": "import a"}, ["a", "b"]),
+        ({"a.b": "from a import c", "a.c": "from a.b import thing", "a": ""}, ["a.b", "a.c"]),
+    ],
+)
+def test_a_circle_of_imports_is_found(sources: dict[str, str], members: list[str]):
+    assert circle(sources) == members
 
 
 def test_a_run_is_drawn_by_the_module_that_it_names_and_does_not_import():

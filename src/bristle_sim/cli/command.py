@@ -1,25 +1,20 @@
-"""The command ``bristle-sim``: list the scenarios, or run one as its script does.
-
-A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work tree has it beside ``src``.
-"""
+"""The command ``bristle-sim``: list the scenarios, or run one as its script does."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import re
-import runpy
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import bristle_sim
 from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
 from bristle_sim.cli.output import say, tell
-from bristle_sim.cli.scenario import Scenario
-from bristle_sim.commit import commit
+from bristle_sim.cli.scripts import load_scenario, main_scenario, script_paths
 from bristle_sim.units import likely_key
+from bristle_sim.version import __version__, commit
 
 PROGRAM = "bristle-sim"
 
@@ -38,18 +33,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the scenario or the command that the first argument names, or list all; return the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
-    name, known = first.removesuffix(".py"), scripts()
+    name, known = first.removesuffix(".py"), script_paths()
     if "_ARGCOMPLETE" in os.environ:
         _complete(known)
     try:
         if first == "--version":
-            say(f"{PROGRAM} {bristle_sim.__version__}" + (f" (commit {commit()})" if commit() else ""))
+            say(f"{PROGRAM} {__version__}" + (f" (commit {commit()})" if commit() else ""))
         elif first in ("", "-h", "--help"):
             say("\n\n".join([overview(), *([HELP] if first else [])]))
         elif first in COMMANDS:
             return _command(first, given[1:])
         elif name in known:
-            return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
+            return run(load_scenario(known[name]), given[1:], program=f"{PROGRAM} {name}")
         elif name.startswith("-"):
             raise ValueError(f"{name}: must come after the name of a scenario; {PROGRAM} alone lists them")
         else:
@@ -68,21 +63,22 @@ def _complete(known: dict[str, Path]) -> None:
     except ImportError:
         return
     typed = os.environ.get("COMP_LINE", "").split()
-    scenario = next((load(known[word]) for word in typed[1:2] if word in known), None)
+    scenario = next((load_scenario(known[word]) for word in typed[1:2] if word in known), None)
     complete(scenario, [*known, *COMMANDS])
 
 
 def _command(name: str, given: Sequence[str]) -> int:
     """Run a command that serves the scenario of the whole pass; return the exit status."""
-    from bristle_sim.cli import compare, explore
+    from bristle_sim.cli import compare
+    from bristle_sim.cli.explore import entry
 
-    run_command = {"compare": compare.main, "explore": explore.main}[name]
+    run_command = {"compare": compare.main, "explore": entry.main}[name]
     about, program = COMMANDS[name].partition(":")[0], f"{PROGRAM} {name}"
     parser = argparse.ArgumentParser(
         prog=program, description=f"{about.capitalize()}.", allow_abbrev=False, exit_on_error=False
     )
     try:
-        return run_command(whole_pass(), parser, given)
+        return run_command(main_scenario(), parser, given)
     except (ValueError, OSError, argparse.ArgumentError) as error:
         tell(f"{program}: error: {error}")
         return BAD_INPUT
@@ -91,33 +87,12 @@ def _command(name: str, given: Sequence[str]) -> int:
         return INTERRUPTED
 
 
-def scripts() -> dict[str, Path]:
-    """Return the scenarios' scripts by name, from the installed package or from the work tree."""
-    package = Path(bristle_sim.__file__).parent
-    folder = package / "scenarios"
-    if not folder.is_dir():
-        folder = package.parents[1] / "scenarios"
-    return {path.stem: path for path in sorted(folder.glob("*.py"))}
-
-
-def load(path: Path) -> Scenario:
-    """Return the scenario of a script."""
-    scenario = runpy.run_path(str(path), run_name=f"bristle_sim.scenarios.{path.stem}")["SCENARIO"]
-    assert isinstance(scenario, Scenario)
-    return scenario
-
-
-def whole_pass() -> Scenario:
-    """Return the scenario that the other commands run."""
-    return load(scripts()["cue_and_impact"])
-
-
 def overview() -> str:
     """Return one line for each scenario, its name and its question, and how to run one.
 
     The question is read from the script's text, since importing every script would take seconds.
     """
-    known = scripts()
+    known = script_paths()
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
     questions = {name: found[1] for name, text in texts.items() if (found := re.search(r'question="(.*)",', text))}
     width = max(map(len, known), default=0)

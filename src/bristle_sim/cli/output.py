@@ -21,10 +21,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from bristle_sim import __version__
-from bristle_sim.commit import named_commit
 from bristle_sim.comparison import WIDTH, Report, finite, table
 from bristle_sim.files import complete_or_absent
+from bristle_sim.version import __version__, named_commit
 
 SILENCE = 15.0  # longest time without a word on the progress of long work, s
 SIGNALLED = 128  # exit status of a shell whose command was ended by a signal, less the signal's number

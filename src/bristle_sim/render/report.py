@@ -16,8 +16,6 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-import bristle_sim
-from bristle_sim.commit import named_commit
 from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
@@ -26,6 +24,7 @@ from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range
+from bristle_sim.version import __version__, named_commit
 
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
@@ -82,7 +81,7 @@ def write_report(
         "remarks": [each for each in (*report.remarks, missing) if each and not (rows and ALIGNED.search(each))],
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
         "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
-        "versions": {"bristle_sim": bristle_sim.__version__, **named_commit(), "Python": platform.python_version()}
+        "versions": {"bristle_sim": __version__, **named_commit(), "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
     }
     _write(path, "report.html.jinja", alone=False, **content)

@@ -1,6 +1,7 @@
 """The law of a contact resolved in time: a stiff spring with energetic restitution, Coulomb friction and true stick.
 
-As the contact gets shorter its outcome tends to that of the rigid-body law with the energetic coefficient.
+As the contact gets shorter its outcome tends to that of the rigid-body law with the energetic coefficient. The law that a tool's
+parameters name is chosen here too.
 """
 
 from __future__ import annotations
@@ -9,9 +10,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, energetic_at
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Expectation, Spring
@@ -163,3 +165,12 @@ def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
     """In stick and in slip at rest update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
     if spring.expected.moves and (spring.at_rest or not spring.slip):
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
+
+
+def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
+    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
+    squared = contact.tangential_compliance
+    if contact.law == "compliant":
+        duration = None if contact.duration is None else contact.duration / time_unit
+        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

@@ -2,7 +2,8 @@
 
 An impact at an instant is resolved at once: scene, state, pair in; state after, contact record out. A law that resolves
 the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.compliant`).
-To add a law, write a subclass of :class:`ContactLaw`, name it in :func:`contact_law` and among the words of ``Contact.law``.
+To add a law, write a subclass of :class:`ContactLaw`, name it in ``contact_law`` of that module and among the words
+of ``Contact.law``.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
-from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
@@ -162,14 +162,3 @@ class EngineLaw(ContactLaw):
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
         entries = {"impulse": impulse, "velocity_before": touch.velocity, "velocity_after": velocity}
         return self._after(scene, pair, state, outcome=outcome, **entries)
-
-
-def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
-    from bristle_sim.scene.compliant import CompliantLaw
-
-    squared = contact.tangential_compliance
-    if contact.law == "compliant":
-        duration = None if contact.duration is None else contact.duration / time_unit
-        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
-    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

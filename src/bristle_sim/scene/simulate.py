@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval, damping_rate, motion_scale, time_scale
+from bristle_sim.scene.compliant import contact_law
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
-from bristle_sim.scene.impacts import contact_law
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run

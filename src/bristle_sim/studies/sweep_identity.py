@@ -21,8 +21,6 @@ from typing import Any
 import numpy as np
 from joblib.hashing import NumpyHasher
 
-import bristle_sim
-
 INSTALLED = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
 
 
@@ -40,9 +38,7 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
     """
     libraries = [_version(name) for name in ("numpy", "pymunk", "scipy")]
     try:
-        return str(
-            _Hasher(version).hash((_folder_digest(Path(bristle_sim.__file__).parent), libraries, version, function))
-        )
+        return str(_Hasher(version).hash((_folder_digest(Path(__file__).parents[1]), libraries, version, function)))
     except (ValueError, TypeError, AttributeError, ImportError, RecursionError, PicklingError) as error:
         reason = " ".join(str(error).split())
         words = f"function = {name_of(function)}: a store cannot notice changes of {reason}"

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array
+from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED, Motion, WireMotion
-
-if TYPE_CHECKING:
-    from bristle_sim.trajectory.trajectory import Trajectory
 
 Pieces = list[tuple[int, int]]
 """First and last sample of each interval in which a function is smooth."""
@@ -39,7 +36,7 @@ class Interpolation:
     Raises ValueError for a run of one instant.
     """
 
-    def __init__(self, run: Trajectory) -> None:
+    def __init__(self, run: RecordedRun) -> None:
         from scipy.interpolate import CubicSpline
 
         self.run = run

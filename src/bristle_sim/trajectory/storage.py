@@ -17,12 +17,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.files import complete_or_absent
 from bristle_sim.settings import StopReason
+from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED, WIRE, ContactHistory, ContactRecord, Cost, Event, WireMotion
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-
-    from bristle_sim.trajectory.trajectory import Trajectory
 
 FORMAT = 3  # number of the file format
 MOST_UNPACKED = 256e6  # bytes of arrays that are read from any file: a million samples of a rigid bristle
@@ -34,7 +33,7 @@ PLAIN = {"hub_speed": float, "parameters": dict, "stop_detail": str}
 T = TypeVar("T", bound="DataclassInstance")
 
 
-def write(run: Trajectory, path: str | Path) -> None:
+def write(run: RecordedRun, path: str | Path) -> None:
     """Write everything to one npz file of exactly that name (no suffix is added); it appears only when complete.
 
     Raises OSError naming the file, if it cannot be written.

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
-
-    from bristle_sim.trajectory.trajectory import Trajectory
 
 EVENTS_SHOWN = 6  # events that a summary names
 
@@ -23,7 +22,7 @@ SINGULAR = {"angles": "angle", "rates": "rate"}
 """Names of a dataset's dimensions, and of its variables that are not named like the run's arrays."""
 
 
-def summary(run: Trajectory) -> str:
+def summary(run: RecordedRun) -> str:
     """Describe samples, strike, events, stop reason and cost, one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     notable, contact = run.notable_events, run.first_contact("workpart")
@@ -45,7 +44,7 @@ def summary(run: Trajectory) -> str:
     )
 
 
-def to_dataframe(run: Trajectory) -> pd.DataFrame:
+def to_dataframe(run: RecordedRun) -> pd.DataFrame:
     """Return all sampled quantities as a pandas DataFrame, one row per sample; ``attrs["units"]`` holds the units.
 
     Raises ImportError if pandas is not installed.
@@ -57,7 +56,7 @@ def to_dataframe(run: Trajectory) -> pd.DataFrame:
     return frame
 
 
-def to_xarray(run: Trajectory) -> xarray.Dataset:
+def to_xarray(run: RecordedRun) -> xarray.Dataset:
     """Return all sampled quantities as an xarray Dataset with units as attributes.
 
     Its coordinate ``time`` increases strictly, so that ``interp(time=...)`` works (linearly; ``at`` is of higher

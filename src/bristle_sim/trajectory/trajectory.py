@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
+from bristle_sim.parameters import Tool
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.pictures import Html, drawn_by
-from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
+from bristle_sim.trajectory.recorded_run import RecordedRun
+from bristle_sim.trajectory.records import ContactRecord, Motion
 from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
 
@@ -24,11 +24,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CORNER_ROUNDING = 1e-9  # of a piece's length: a touch nearer to its end is one of the corner
-NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Trajectory(Motion):
+class Trajectory(RecordedRun):
     """The result of a run: the motion of one bristle at n samples, in SI units and radians.
 
     An impact has two samples at the same instant: before and after it.
@@ -42,55 +41,6 @@ class Trajectory(Motion):
         inner_samples: motion between the samples in sustained contact, used by ``at``; None without any.
     """
 
-    events: tuple[Event, ...]
-    contacts: tuple[ContactRecord, ...]
-    stop_reason: StopReason
-    cost: Cost
-    parameters: dict[str, Any] = field(default_factory=dict)
-    stop_detail: str = ""
-    inner_samples: WireMotion | None = None
-
-    def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
-        """Return the time, s, of the first (or last) event of that name up to an instant; None without one.
-
-        Raises ValueError for a name that no event can have.
-        """
-        recorded = [event.name for event in self.events]
-        name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
-        times = [event.time for event in self.events if event.name == name and event.time <= before]
-        return (times[-1] if last else times[0]) if times else None
-
-    @property
-    def notable_events(self) -> tuple[Event, ...]:
-        """All events except extremes of the motion relative to the hub below 1 % of the run's largest.
-
-        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
-        """
-        sizes = {"largest retraction": abs(self.relative_angle), "highest relative speed": abs(self.relative_rate)}
-        notable = []
-        for event in self.events:
-            size = sizes.get(event.name)
-            if size is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max():
-                notable.append(event)
-        return tuple(notable)
-
-    @property
-    def stop_advice(self) -> str:
-        """How to make the run go further, in terms of the obstacle touched last."""
-        at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
-        return self.stop_detail or self.stop_reason.remedy.format(friction="bar_friction" if at_bar else "friction")
-
-    def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.
-
-        Raises ValueError for any other name.
-        """
-        checked_name("obstacle", obstacle, OBSTACLES)
-        for each in self.contacts:
-            if each.obstacle == obstacle:
-                return each
-        return None
-
     def with_places(self, tool: Tool) -> Trajectory:
         """Return the trajectory with ``point`` and ``place`` of each contact of this tool's wire with the bar or the workpart."""
         contacts = []
@@ -98,35 +48,6 @@ class Trajectory(Motion):
             line = self.centre_line[int(abs(self.time - contact.time).argmin())]
             contacts.append(located(contact, tool, line) if contact.obstacle in ("bar", "workpart") else contact)
         return dataclasses.replace(self, contacts=tuple(contacts))
-
-    def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
-        x_y, links = ("x", "y"), range(self.angles.shape[1])
-        return {
-            "time (s)": self.time,
-            "hub_angle (rad)": self.hub_angle,
-            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
-            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
-            "relative_angle (rad)": self.relative_angle,
-            "relative_rate (rad/s)": self.relative_rate,
-            "retraction (rad)": self.retraction,
-            **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
-            **{f"tip_velocity_{name} (m/s)": each for name, each in zip(x_y, self.tip_velocity.T, strict=True)},
-            "tip_speed (m/s)": self.tip_speed,
-            "kinetic_energy (J)": self.kinetic_energy,
-            "potential_energy (J)": self.potential_energy,
-            "normal_force (N)": self.normal_force,
-        }
-
-    @property
-    def tool(self) -> Tool:
-        """The tool that was simulated. Raises ValueError if the parameters do not describe one."""
-        try:
-            parts = self.parameters["tool"]
-            built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
-            return Tool(**{**parts, **built})
-        except (KeyError, TypeError) as error:
-            raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
         """Return the motion at one or several instants, interpolated between samples; see Interpolation for its accuracy.

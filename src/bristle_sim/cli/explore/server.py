@@ -16,9 +16,9 @@ from urllib.parse import urlsplit
 from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
-from bristle_sim.cli.command import whole_pass
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.worker import Workers
+from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.render.report import explore_page
 
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
@@ -35,7 +35,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
         ValueError: for values that are refused.
     """
     app = Flask("bristle_sim.cli.explore", static_folder=None)
-    pass_of, workers = whole_pass(), Workers()
+    pass_of, workers = main_scenario(), Workers()
     page = explore_page(bench.knobs(pass_of, start))
 
     def typed() -> list[str]:

@@ -141,15 +141,15 @@ def work() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    from bristle_sim.cli.command import whole_pass
     from bristle_sim.cli.explore import bench
+    from bristle_sim.cli.scripts import main_scenario
 
     kinds: dict[str, Callable[..., Answer]] = {
         "run": bench.run_of,
         "radial": bench.radial_bar,
         "download": bench.download,
     }
-    pass_of = whole_pass()
+    pass_of = main_scenario()
     bench.run_of(pass_of, [], [])  # imports what a run needs
     while True:
         kind, arguments = json.loads(jobs.get())

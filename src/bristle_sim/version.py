@@ -1,7 +1,9 @@
-"""The commit that this package's source stands at."""
+"""The version of this package, and the commit that its source stands at."""
 
 import functools
 from pathlib import Path
+
+__version__ = "0.1.0"
 
 
 @functools.cache

@@ -1,0 +1,67 @@
+"""The two ways into the bench: the command ``bristle-sim explore``, and ``bristle_sim.explore`` in a notebook."""
+
+from __future__ import annotations
+
+import argparse
+import html
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from bristle_sim.cli.output import say
+from bristle_sim.cli.scenario import Scenario
+from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.trajectory.pictures import Html
+
+if TYPE_CHECKING:
+    from bristle_sim.parameters import Tool
+
+MOST_PORTS = 65535
+
+
+def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
+    """Show the bench in a notebook: knobs for every key of a tool, and its pass.
+
+    Args:
+        tool: the one to begin with; by default that of the dissertation.
+        height: of the frame, px.
+
+    Returns:
+        The frame, which a notebook shows. Its page comes from this process, and ends with it.
+
+    Raises:
+        ModuleNotFoundError: without the extra ``explore``.
+    """
+    from bristle_sim.cli.explore.bench import assignments_of
+    from bristle_sim.cli.explore.server import serve
+
+    address = serve(assignments_of(tool, main_scenario()))
+    return Html(f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>')
+
+
+def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
+    """Serve the bench until Ctrl-C, as ``bristle-sim explore``; return the exit status.
+
+    Raises:
+        ValueError: for bad input, or without the extra ``explore``.
+        OSError: if the port is taken.
+    """
+    parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on; by default this machine alone")
+    parser.add_argument("--port", type=_port, default=0, help="port to listen on; by default a free one")
+    options = parser.parse_args(arguments)
+    start = [] if options.tool is None else pass_of.assignments_from(options.tool)[0]
+    pass_of.values_of(start)
+    try:
+        from bristle_sim.cli.explore.server import server
+    except ModuleNotFoundError as error:
+        raise ValueError(f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it") from error
+    serving = server(start, host=options.host, port=options.port)
+    say(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
+    serving.serve_forever()
+    return 0
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > MOST_PORTS:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0 to {MOST_PORTS}")
+    return int(text)

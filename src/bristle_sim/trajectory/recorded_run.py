@@ -1,0 +1,110 @@
+"""The record of a run, without the interpolation, files, tables and pictures that a trajectory adds to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
+from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
+
+NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class RecordedRun(Motion):
+    """The record of a run: the motion of one bristle at n samples, in SI units and radians, with its events and contacts.
+
+    An impact has two samples at the same instant: before and after it.
+
+    Attributes:
+        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
+        events, contacts: in order of time.
+        stop_reason, cost: why the run stopped, and its cost.
+        parameters: the simulation's parameters, as plain numbers and strings.
+        stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
+        inner_samples: motion between the samples in sustained contact, used by ``Trajectory.at``; None without any.
+    """
+
+    events: tuple[Event, ...]
+    contacts: tuple[ContactRecord, ...]
+    stop_reason: StopReason
+    cost: Cost
+    parameters: dict[str, Any] = field(default_factory=dict)
+    stop_detail: str = ""
+    inner_samples: WireMotion | None = None
+
+    def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
+        """Return the time, s, of the first (or last) event of that name up to an instant; None without one.
+
+        Raises ValueError for a name that no event can have.
+        """
+        recorded = [event.name for event in self.events]
+        name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
+        times = [event.time for event in self.events if event.name == name and event.time <= before]
+        return (times[-1] if last else times[0]) if times else None
+
+    @property
+    def notable_events(self) -> tuple[Event, ...]:
+        """All events except extremes of the motion relative to the hub below 1 % of the run's largest.
+
+        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
+        """
+        sizes = {"largest retraction": abs(self.relative_angle), "highest relative speed": abs(self.relative_rate)}
+        notable = []
+        for event in self.events:
+            size = sizes.get(event.name)
+            if size is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max():
+                notable.append(event)
+        return tuple(notable)
+
+    @property
+    def stop_advice(self) -> str:
+        """How to make the run go further, in terms of the obstacle touched last."""
+        at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
+        return self.stop_detail or self.stop_reason.remedy.format(friction="bar_friction" if at_bar else "friction")
+
+    def first_contact(self, obstacle: str) -> ContactRecord | None:
+        """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.
+
+        Raises ValueError for any other name.
+        """
+        checked_name("obstacle", obstacle, OBSTACLES)
+        for each in self.contacts:
+            if each.obstacle == obstacle:
+                return each
+        return None
+
+    def columns(self) -> dict[str, Array]:
+        """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
+        x_y, links = ("x", "y"), range(self.angles.shape[1])
+        return {
+            "time (s)": self.time,
+            "hub_angle (rad)": self.hub_angle,
+            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
+            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
+            "relative_angle (rad)": self.relative_angle,
+            "relative_rate (rad/s)": self.relative_rate,
+            "retraction (rad)": self.retraction,
+            **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
+            **{f"tip_velocity_{name} (m/s)": each for name, each in zip(x_y, self.tip_velocity.T, strict=True)},
+            "tip_speed (m/s)": self.tip_speed,
+            "kinetic_energy (J)": self.kinetic_energy,
+            "potential_energy (J)": self.potential_energy,
+            "normal_force (N)": self.normal_force,
+        }
+
+    @property
+    def tool(self) -> Tool:
+        """The tool that was simulated. Raises ValueError if the parameters do not describe one."""
+        try:
+            parts = self.parameters["tool"]
+            built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
+            return Tool(**{**parts, **built})
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
