@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from bristle_sim.cli.explore.entry import explore
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
+    from bristle_sim.passes.ensemble import ensemble
+    from bristle_sim.passes.result import Ensemble
     from bristle_sim.reference import simulate_reference
     from bristle_sim.scene.simulate import simulate, simulate_row
     from bristle_sim.settings import Settings
@@ -29,16 +31,18 @@ if TYPE_CHECKING:
     from bristle_sim.version import __version__
 
 __all__ = [
-    "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
-    "__version__", "energetic_impact", "explore", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
+    "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Ensemble", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
+    "__version__", "energetic_impact", "ensemble", "explore", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
     "simulate_reference", "simulate_row", "sweep", "write_tool",
 ]  # fmt: skip
 
 _MODULES = {
     "EnergeticContact": "contact_space.energetic_contact",
+    "Ensemble": "passes.result",
     "Settings": "settings",
     "Trajectory": "trajectory",
     "energetic_impact": "theory.impact",
+    "ensemble": "passes.ensemble",
     "explore": "cli.explore.entry",
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",

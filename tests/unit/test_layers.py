@@ -27,7 +27,7 @@ ORDER = (
     "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",
-    "scene reference",
+    "scene reference passes",
     "comparison",
     "studies",
     "dissertation benchmarks",

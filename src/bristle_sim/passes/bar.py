@@ -1,0 +1,159 @@
+"""Contact of straight wires with the bar, a fixed circle: gap, levers, and the motion of a wire that lies on it.
+
+Seen from the hub with the bar's direction downwards, the root is at the angle chi = psi - psi_b and the vector D leads from it to
+the bar's centre, D^2 = S^2 + rho^2 - 2 S rho cos chi, in the direction delta. A wire that lies on the bar keeps its centre line,
+or its end, at the distance R from the bar's centre. So its angle is delta - s eta, with s = 1 for a wire held back, and
+
+    sin eta = R/D on its flank,    cos eta = (D^2 + 1 - R^2)/(2 D) at its end.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.passes.motion import Pose, free_acceleration, pose_of
+from bristle_sim.passes.state import Passes, Place
+
+
+def half_window(radius: Array, distance: Array, reach: Array) -> Array:
+    """Return the largest |chi| at which a wire reaches the bar, D = 1 + R, rad; -1 where none does."""
+    room = radius**2 + distance**2 - (1.0 + reach) ** 2
+    double = 2.0 * radius * distance
+    cosine = np.divide(room, double, out=np.where(room > 0.0, 2.0, -1.0), where=double > 0.0)
+    return np.where(cosine > 1.0, -1.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
+    """Return the chi at which an undeflected wire first touches the bar, rad; infinite where it passes below the bar.
+
+    It touches with its flank where S sin chi = -R, and with its end where S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2.
+    """
+    foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
+    cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))
+    end = np.where(cosine <= 1.0, -np.arccos(np.minimum(cosine, 1.0)), np.inf)
+    return np.where(foot <= 1.0, -np.arcsin(np.minimum(reach / distance, 1.0)), end)
+
+
+class Closest(NamedTuple):
+    """The closest approach of wire and bar: gap, its rate, and the bar's centre from the wire's nearest point (x, y, distance).
+
+    ``along`` is that point's distance from the root.
+    """
+
+    gap: Array
+    rate: Array
+    x: Array
+    y: Array
+    distance: Array
+    along: Array
+
+
+def closest(passes: Passes | Place, pose: Pose) -> Closest:
+    """Return the closest approach in poses of a shape (..., passes)."""
+    moving_x = passes.radius * pose.hub_cosine
+    moving_y = passes.radius * pose.hub_sine
+    x = passes.bar_x - moving_y
+    y = passes.bar_y + moving_x
+    along = np.minimum(np.maximum(x * pose.sine - y * pose.cosine, 0.0), 1.0)
+    x -= along * pose.sine
+    y += along * pose.cosine
+    distance = np.sqrt(x * x + y * y)
+    spin = along * (1.0 + pose.rate)
+    opening = -(x * (moving_x + spin * pose.cosine) + y * (moving_y + spin * pose.sine)) / distance
+    return Closest(distance - passes.reach, opening, x, y, distance, along)
+
+
+class Levers(NamedTuple):
+    """Velocities (normal, tangential) of the wire's surface on the bar, and their changes per change of the wire's rate.
+
+    ``side`` is 1 for a wire behind the bar, which holds it back, and -1 for one before it.
+    """
+
+    normal: Array
+    tangential: Array
+    normal_velocity: Array
+    tangential_velocity: Array
+    side: Array
+
+
+def levers(passes: Passes, pose: Pose) -> Levers:
+    """Return the kinematics of a touch; the normal leads from the bar to the wire, the tangent is the normal turned clockwise."""
+    near = closest(passes, pose)
+    normal_x = -near.x / near.distance
+    normal_y = -near.y / near.distance
+    arm_x = near.along * pose.sine - passes.wire_radius * normal_x
+    arm_y = -near.along * pose.cosine - passes.wire_radius * normal_y
+    root_x = passes.radius * pose.hub_cosine
+    root_y = passes.radius * pose.hub_sine
+    normal = arm_x * normal_y - arm_y * normal_x
+    tangential = -arm_x * normal_x - arm_y * normal_y
+    spin = 1.0 + pose.rate
+    normal_velocity = root_x * normal_x + root_y * normal_y + spin * normal
+    tangential_velocity = root_x * normal_y - root_y * normal_x + spin * tangential
+    side = np.where(pose.sine * near.y + pose.cosine * near.x >= 0.0, 1.0, -1.0)
+    return Levers(normal, tangential, normal_velocity, tangential_velocity, side)
+
+
+class Lying(NamedTuple):
+    """Angle, rate and angular acceleration of a wire that lies on the bar, and the force that presses it on over the inertia.
+
+    ``pressure`` is the acceleration that the wire would have without the bar, less the one that it has, in the sense of the bar.
+    """
+
+    angle: Array
+    rate: Array
+    acceleration: Array
+    pressure: Array
+
+
+def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Array) -> Lying:
+    """Return the motion of wires that lie on the bar with their flanks, or with their ends, at hub angles (..., passes)."""
+    chi = hub_angle - passes.bar_angle
+    sine = np.sin(chi)
+    cosine = np.cos(chi)
+    product = passes.radius * passes.bar_distance
+    square = passes.bar_distance**2 + passes.radius**2 - 2.0 * product * cosine  # D^2
+    square_1 = 2.0 * product * sine
+    square_2 = 2.0 * product * cosine
+    delta = np.arctan2(-passes.radius * sine, passes.bar_distance - passes.radius * cosine)
+    delta_1 = (passes.radius**2 - product * cosine) / square
+    delta_2 = (0.5 - delta_1) * square_1 / square
+    eta, eta_1, eta_2 = np.where(
+        at_end, _held_at_end(passes, square, square_1, square_2), _held_at_flank(passes, square, square_1, square_2)
+    )
+    angle = delta - side * eta - chi
+    rate = delta_1 - side * eta_1 - 1.0
+    acceleration = delta_2 - side * eta_2
+    pressure = side * (free_acceleration(passes, hub_angle, angle, rate) - acceleration)
+    return Lying(angle, rate, acceleration, pressure)
+
+
+def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Array:
+    """Return eta and its two derivatives where sin eta = R/D, with D^2 and its derivatives."""
+    foot = np.maximum(square - passes.reach**2, 1e-300)
+    factor = -0.5 * passes.reach / (square * np.sqrt(foot))
+    bent = square_2 - square_1**2 * (1.0 / square + 0.5 / foot)
+    return np.array([np.arctan2(passes.reach, np.sqrt(foot)), factor * square_1, factor * bent])
+
+
+def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Array:
+    """Return eta and its two derivatives where cos eta = (D^2 + 1 - R^2)/(2 D)."""
+    rest = 1.0 - passes.reach**2
+    distance = np.sqrt(square)
+    cosine = 0.5 * (square + rest) / distance
+    sine = np.sqrt(np.maximum((1.0 - cosine) * (1.0 + cosine), 1e-300))
+    slope = 0.25 * (square - rest) / (square * distance)
+    bend = 0.125 * (3.0 * rest - square) / (square**2 * distance)
+    eta_1 = -slope * square_1 / sine
+    eta_2 = -(bend * square_1**2 + slope * square_2 + cosine * eta_1**2) / sine
+    return np.array([np.arctan2(sine, cosine), eta_1, eta_2])
+
+
+def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
+    """Return whether friction locks a wire on the bar: a force with its friction does not push it away."""
+    touch = levers(passes, pose_of(hub_angle, angle, rate))
+    rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential
+    return touch.normal * (touch.normal - rub) <= 0.0

@@ -1,0 +1,223 @@
+"""The request: a tool and arrays of its keys, checked and made into passes block by block."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.passes.bar import closest, half_window, meeting_angle
+from bristle_sim.passes.motion import pose_of
+from bristle_sim.passes.state import Passes
+from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.units import Choice, Range, likely_key, shown
+
+HUB_TURN = 1.5 * math.pi  # rad; turn of the hub after which a pass ends, as in a simulation by default
+START = -0.5 * math.pi  # rad; hub angle at the start, unless the bar is met before
+CLEAR_OF_BAR = math.radians(5.0)  # rad; from an earlier start to the touch of the bar
+MOST_RADIANS = 1e5  # radians of the fastest motion that a pass may last: each step is some two of them
+OVERLAP_ROUNDING = 1e-11  # overlap with an obstacle at the start, over the bristle's length, that is rounding
+
+Values = dict[str, Array]
+
+
+@dataclass(slots=True)
+class Request:
+    """Keys of tools by name, with the arrays that are given, and the shape to which they broadcast.
+
+    ``refused`` is the reason why no pass of this kind can be computed, empty if they can.
+    """
+
+    tool: Tool
+    given: Values
+    shape: tuple[int, ...]
+    refused: str = ""
+
+    @property
+    def size(self) -> int:
+        """Number of passes."""
+        return math.prod(self.shape)
+
+    def at(self, numbers: Array) -> Values:
+        """Return the values of all keys of the passes with these numbers, each of their shape."""
+        values = {key: np.full(len(numbers), value) for key, value in _numbers_of(self.tool).items()}
+        places = np.unravel_index(numbers, self.shape or (1,))
+        for key, array in self.given.items():
+            values[key] = np.broadcast_to(array, self.shape or (1,))[places]
+        return values
+
+
+def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
+    """Return the checked request.
+
+    Raises ValueError for an unknown key, a text that is no number with a unit of the key, or shapes that do not broadcast.
+    """
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    places = {key: (part, declared) for part, keys in tool_keys().items() for key, (_, declared) in keys.items()}
+    given = Values()
+    for key, value in values.items():
+        if key not in places:
+            raise ValueError(f"unknown key {key!r}; {likely_key(key, places)}")
+        part, declared = places[key]
+        if part and getattr(tool, part) is None:
+            raise ValueError(f"{part} = None: must be present where one of its keys is given")
+        if isinstance(declared, Choice):
+            tool = tool.replace(**{key: value})
+        else:
+            given[key] = _array(declared, value)
+    try:
+        shape = np.broadcast_shapes(*(each.shape for each in given.values()))
+    except ValueError:
+        shapes = ", ".join(f"{key} of shape {each.shape}" for key, each in given.items())
+        raise ValueError(f"{shapes}: must be shapes that broadcast against each other") from None
+    law = tool.contact.law
+    refused = "" if law == "energetic" else f"contact = {law}: must be energetic"
+    return Request(tool, given, shape, refused)
+
+
+def _array(declared: Range, value: Any) -> Array:
+    """Return the values of a key as numbers in its unit; NaN stands for a value that is left out."""
+    if value is None and declared.optional:
+        return np.array(math.nan)
+    array = np.asarray(value)
+    if array.dtype.kind in "iuf":
+        return array.astype(float)
+    if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
+        raise declared.refusal(value)
+    texts = {each: declared.parse(each) if isinstance(each, str) else declared.check(each) for each in set(array.flat)}
+    return np.array([texts[each] for each in array.flat], dtype=float).reshape(array.shape)
+
+
+def _numbers_of(tool: Tool) -> dict[str, float]:
+    """Return the numbers of a tool by key; NaN for one that is left out."""
+    found = {}
+    for part, keys in tool_keys().items():
+        owner = getattr(tool, part) if part else tool
+        for key, (name, declared) in keys.items():
+            if owner is not None and isinstance(declared, Range):
+                value = getattr(owner, name)
+                found[key] = math.nan if value is None else float(value)
+    return found
+
+
+class Reasons:
+    """The reasons why passes of a block are refused; the first reason of each stays."""
+
+    def __init__(self, size: int) -> None:
+        self.texts = np.full(size, "", dtype=object)
+
+    def refuse(self, where: Array, text: str, values: Array | None = None) -> None:
+        """Refuse passes; ``text`` may hold a place ``{}`` for their values."""
+        for number in np.flatnonzero(where & (self.texts == "")):
+            self.texts[number] = text if values is None else text.format(f"{values[number]:g}")
+
+
+def passes_of(request: Request, numbers: Array) -> tuple[Passes, Array]:
+    """Return the passes with these numbers whose tools the method can do, and the reasons why the others are refused."""
+    values = request.at(numbers)
+    reasons = Reasons(len(numbers))
+    if request.refused:
+        reasons.refuse(np.ones(len(numbers), dtype=bool), request.refused)
+    _check_ranges(request, values, reasons)
+    with np.errstate(all="ignore"):  # numbers of refused tools
+        passes = _built(request.tool, values, numbers)
+        _check_tools(request.tool, values, passes, reasons)
+    return passes.take(np.flatnonzero(reasons.texts == "")), reasons.texts
+
+
+def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
+    for keys in tool_keys().values():
+        for key, (_, declared) in keys.items():
+            if key in request.given and isinstance(declared, Range):
+                found = values[key]
+                above = found >= declared.lowest if declared.lowest_allowed else found > declared.lowest
+                good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
+                reasons.refuse(~good, str(declared.refusal(0.0)).replace(" = 0.0:", " = {}:"), found)
+    for key, wanted, meaning in (("wire_links", 1.0, "a rigid bristle"), ("knee_angle_deg", 0.0, "a straight one")):
+        reasons.refuse(values[key] != wanted, f"{key} = {{}}: must be {wanted:g}, {meaning}", values[key])
+    reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
+
+
+def _built(tool: Tool, values: Values, numbers: Array) -> Passes:
+    """Return passes at their starts, lengths over the bristle's, times as hub angles."""
+    size = len(numbers)
+    length = values["bristle_length"]
+    speed = values["hub_speed"]
+    inertia = values["bristle_mass"] * length**2 / 3.0
+    radius = values["hub_radius"] / length
+    stiffness = values["belt_stiffness"] / (inertia * speed**2)
+    nothing = np.zeros(size)
+    bar = {key: values.get(f"bar_{key}", nothing) for key in ("horizontal", "vertical", "radius", "friction", "restitution")}
+    distance = np.hypot(bar["horizontal"], bar["vertical"]) / length
+    bar_angle = np.arctan2(-bar["horizontal"], bar["vertical"])
+    wire_radius = 0.5 * values["wire_diameter"] / length
+    reach = bar["radius"] / length + wire_radius
+    depth = radius + 1.0 - values["penetration"] / length if tool.workpart else np.full(size, np.inf)
+    start = np.full(size, START)
+    window = np.full(size, -1.0)
+    if tool.bar:
+        window = half_window(radius, distance, reach)
+        met = bar_angle + meeting_angle(radius, distance, reach)
+        start = np.where(met < START, met - CLEAR_OF_BAR, start)
+    if "start_hub_angle_deg" in values:
+        own = np.radians(values["start_hub_angle_deg"])
+        start = np.where(np.isnan(own), start, own)
+    gravity = 1.5 * values["gravity"] / (length * speed**2)
+    undone = np.full(size, np.nan)
+    return Passes(
+        number=numbers,
+        radius=radius,
+        stiffness=stiffness,
+        damping=2.0 * values["belt_damping_ratio"] * np.sqrt(stiffness),
+        centrifugal=1.5 * radius,
+        gravity=gravity,
+        rate_scale=1.0 + np.sqrt(stiffness),
+        bar_distance=distance,
+        bar_angle=bar_angle,
+        bar_x=distance * np.sin(bar_angle),
+        bar_y=-distance * np.cos(bar_angle),
+        reach=reach,
+        wire_radius=wire_radius,
+        bar_friction=bar["friction"],
+        bar_restitution=bar["restitution"],
+        window=window,
+        depth=depth,
+        start=start,
+        end=start + HUB_TURN,
+        hub_angle=start.copy(),
+        angle=nothing.copy(),
+        rate=nothing.copy(),
+        touching=np.zeros(size, dtype=bool),
+        touches=np.zeros(size, dtype=int),
+        release=undone,
+        release_angle=undone.copy(),
+        lowest=nothing.copy(),
+        error=nothing.copy(),
+        heavy=bool((gravity > 0.0).any()),
+    )
+
+
+def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -> None:
+    """Refuse tools whose parts do not fit together, that overlap an obstacle at the start, or that move too fast."""
+    if tool.workpart:
+        low = ~(passes.depth > passes.radius)
+        text = "penetration = {}: must be less than the bristle's reach beyond the hub's rim (in m)"
+        reasons.refuse(low, text, values["penetration"])
+        gap = passes.depth - (passes.radius + 1.0) * np.cos(passes.start)
+        text = "penetration = {}: the workpart must be clear of the bristle at the start (in m)"
+        reasons.refuse(gap < -OVERLAP_ROUNDING, text, values["penetration"])
+    if tool.bar:
+        inside = ~(passes.bar_distance - passes.reach > passes.radius)
+        text = "bar_radius = {}: must leave the bar outside the root circle (in m)"
+        reasons.refuse(inside, text, values["bar_radius"])
+        gap = closest(passes, pose_of(passes.start, passes.angle, passes.rate)).gap
+        text = "bar_horizontal = {}: the bar must be clear of the bristle at the start (in m)"
+        reasons.refuse(gap < -OVERLAP_ROUNDING, text, values["bar_horizontal"])
+    fastest = np.sqrt(passes.stiffness + passes.centrifugal) + passes.damping + 1.0
+    text = f"belt_stiffness = {{}}: must be one whose pass lasts at most {MOST_RADIANS:g} radians of the fastest motion (in N m/rad)"
+    reasons.refuse(~(fastest * HUB_TURN <= MOST_RADIANS), text, values["belt_stiffness"])

@@ -1,0 +1,143 @@
+"""The result of many passes: arrays by name, as a table, a labelled data set or a picture."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.arrays import Array, EqualByValue
+from bristle_sim.parameters import tool_keys
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+QUANTITIES = {
+    "release_time": "s",
+    "release_retraction": "rad",
+    "largest_retraction": "rad",
+    "contact_time": "s",
+    "lag_at_contact": "rad",
+    "relative_speed_at_contact": "rad/s",
+    "tip_speed_at_contact": "m/s",
+    "normal_compressive_impulse": "N s",
+    "normal_final_impulse": "N s",
+    "tangential_compressive_impulse": "N s",
+    "final_bristle_rate": "rad/s",
+    "error_estimate": "1",
+}
+"""Unit of each quantity of a pass."""
+
+DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported only when a picture is requested
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ensemble(EqualByValue):
+    """Many passes: arrays of one shape, NaN where a pass has no such number.
+
+    Attributes:
+        keys: the values of the tool's keys that were given, in SI units, of shapes that broadcast to that of the results.
+        release_time: of the last contact with the bar before the strike, from the start of the pass on, s.
+        release_retraction: angle by which the wire lags its radial direction then, rad.
+        largest_retraction: before the strike, rad.
+        contact_time: of the strike, s.
+        lag_at_contact: behind the radial direction, rad.
+        relative_speed_at_contact: of the wire relative to the hub, rad/s.
+        tip_speed_at_contact: m/s.
+        normal_compressive_impulse, normal_final_impulse, tangential_compressive_impulse: on the tip, N s.
+        final_bristle_rate: the wire's absolute rate after the strike, rad/s.
+        error_estimate: of angle and rate at the strike over the motion's size; 1 where a graze decides the course.
+        outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``, ``does not strike`` or ``refused``.
+        reason: why a pass was refused, has no strike, no release, or no valid error estimate; empty otherwise.
+    """
+
+    keys: dict[str, Array]
+    release_time: Array
+    release_retraction: Array
+    largest_retraction: Array
+    contact_time: Array
+    lag_at_contact: Array
+    relative_speed_at_contact: Array
+    tip_speed_at_contact: Array
+    normal_compressive_impulse: Array
+    normal_final_impulse: Array
+    tangential_compressive_impulse: Array
+    final_bristle_rate: Array
+    error_estimate: Array
+    outcome: NDArray[np.str_]
+    reason: NDArray[np.object_]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape to which the values of the keys broadcast."""
+        return self.outcome.shape
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return keys and results by name, all of the ensemble's shape."""
+        results = {each.name: getattr(self, each.name) for each in dataclasses.fields(self) if each.name != "keys"}
+        return {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()} | results
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return one row for each pass, the last axis varying fastest; ``attrs["units"]`` holds the units.
+
+        Raises ImportError if pandas is not installed.
+        """
+        frame: pd.DataFrame = _installed("pandas").DataFrame({name: each.ravel() for name, each in self.columns().items()})
+        frame.attrs["units"] = self._units()
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the results with the keys as coordinates; an axis along which one key alone varies has its name.
+
+        Raises ImportError if xarray is not installed.
+        """
+        units, names = self._units(), self._axes()
+        variables = {
+            name: (names, each, {"units": units[name]} if name in units else {})
+            for name, each in self.columns().items()
+        }
+        coordinates = {
+            key: (key, self.keys[key].ravel(), variables[key][2]) if key in names else variables[key] for key in self.keys
+        }
+        variables = {name: each for name, each in variables.items() if name not in self.keys}
+        found: xr.Dataset = _installed("xarray").Dataset(variables, coords=coordinates)
+        return found
+
+    def plot(self) -> Figure:
+        """Draw every quantity over the one key, or the two, along the axes.
+
+        Raises ValueError if an axis has no key of its own, there are more than two, or no pass has a result.
+        """
+        names = self._axes()
+        if not 1 <= len(names) <= 2 or not set(names) <= set(self.keys):
+            raise ValueError(f"shape = {self.shape}: must be one or two axes, along each of which one key varies")
+        data = self.to_xarray().rename(reason="failure").drop_vars("outcome")
+        figure: Figure = import_module(DRAWN_BY).sweep_figure(data, names)
+        return figure
+
+    def _units(self) -> dict[str, str]:
+        declared = {key: each.unit for keys in tool_keys().values() for key, (_, each) in keys.items()}
+        return {key: declared[key] for key in self.keys} | QUANTITIES
+
+    def _axes(self) -> list[str]:
+        """Return a name for each axis: that of the key that alone varies along it, and along no other."""
+        names = []
+        for axis, size in enumerate(self.shape):
+            after = len(self.shape) - axis
+            own = [key for key, each in self.keys.items() if each.ndim >= after and each.shape[-after] == size > 1]
+            single = len(own) == 1 and self.keys[own[0]].size == size
+            names.append(own[0] if single else f"axis_{axis}")
+        return names
+
+
+def _installed(library: str) -> Any:
+    try:
+        return import_module(library)
+    except ImportError as error:
+        raise ImportError(f"{library}: must be installed: pip install bristle-sim[sweep]") from error

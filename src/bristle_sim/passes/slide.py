@@ -1,0 +1,116 @@
+"""Motion of wires on the bar: geometry gives it, and the force that presses them on it ends it where it falls to zero."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.passes.bar import lying, locks
+from bristle_sim.passes.crossing import Function, root
+from bristle_sim.passes.flight import WORKPART, clearance
+from bristle_sim.passes.motion import pose_of
+from bristle_sim.passes.state import Passes
+
+SAMPLES = 12
+"""Equal parts of the turn in which a wire lies on the bar with its flank, or with its end, in which a pressure that falls to zero
+does not rise again."""
+
+FRACTIONS = np.linspace(0.0, 1.0, SAMPLES + 1)[:, np.newaxis]
+
+RELEASED, JAMMED, CUTS, FOLDED = range(4)
+"""The ends of a contact: no force is left, friction locks it, the tip reaches the workpart, the wire folds back."""
+
+
+def slide(passes: Passes, side: Array) -> Array:
+    """Advance wires that lie on the bar to their release, and return how it ends."""
+    chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
+    turned = passes.hub_angle - chi
+    flank = _flank(passes)
+    ending = np.full(passes.size, -1)
+    fresh = np.ones(passes.size, dtype=bool)
+    pieces = (
+        (chi, -flank, True),
+        (np.maximum(chi, -flank), flank, False),
+        (np.maximum(chi, flank), passes.window, True),
+    )
+    for first, last, at_end in pieces:
+        going = np.flatnonzero((ending < 0) & (first < last))
+        if going.size:
+            some = passes.take(going)
+            hub = turned[going] + first[going] + FRACTIONS * (last[going] - first[going])
+            ending[going] = _piece(some, hub, side[going], at_end, fresh[going])
+            fresh[going] = False
+            passes.put(going, some)
+    return np.where(ending < 0, FOLDED, ending)
+
+
+def _flank(passes: Passes) -> Array:
+    """Return the |chi| up to which the bar touches the flank, D^2 = 1 + R^2, rad."""
+    room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
+    double = 2.0 * passes.radius * passes.bar_distance
+    cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
+    return np.arccos(np.clip(cosine, -1.0, 1.0))
+
+
+def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Array) -> Array:
+    """Follow wires over hub angles, up to the end of the contact; return how it ends, -1 where it goes on.
+
+    The contact of a ``fresh`` one has just been found to press.
+    """
+    ends = np.full(passes.size, at_end)
+    motion = lying(passes, hub, side, ends)
+    stops = motion.pressure <= 0.0
+    stops[0] &= ~fresh
+    folds = np.abs(motion.angle) > 0.5 * np.pi
+    strikes = clearance(WORKPART, passes, pose_of(hub, motion.angle, motion.rate))[0] <= 0.0
+    jams = np.zeros_like(stops)
+    if passes.bar_friction.any():
+        jams = locks(passes, hub, motion.angle, motion.rate) & (motion.pressure > 0.0)
+    halts = stops | folds | strikes | jams
+    ended = halts.any(axis=0)
+    at = np.where(ended, halts.argmax(axis=0), SAMPLES)
+    columns = np.arange(passes.size)
+    how = np.select([jams[at, columns], strikes[at, columns], folds[at, columns]], [JAMMED, CUTS, FOLDED], RELEASED)
+    place = hub[at, columns]
+    between = np.flatnonzero(ended & (how == RELEASED) & (at > 0))
+    if between.size:
+        part = at[between]
+        brackets = (hub[part - 1, between], hub[part, between])
+        values = (motion.pressure[part - 1, between], motion.pressure[part, between])
+
+        def pressure_of(numbers: Array) -> Function:
+            some, own_side, own_end = _some(passes, side, ends, between[numbers])
+            return lambda place: lying(some, place, own_side, own_end).pressure
+
+        place[between] = root(pressure_of, brackets, values)
+    _note_retraction(passes, hub, motion.angle, motion.rate, place, side, ends)
+    found = lying(passes, place, side, ends)
+    passes.hub_angle, passes.angle, passes.rate = place, found.angle, found.rate
+    passes.release, passes.release_angle = place.copy(), found.angle.copy()
+    passes.lowest = np.minimum(passes.lowest, found.angle)
+    return np.where(ended, how, -1)
+
+
+def _note_retraction(
+    passes: Passes, hub: Array, angles: Array, rates: Array, place: Array, side: Array, ends: Array
+) -> None:
+    """Note the least angle at a minimum on the bar before the contact ends."""
+    turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (hub[:-1] < place)
+    number = np.flatnonzero(turning.any(axis=0))
+    if number.size:
+        part = turning[:, number].argmax(axis=0)
+
+        def rate_of(numbers: Array) -> Function:
+            some, own_side, own_end = _some(passes, side, ends, number[numbers])
+            return lambda place: lying(some, place, own_side, own_end).rate
+
+        brackets = (hub[part, number], hub[part + 1, number])
+        values = (rates[part, number], rates[part + 1, number])
+        at = np.minimum(root(rate_of, brackets, values), place[number])
+        some, own_side, own_end = _some(passes, side, ends, number)
+        least = lying(some, at, own_side, own_end).angle
+        passes.lowest[number] = np.minimum(passes.lowest[number], least)
+
+
+def _some(passes: Passes, side: Array, ends: Array, chosen: Array) -> tuple[Passes, Array, Array]:
+    return passes.take(chosen), side[chosen], ends[chosen]
