@@ -15,7 +15,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import Pose, free_acceleration, pose_of
-from bristle_sim.passes.state import Passes, Place
+from bristle_sim.passes.state import Chosen, Passes, Place
 
 
 def half_window(radius: Array, distance: Array, reach: Array) -> Array:
@@ -109,7 +109,7 @@ class Lying(NamedTuple):
     pressure: Array
 
 
-def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Array) -> Lying:
+def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen) -> Lying:
     """Return the motion of wires that lie on the bar with their flanks, or with their ends, at hub angles (..., passes)."""
     chi = hub_angle - passes.bar_angle
     sine = np.sin(chi)
@@ -121,9 +121,13 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Array) -> Lying
     delta = np.arctan2(-passes.radius * sine, passes.bar_distance - passes.radius * cosine)
     delta_1 = (passes.radius**2 - product * cosine) / square
     delta_2 = (0.5 - delta_1) * square_1 / square
-    eta, eta_1, eta_2 = np.where(
-        at_end, _held_at_end(passes, square, square_1, square_2), _held_at_flank(passes, square, square_1, square_2)
-    )
+    if at_end.all():
+        eta, eta_1, eta_2 = _held_at_end(passes, square, square_1, square_2)
+    else:
+        eta, eta_1, eta_2 = _held_at_flank(passes, square, square_1, square_2)
+        if at_end.any():
+            ends = _held_at_end(passes, square, square_1, square_2)
+            eta, eta_1, eta_2 = np.where(at_end, ends, (eta, eta_1, eta_2))
     angle = delta - side * eta - chi
     rate = delta_1 - side * eta_1 - 1.0
     acceleration = delta_2 - side * eta_2
@@ -131,29 +135,35 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Array) -> Lying
     return Lying(angle, rate, acceleration, pressure)
 
 
-def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Array:
+LEAST_SQUARE = 1e-60
+"""Least square of a sine or a length: where the wire points at the bar's centre, its derivatives are large but finite."""
+
+Turns = tuple[Array, Array, Array]
+
+
+def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
     """Return eta and its two derivatives where sin eta = R/D, with D^2 and its derivatives."""
-    foot = np.maximum(square - passes.reach**2, 1e-300)
+    foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
     factor = -0.5 * passes.reach / (square * np.sqrt(foot))
     bent = square_2 - square_1**2 * (1.0 / square + 0.5 / foot)
-    return np.array([np.arctan2(passes.reach, np.sqrt(foot)), factor * square_1, factor * bent])
+    return np.arctan2(passes.reach, np.sqrt(foot)), factor * square_1, factor * bent
 
 
-def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Array:
+def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
     """Return eta and its two derivatives where cos eta = (D^2 + 1 - R^2)/(2 D)."""
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)
     cosine = 0.5 * (square + rest) / distance
-    sine = np.sqrt(np.maximum((1.0 - cosine) * (1.0 + cosine), 1e-300))
+    sine = np.sqrt(np.maximum((1.0 - cosine) * (1.0 + cosine), LEAST_SQUARE))
     slope = 0.25 * (square - rest) / (square * distance)
     bend = 0.125 * (3.0 * rest - square) / (square**2 * distance)
     eta_1 = -slope * square_1 / sine
     eta_2 = -(bend * square_1**2 + slope * square_2 + cosine * eta_1**2) / sine
-    return np.array([np.arctan2(sine, cosine), eta_1, eta_2])
+    return np.arctan2(sine, cosine), eta_1, eta_2
 
 
-def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
+def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
     """Return whether friction locks a wire on the bar: a force with its friction does not push it away."""
     touch = levers(passes, pose_of(hub_angle, angle, rate))
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential
-    return touch.normal * (touch.normal - rub) <= 0.0
+    return np.asarray(touch.normal * (touch.normal - rub) <= 0.0)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120
 """Evaluations of a root: twice as many as bisection alone takes from a bracket of 1 rad to rounding."""
@@ -21,7 +22,7 @@ ROOT_ROUNDING = 5e-16
 Function = Callable[[Array], Array]
 
 
-def root(function_of: Callable[[Array], Function], ends: tuple[Array, Array], values: tuple[Array, Array]) -> Array:
+def root(function_of: Callable[[Chosen], Function], ends: tuple[Array, Array], values: tuple[Array, Array]) -> Array:
     """Return a root in each bracket.
 
     Args:
@@ -30,6 +31,8 @@ def root(function_of: Callable[[Array], Function], ends: tuple[Array, Array], va
         values: of the function at the ends, of opposite signs.
     """
     found = np.empty(ends[0].shape)
+    if not found.size:
+        return found
     numbers = np.arange(found.size)
     function = function_of(numbers)
     state = np.array([*ends, ends[0], *values, values[0]])  # a, b, c and the function's values there
@@ -59,5 +62,7 @@ def _fraction(a: Array, b: Array, c: Array, f_a: Array, f_b: Array, f_c: Array) 
         xi = (b - a) / (c - a)
         phi = (f_b - f_a) / (f_c - f_a)
         safe = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-        quadratic = (f_b / (f_a - f_b)) * (f_c / (f_a - f_c)) + (c - b) / (a - b) * (f_b / (f_c - f_b)) * (f_a / (f_c - f_a))
+        quadratic = (f_b / (f_a - f_b)) * (f_c / (f_a - f_c)) + (c - b) / (a - b) * (f_b / (f_c - f_b)) * (
+            f_a / (f_c - f_a)
+        )
     return np.where(safe & np.isfinite(quadratic), quadratic, 0.5)

@@ -12,7 +12,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import Request, passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES, Ensemble
 from bristle_sim.passes.run import CUT_OFF, FOLDS, LOCKED, MISSED, STRUCK, TOO_MANY, advance
-from bristle_sim.passes.state import Passes
+from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
 from bristle_sim.settings import Settings
 from bristle_sim.units import declarations
@@ -99,7 +99,7 @@ class Results:
         self.codes = np.full(request.size, REFUSED, dtype=np.int8)
         self.reason = np.full(request.size, "", dtype=object)
 
-    def record(self, passes: Passes, ending: Array) -> None:
+    def record(self, passes: Passes, ending: Chosen) -> None:
         """Record the passes that have ended."""
         for code, reason in REASONS.items():
             over = passes.number[ending == code]

@@ -11,9 +11,10 @@ from bristle_sim.arrays import Array
 from bristle_sim.passes.bar import closest
 from bristle_sim.passes.crossing import Function, root
 from bristle_sim.passes.motion import ORDER, Course, Pose, course_of, free_acceleration, step_length
-from bristle_sim.passes.state import Passes, Place
+from bristle_sim.passes.state import Chosen, Passes, Place
 
-NOTHING, BAR, WORKPART = range(3)  # what a bristle touches at the end of its step
+NOTHING, BAR, WORKPART = range(3)
+"""What a wire touches at the end of a step."""
 
 INTERVALS = 8
 """Equal parts of a step; a gap is taken to have at most one minimum in each."""
@@ -24,14 +25,22 @@ LEAST_BEND = 0.1
 BEND = 0.5
 """Path of the wire's end in a part of a step near the bar, over the radius at which it touches."""
 
+FASTER = 1.5
+"""Bound of a gap's rate within a step over the largest one at the ends of the step's parts."""
+
 EDGE = 1e-9  # rad; a hub angle this close to the window of the bar is within it
 
-HOP_ROUNDING = 1e-14  # depth, over the bristle's length, below which a wire that has just left the bar is not back on it
+HOP_ROUNDING = (
+    1e-14  # depth, over the bristle's length, below which a wire that has just left the bar is not back on it
+)
 
 NEWTON_ROUNDS = 2
 """Rounds of Newton's method from the chord to the least angle: its place is then known to 1e-6, the angle to its square."""
 
 FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)
+
+Gap = Callable[..., Array]
+"""Returns gaps at steps or, with ``opens=True``, their rates."""
 
 
 @dataclass(slots=True)
@@ -45,60 +54,75 @@ class Search:
     """
 
     place: Array
-    touched: Array
+    touched: Chosen
     margin: Array
 
 
-def fly(passes: Passes, tolerance: float) -> tuple[Array, Array]:
+def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
     """Advance every flight by a step; return what each touches then, and the least gap that it passed without a touch."""
     course = course_of(passes)
-    chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
-    near = np.flatnonzero(np.abs(chi) <= passes.window + EDGE)
-    step = np.minimum(step_length(passes, course, tolerance), passes.end - passes.hub_angle)
-    ahead = np.remainder(-passes.window - chi, 2.0 * np.pi)
-    ahead[near] = np.inf
-    ahead[passes.window < 0.0] = np.inf
-    np.minimum(step, ahead, out=step)
-    pull = np.abs(course.rate[2, near])
-    speed = passes.radius[near] + 1.0 + np.abs(passes.rate[near]) + pull * step[near] * 0.25
-    step[near] = np.minimum(step[near], INTERVALS * BEND * np.maximum(passes.reach[near], LEAST_BEND) / speed)
-    passes.error += np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
-
-    angles, poses = course.sampled(step, FRACTIONS)
+    step, near = _step(passes, course, tolerance)
+    passes.error = passes.error + np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
+    poses = course.sampled(step, FRACTIONS)
+    everyone = np.arange(passes.size)
     place = step.copy()
     kind = np.full(passes.size, NOTHING)
     margin = np.full(passes.size, np.inf)
-    for obstacle, chosen in ((WORKPART, slice(None)), (BAR, near)):
-        some = passes if obstacle == WORKPART else passes.take(near)
-        part = course if obstacle == WORKPART else course.take(near)
-
-        def gap_of(number: Array, obstacle: int = obstacle, some: Passes = some, part: Course = part) -> Gap:
-            place = some.place(number)
-            own = part.take(number)
-
-            def gap(offset: Array, opens: bool = False) -> Array:
-                pose = own.pose_at(offset)
-                if opens:
-                    return clearance(obstacle, place, pose._replace(rate=own.rate_at(offset)))[1]
-                return clearance(obstacle, place, pose)[0]
-
-            return gap
-
-        gaps, openings = clearance(obstacle, some, Pose(*(each[:, chosen] for each in poses)))
-        leaving = some.touching if obstacle == BAR else np.zeros(some.size, dtype=bool)
-        search = first_closing(gap_of, gaps, openings, step[chosen], leaving)
-        sooner = search.place < place[chosen]
-        sooner |= search.touched & (search.place <= place[chosen])
-        margin[chosen] = np.minimum(margin[chosen], search.margin)
-        kind[chosen] = np.where(sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen])
-        place[chosen] = np.where(sooner, search.place, place[chosen])
-
+    for obstacle, chosen in ((WORKPART, everyone), (BAR, near)):
+        if chosen.size:
+            some = passes if obstacle == WORKPART else passes.take(chosen)
+            part = course if obstacle == WORKPART else course.take(chosen)
+            gaps, openings = clearance(obstacle, some, Pose(*(each[:, chosen] for each in poses)))
+            leaving = some.touching & (obstacle == BAR)
+            search = first_closing(_gaps(obstacle, some, part), gaps, openings, step[chosen], leaving)
+            sooner = (search.place < place[chosen]) | (search.touched & (search.place <= place[chosen]))
+            margin[chosen] = np.minimum(margin[chosen], search.margin)
+            kind[chosen] = np.where(sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen])
+            place[chosen] = np.where(sooner, search.place, place[chosen])
     passes.angle = course.angle_at(place)
     passes.rate = course.rate_at(place)
     _note_retraction(passes, course, poses.rate, step, place)
     passes.hub_angle = passes.hub_angle + place
     passes.touching = passes.touching & (place <= 0.0)
     return kind, margin
+
+
+def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
+    """Return the steps, and the places of the passes near the bar.
+
+    A step ends with the pass and where the wire begins to reach the bar. Near the bar it is so short that a gap has at most one
+    minimum in each of its parts.
+    """
+    chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
+    near = np.flatnonzero(np.abs(chi) <= passes.window + EDGE)
+    ahead = np.remainder(-passes.window - chi, 2.0 * np.pi)
+    ahead[near] = np.inf
+    ahead[passes.window < 0.0] = np.inf
+    step = np.minimum(step_length(passes, course, tolerance), passes.end - passes.hub_angle)
+    np.minimum(step, ahead, out=step)
+    gained = 0.25 * np.abs(course.rate[2, near]) * step[near]
+    speed = passes.radius[near] + 1.0 + np.abs(passes.rate[near]) + gained
+    longest = INTERVALS * BEND * np.maximum(passes.reach[near], LEAST_BEND) / speed
+    step[near] = np.minimum(step[near], longest)
+    return step, near
+
+
+def _gaps(obstacle: int, passes: Passes, course: Course) -> Callable[[Chosen], Gap]:
+    """Return the function that returns the gap of the passes with some numbers to an obstacle, as a function of the step."""
+
+    def gap_of(numbers: Chosen) -> Gap:
+        place = passes.place(numbers)
+        own = course.take(numbers)
+
+        def gap(step: Array, opens: bool = False) -> Array:
+            pose = own.pose_at(step)
+            if opens:
+                return clearance(obstacle, place, pose._replace(rate=own.rate_at(step)))[1]
+            return clearance(obstacle, place, pose)[0]
+
+        return gap
+
+    return gap_of
 
 
 def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array, Array]:
@@ -110,25 +134,25 @@ def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array,
     return gap, passes.radius * pose.hub_sine + pose.sine * (1.0 + pose.rate)
 
 
-Gap = Callable[..., Array]
-
-
-def first_closing(gap_of: Callable[[Array], Gap], gaps: Array, rates: Array, step: Array, leaving: Array) -> Search:
+def first_closing(gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, step: Array, leaving: Chosen) -> Search:
     """Find the first closing of each gap within a step.
 
+    A part of the step at whose end the gap is closed has a touch; so has one in which a minimum is located that is not positive.
+    Where the minimum is positive, the search ends with that part, and the next step begins there.
+
     Args:
-        gap_of: returns the function that returns gaps and their rates at steps, of the passes with these numbers.
+        gap_of: returns the gaps of the passes with some numbers as a function of the step.
         gaps, rates: at FRACTIONS of the step.
         step: rad.
         leaving: whether the gap begins at zero.
     """
     width = step / INTERVALS
     with np.errstate(invalid="ignore"):  # without a workpart its gap is infinite
-        fastest = np.abs(rates).max(axis=0) * 1.5
+        fastest = np.abs(rates).max(axis=0) * FASTER
         dips = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < fastest * width)
+        hop = np.where(leaving, _hops(gaps, rates, width), np.nan)
     candidate = (gaps[1:] <= 0.0) | dips
-    hop = _hops(gaps, rates, width)
-    candidate[0] |= leaving & np.isfinite(hop)
+    candidate[0] |= np.isfinite(hop)
     search = Search(step.copy(), np.zeros(len(step), dtype=bool), np.full(len(step), np.inf))
     number = np.flatnonzero(candidate.any(axis=0))
     if not number.size:
@@ -137,46 +161,55 @@ def first_closing(gap_of: Callable[[Array], Gap], gaps: Array, rates: Array, ste
     low = part * width[number]
     high = (part + 1) * width[number]
     leaves = leaving[number] & (part == 0)
-    low_gap = np.where(leaves, np.where(rates[0, number] > 0.0, rates[0, number], np.inf), gaps[part, number])
+    slopes = (rates[part, number], rates[part + 1, number])
     high_gap = gaps[part + 1, number]
 
-    # Where the gap is open at both ends its minimum decides; a hop's is where its cubic says.
     open_end = np.flatnonzero(high_gap > 0.0)
     if open_end.size:
         some = number[open_end]
-        ends = (low[open_end], high[open_end])
-        slopes = (rates[part[open_end], some], rates[part[open_end] + 1, some])
-        dipping = (slopes[0] < 0.0) & (slopes[1] > 0.0)
-        bottom = np.where(dipping, 0.5 * (ends[0] + ends[1]), hop[some])
-        if dipping.any():
-            turning = np.flatnonzero(dipping)
-
-            def opening_of(numbers: Array) -> Function:
-                gap = gap_of(some[turning[numbers]])
-                return lambda offset: gap(offset, opens=True)
-
-            brackets = (ends[0][turning], ends[1][turning])
-            bottom[turning] = root(opening_of, brackets, (slopes[0][turning], slopes[1][turning]))
+        bottom = _lowest(
+            gap_of, some, (low[open_end], high[open_end]), (slopes[0][open_end], slopes[1][open_end]), hop[some]
+        )
         least = gap_of(some)(bottom)
         closes = least < np.where(leaves[open_end], -HOP_ROUNDING, 0.0)
         search.margin[some] = np.where(closes | leaves[open_end], np.inf, least)
         high[open_end] = np.where(closes, bottom, high[open_end])
         high_gap[open_end] = np.where(closes, least, high_gap[open_end])
     search.place[number] = high
+
+    # A gap that begins at zero is divided by the step, so that its next zero alone remains.
     closed = np.flatnonzero(high_gap <= 0.0)
     chosen = number[closed]
-    deflated = leaves[closed]
+    from_zero = leaves[closed]
+    opening = np.where(slopes[0][closed] > 0.0, slopes[0][closed], np.inf)
+    low_value = np.where(from_zero, opening, gaps[part[closed], chosen])
+    high_value = high_gap[closed] / np.where(from_zero, high[closed], 1.0)
 
-    def value_of(numbers: Array) -> Function:
+    def value_of(numbers: Chosen) -> Function:
         gap = gap_of(chosen[numbers])
-        from_zero = deflated[numbers]
-        return lambda offset: gap(offset) / np.where(from_zero, offset, 1.0)
+        divided = from_zero[numbers]
+        return lambda place: gap(place) / np.where(divided, place, 1.0)
 
-    ends = (low[closed], high[closed])
-    at_end = np.where(deflated, high_gap[closed] / ends[1], high_gap[closed])
-    search.place[chosen] = root(value_of, ends, (low_gap[closed], at_end))
+    search.place[chosen] = root(value_of, (low[closed], high[closed]), (low_value, high_value))
     search.touched[chosen] = True
     return search
+
+
+def _lowest(
+    gap_of: Callable[[Chosen], Gap], number: Chosen, ends: tuple[Array, Array], slopes: tuple[Array, Array], hop: Array
+) -> Array:
+    """Return where gaps are least between two places: where the rate changes its sign, else where a hop's cubic says."""
+    dipping = (slopes[0] < 0.0) & (slopes[1] > 0.0)
+    turning = np.flatnonzero(dipping)
+    bottom = hop.copy()
+
+    def opening_of(numbers: Chosen) -> Function:
+        gap = gap_of(number[turning[numbers]])
+        return lambda place: gap(place, opens=True)
+
+    brackets = (ends[0][turning], ends[1][turning])
+    bottom[turning] = root(opening_of, brackets, (slopes[0][turning], slopes[1][turning]))
+    return bottom
 
 
 def _hops(gaps: Array, rates: Array, width: Array) -> Array:
@@ -185,7 +218,8 @@ def _hops(gaps: Array, rates: Array, width: Array) -> Array:
     twist = (rates[0] + rates[1]) / width**2 - 2.0 * gaps[1] / width**3
     with np.errstate(divide="ignore", invalid="ignore"):
         place = -0.5 * bend / twist
-        return np.where((bend * bend > 4.0 * rates[0] * twist) & (place > 0.0) & (place < width), place, np.nan)
+        returns = (bend * bend > 4.0 * rates[0] * twist) & (place > 0.0) & (place < width)
+    return np.where(returns, place, np.nan)
 
 
 def _note_retraction(passes: Passes, course: Course, rates: Array, step: Array, place: Array) -> None:
@@ -200,7 +234,7 @@ def _note_retraction(passes: Passes, course: Course, rates: Array, step: Array, 
         some = passes.take(number)
         for _ in range(NEWTON_ROUNDS):
             rate = own.rate_at(at)
-            at -= rate / free_acceleration(some, some.hub_angle + at, own.angle_at(at), rate)
+            at = at - rate / free_acceleration(some, some.hub_angle + at, own.angle_at(at), rate)
         least = own.angle_at(np.minimum(at, place[number]))
         passes.lowest[number] = np.minimum(passes.lowest[number], least)
     passes.lowest = np.minimum(passes.lowest, passes.angle)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.state import Passes
+from bristle_sim.passes.state import Chosen, Passes
 
 ORDER = 20
 """Order of the series. The search for touches costs as much as 15 further terms, so that fewer, longer steps are cheaper."""
@@ -65,7 +65,7 @@ class Course(NamedTuple):
     hub_sine: Array
     hub_cosine: Array
 
-    def take(self, chosen: Array) -> Course:
+    def take(self, chosen: Chosen) -> Course:
         """Return the courses of some of the passes."""
         return Course(*(each[..., chosen] for each in self))
 
@@ -83,15 +83,15 @@ class Course(NamedTuple):
         bent = (_horner(self.sine, step), _horner(self.cosine, step))
         return self._pose(*turned, *bent, NO_RATE)
 
-    def sampled(self, step: Array, fractions: Array) -> tuple[Array, Pose]:
-        """Return alpha and the pose at fractions of steps, shape (fractions, passes)."""
+    def sampled(self, step: Array, fractions: Array) -> Pose:
+        """Return the pose at fractions of steps, shape (fractions, passes)."""
         values = fractions[:, np.newaxis] ** POWERS.T
         powers = np.ones_like(self.angle)
         np.multiply.accumulate(np.broadcast_to(step, powers[1:].shape), axis=0, out=powers[1:])
         turned = (values @ (SINE_TERMS[:, np.newaxis] * powers), values @ (COSINE_TERMS[:, np.newaxis] * powers))
         bent = (values @ (self.sine * powers), values @ (self.cosine * powers))
         rate = values[:, :-1] @ (self.rate[1:] * powers[:-1])
-        return values @ (self.angle * powers), self._pose(*turned, *bent, rate)
+        return self._pose(*turned, *bent, rate)
 
     def _pose(self, turn_sine: Array, turn_cosine: Array, sine: Array, cosine: Array, rate: Array) -> Pose:
         hub_sine = self.hub_sine * turn_cosine + self.hub_cosine * turn_sine
@@ -107,7 +107,7 @@ def _horner(terms: Array, step: Array) -> Array:
         value += term
         value *= step
     value += terms[0]
-    return value
+    return np.asarray(value)
 
 
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:

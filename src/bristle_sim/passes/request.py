@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.state import Passes
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.units import Choice, Range, likely_key, shown
 
 HUB_TURN = 1.5 * math.pi  # rad; turn of the hub after which a pass ends, as in a simulation by default
@@ -42,7 +43,7 @@ class Request:
         """Number of passes."""
         return math.prod(self.shape)
 
-    def at(self, numbers: Array) -> Values:
+    def at(self, numbers: Chosen) -> Values:
         """Return the values of all keys of the passes with these numbers, each of their shape."""
         values = {key: np.full(len(numbers), value) for key, value in _numbers_of(self.tool).items()}
         places = np.unravel_index(numbers, self.shape or (1,))
@@ -111,13 +112,13 @@ class Reasons:
     def __init__(self, size: int) -> None:
         self.texts = np.full(size, "", dtype=object)
 
-    def refuse(self, where: Array, text: str, values: Array | None = None) -> None:
+    def refuse(self, where: Chosen, text: str, values: Array | None = None) -> None:
         """Refuse passes; ``text`` may hold a place ``{}`` for their values."""
         for number in np.flatnonzero(where & (self.texts == "")):
             self.texts[number] = text if values is None else text.format(f"{values[number]:g}")
 
 
-def passes_of(request: Request, numbers: Array) -> tuple[Passes, Array]:
+def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
     """Return the passes with these numbers whose tools the method can do, and the reasons why the others are refused."""
     values = request.at(numbers)
     reasons = Reasons(len(numbers))
@@ -143,7 +144,7 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
     reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
 
 
-def _built(tool: Tool, values: Values, numbers: Array) -> Passes:
+def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
     """Return passes at their starts, lengths over the bristle's, times as hub angles."""
     size = len(numbers)
     length = values["bristle_length"]
@@ -152,7 +153,10 @@ def _built(tool: Tool, values: Values, numbers: Array) -> Passes:
     radius = values["hub_radius"] / length
     stiffness = values["belt_stiffness"] / (inertia * speed**2)
     nothing = np.zeros(size)
-    bar = {key: values.get(f"bar_{key}", nothing) for key in ("horizontal", "vertical", "radius", "friction", "restitution")}
+    bar = {
+        key: values.get(f"bar_{key}", nothing)
+        for key in ("horizontal", "vertical", "radius", "friction", "restitution")
+    }
     distance = np.hypot(bar["horizontal"], bar["vertical"]) / length
     bar_angle = np.arctan2(-bar["horizontal"], bar["vertical"])
     wire_radius = 0.5 * values["wire_diameter"] / length
@@ -198,7 +202,6 @@ def _built(tool: Tool, values: Values, numbers: Array) -> Passes:
         release_angle=undone.copy(),
         lowest=nothing.copy(),
         error=nothing.copy(),
-        heavy=bool((gravity > 0.0).any()),
     )
 
 

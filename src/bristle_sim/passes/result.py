@@ -16,7 +16,6 @@ from bristle_sim.parameters import tool_keys
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
 QUANTITIES = {
     "release_time": "s",
@@ -88,7 +87,9 @@ class Ensemble(EqualByValue):
 
         Raises ImportError if pandas is not installed.
         """
-        frame: pd.DataFrame = _installed("pandas").DataFrame({name: each.ravel() for name, each in self.columns().items()})
+        frame: pd.DataFrame = _installed("pandas").DataFrame(
+            {name: each.ravel() for name, each in self.columns().items()}
+        )
         frame.attrs["units"] = self._units()
         return frame
 
@@ -103,14 +104,15 @@ class Ensemble(EqualByValue):
             for name, each in self.columns().items()
         }
         coordinates = {
-            key: (key, self.keys[key].ravel(), variables[key][2]) if key in names else variables[key] for key in self.keys
+            key: (key, self.keys[key].ravel(), variables[key][2]) if key in names else variables[key]
+            for key in self.keys
         }
         variables = {name: each for name, each in variables.items() if name not in self.keys}
         found: xr.Dataset = _installed("xarray").Dataset(variables, coords=coordinates)
         return found
 
-    def plot(self) -> Figure:
-        """Draw every quantity over the one key, or the two, along the axes.
+    def plot(self) -> Any:
+        """Return a matplotlib figure of every quantity over the one key, or the two, along the axes.
 
         Raises ValueError if an axis has no key of its own, there are more than two, or no pass has a result.
         """
@@ -118,8 +120,7 @@ class Ensemble(EqualByValue):
         if not 1 <= len(names) <= 2 or not set(names) <= set(self.keys):
             raise ValueError(f"shape = {self.shape}: must be one or two axes, along each of which one key varies")
         data = self.to_xarray().rename(reason="failure").drop_vars("outcome")
-        figure: Figure = import_module(DRAWN_BY).sweep_figure(data, names)
-        return figure
+        return import_module(DRAWN_BY).sweep_figure(data, names)
 
     def _units(self) -> dict[str, str]:
         declared = {key: each.unit for keys in tool_keys().values() for key, (_, each) in keys.items()}

@@ -10,8 +10,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.passes.bar import levers, locks, lying
 from bristle_sim.passes.flight import BAR, NOTHING, WORKPART, fly
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.state import Passes
 from bristle_sim.passes.slide import CUTS, FOLDED, JAMMED, slide
+from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM
 
@@ -31,7 +31,7 @@ STRUCK, MISSED, LOCKED, TOO_MANY, CUT_OFF, FOLDS = range(1, 7)
 """The ends of a pass: strike, end of the hub's turn, friction on the bar, taps without end, a strike from the bar, a fold."""
 
 
-def advance(passes: Passes, accuracy: float) -> Array:
+def advance(passes: Passes, accuracy: float) -> Chosen:
     """Advance every pass by one step and its consequences; return how it ends, 0 where it goes on."""
     tolerance = max(LOCAL_FRACTION * accuracy, LEAST_TOLERANCE)
     kind, margin = fly(passes, tolerance)
@@ -48,7 +48,7 @@ def advance(passes: Passes, accuracy: float) -> Array:
     return ending
 
 
-def touch_bar(passes: Passes, accuracy: float) -> Array:
+def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     """Resolve impacts on the bar, and follow the wires that stay on it to their release; return how the passes end, 0 if they go on."""
     touch = levers(passes, pose_of(passes.hub_angle, passes.angle, passes.rate))
     rows = np.array([touch.normal, touch.tangential])
@@ -85,7 +85,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Array:
     return ending
 
 
-def comes_to_rest(passes: Passes, sides: Array, at_end: Array, pressed: Array, parting: Array, returned: Array) -> Array:
+def comes_to_rest(
+    passes: Passes, sides: Array, at_end: Chosen, pressed: Array, parting: Array, returned: Array
+) -> Chosen:
     """Return whether hops come to rest while the wire is still pressed onto the bar, so that it lies there as if it never hopped.
 
     Hops of an initial speed v that keep a fraction e of it last 2 v/(a (1 - e)) in all at an acceleration a. Twice that time is
@@ -96,11 +98,11 @@ def comes_to_rest(passes: Passes, sides: Array, at_end: Array, pressed: Array, p
     same = touch_at_end(passes, ahead) == at_end
     now = lying(passes, passes.hub_angle, sides, at_end).pressure
     ratio = lying(passes, ahead, sides, at_end).pressure / now
-    return same & (ratio > 0.5) & (ratio < 2.0) & (ahead < passes.hub_angle + 1.0)
+    return np.asarray(same & (ratio > 0.5) & (ratio < 2.0) & (ahead < passes.hub_angle + 1.0))
 
 
-def touch_at_end(passes: Passes, hub_angle: Array) -> Array:
+def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
     """Return whether wires that lie on the bar at hub angles touch it with their ends, D^2 > 1 + R^2."""
     chi = hub_angle - passes.bar_angle
     square = passes.bar_distance**2 + passes.radius**2 - 2.0 * passes.radius * passes.bar_distance * np.cos(chi)
-    return square > 1.0 + passes.reach**2
+    return np.asarray(square > 1.0 + passes.reach**2)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.bar import lying, locks
+from bristle_sim.passes.bar import locks, lying
 from bristle_sim.passes.crossing import Function, root
 from bristle_sim.passes.flight import WORKPART, clearance
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.state import Passes
+from bristle_sim.passes.state import Chosen, Passes
 
 SAMPLES = 12
 """Equal parts of the turn in which a wire lies on the bar with its flank, or with its end, in which a pressure that falls to zero
@@ -21,7 +21,7 @@ RELEASED, JAMMED, CUTS, FOLDED = range(4)
 """The ends of a contact: no force is left, friction locks it, the tip reaches the workpart, the wire folds back."""
 
 
-def slide(passes: Passes, side: Array) -> Array:
+def slide(passes: Passes, side: Array) -> Chosen:
     """Advance wires that lie on the bar to their release, and return how it ends."""
     chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
     turned = passes.hub_angle - chi
@@ -49,10 +49,10 @@ def _flank(passes: Passes) -> Array:
     room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
     double = 2.0 * passes.radius * passes.bar_distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
-    return np.arccos(np.clip(cosine, -1.0, 1.0))
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Array) -> Array:
+def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
     """Follow wires over hub angles, up to the end of the contact; return how it ends, -1 where it goes on.
 
     The contact of a ``fresh`` one has just been found to press.
@@ -78,12 +78,12 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Array) 
         brackets = (hub[part - 1, between], hub[part, between])
         values = (motion.pressure[part - 1, between], motion.pressure[part, between])
 
-        def pressure_of(numbers: Array) -> Function:
+        def pressure_of(numbers: Chosen) -> Function:
             some, own_side, own_end = _some(passes, side, ends, between[numbers])
             return lambda place: lying(some, place, own_side, own_end).pressure
 
         place[between] = root(pressure_of, brackets, values)
-    _note_retraction(passes, hub, motion.angle, motion.rate, place, side, ends)
+    _note_retraction(passes, hub, motion.rate, place, side, ends)
     found = lying(passes, place, side, ends)
     passes.hub_angle, passes.angle, passes.rate = place, found.angle, found.rate
     passes.release, passes.release_angle = place.copy(), found.angle.copy()
@@ -91,16 +91,14 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Array) 
     return np.where(ended, how, -1)
 
 
-def _note_retraction(
-    passes: Passes, hub: Array, angles: Array, rates: Array, place: Array, side: Array, ends: Array
-) -> None:
+def _note_retraction(passes: Passes, hub: Array, rates: Array, place: Array, side: Array, ends: Chosen) -> None:
     """Note the least angle at a minimum on the bar before the contact ends."""
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (hub[:-1] < place)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:
         part = turning[:, number].argmax(axis=0)
 
-        def rate_of(numbers: Array) -> Function:
+        def rate_of(numbers: Chosen) -> Function:
             some, own_side, own_end = _some(passes, side, ends, number[numbers])
             return lambda place: lying(some, place, own_side, own_end).rate
 
@@ -112,5 +110,6 @@ def _note_retraction(
         passes.lowest[number] = np.minimum(passes.lowest[number], least)
 
 
-def _some(passes: Passes, side: Array, ends: Array, chosen: Array) -> tuple[Passes, Array, Array]:
+def _some(passes: Passes, side: Array, ends: Chosen, chosen: Chosen) -> tuple[Passes, Array, Chosen]:
+    """Return some of the wires on the bar."""
     return passes.take(chosen), side[chosen], ends[chosen]

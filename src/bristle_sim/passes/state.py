@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
+
+Chosen = NDArray[Any]
+"""Places of passes, or a mask of them; or codes."""
 
 
 class Place(NamedTuple):
@@ -23,7 +27,7 @@ class Place(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Passes:
-    """Bristles in flight; every attribute but ``heavy`` is an array of shape (passes,).
+    """Bristles in flight; every attribute is an array of shape (passes,).
 
     Attributes:
         number: place of each pass in the request.
@@ -44,10 +48,9 @@ class Passes:
         release, release_angle: psi and alpha at the last contact with the bar; NaN before one.
         lowest: least alpha so far, rad.
         error: estimated error of angle and of rate over ``rate_scale``.
-        heavy: whether any bristle has weight.
     """
 
-    number: Array
+    number: Chosen
     radius: Array
     stiffness: Array
     damping: Array
@@ -69,28 +72,32 @@ class Passes:
     hub_angle: Array
     angle: Array
     rate: Array
-    touching: Array
-    touches: Array
+    touching: Chosen
+    touches: Chosen
     release: Array
     release_angle: Array
     lowest: Array
     error: Array
-    heavy: bool = False
 
     @property
     def size(self) -> int:
         """Number of passes."""
         return len(self.number)
 
-    def take(self, chosen: Array) -> Passes:
-        """Return some of the passes, by a mask or by their places here."""
-        return Passes(*(each[chosen] for each in self._columns()), heavy=self.heavy)
+    @property
+    def heavy(self) -> bool:
+        """Whether any bristle has weight."""
+        return bool(self.gravity.any())
 
-    def place(self, chosen: Array) -> Place:
+    def take(self, chosen: Chosen) -> Passes:
+        """Return some of the passes, by a mask or by their places here."""
+        return Passes(*(each[chosen] for each in self._columns()))
+
+    def place(self, chosen: Chosen) -> Place:
         """Return the columns that gaps depend on, of some of the passes."""
         return Place(*(getattr(self, name)[chosen] for name in Place._fields))
 
-    def put(self, chosen: Array, some: Passes) -> None:
+    def put(self, chosen: Chosen, some: Passes) -> None:
         """Write the state of some passes back to their places."""
         for name in STATE:
             getattr(self, name)[chosen] = getattr(some, name)
@@ -98,12 +105,12 @@ class Passes:
     def joined(self, others: Passes) -> Passes:
         """Return these passes followed by others."""
         pairs = zip(self._columns(), others._columns(), strict=True)
-        return Passes(*map(np.concatenate, pairs), heavy=self.heavy or others.heavy)
+        return Passes(*map(np.concatenate, pairs))
 
-    def _columns(self) -> list[Array]:
+    def _columns(self) -> list[NDArray[Any]]:
         return [getattr(self, name) for name in COLUMNS]
 
 
-COLUMNS = tuple(each.name for each in dataclasses.fields(Passes) if each.name != "heavy")
+COLUMNS = tuple(each.name for each in dataclasses.fields(Passes))
 STATE = COLUMNS[COLUMNS.index("hub_angle") :]
 """Columns of a pass, and those that change during it."""

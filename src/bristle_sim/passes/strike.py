@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import free_acceleration
-from bristle_sim.passes.state import Passes
+from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM, REBOUND, Impact
 
@@ -14,63 +16,91 @@ OUTCOMES = ("rebounds", "reverses its slip", "sticks and rebounds", "stays", "ja
 REBOUNDS, REVERSES, STICKS, STAYS, JAMS, MISSES, REFUSED = range(len(OUTCOMES))
 """The outcomes of a pass, and their codes."""
 
+LEAST_SPEED = 1e-300  # a lower normal speed has no reciprocal
+
+
+class Blow(NamedTuple):
+    """A tip that strikes: its velocity (m/s), what the impact does to it, the gain of the wire's rate (rad/s), the outcome's code."""
+
+    normal: Array
+    tangential: Array
+    impact: Impact
+    gain: Array
+    outcome: Chosen
+
 
 def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[str, Array]:
     """Return the state at the strike, the impulses, and the rate and outcome after it, in SI units.
 
+    The law is evaluated a second time for a state that is off by the accuracy: the change of the impulse shows how much the
+    impact magnifies an error, and where the outcome changes the error estimate is 1.
+
     Args:
         passes: whose tips are at the workpart.
         values: of the tools' keys.
-        accuracy: relative change of the input within which a graze makes the outcome uncertain.
+        accuracy: relative accuracy requested.
     """
-    length = values["bristle_length"]
     speed = values["hub_speed"]
+    blow = _blow(passes, values, 0.0)
+    beside = _blow(passes, values, accuracy)
+    size = np.hypot(blow.impact.impulse_normal, blow.impact.impulse_tangential)
+    change = np.abs(beside.impact.impulse_normal - blow.impact.impulse_normal) / np.maximum(size, LEAST_SPEED)
+
+    # An error of the angle moves the instant of the strike, and with it the state.
     turn = passes.hub_angle + passes.angle
+    spin = 1.0 + passes.rate
+    acceleration = free_acceleration(passes, passes.hub_angle, passes.angle, passes.rate)
+    normal = np.maximum(-blow.normal / (values["bristle_length"] * speed), LEAST_SPEED)
+    shift = np.abs(np.sin(turn)) / normal
+    error = passes.error * (1.0 + shift * (np.abs(acceleration) / passes.rate_scale + np.abs(spin)))
+    error *= np.maximum(1.0, change / accuracy)
+    bend = np.abs(passes.radius * np.cos(passes.hub_angle) + np.cos(turn) * spin**2 + np.sin(turn) * acceleration)
+    uncertain = (normal**2 < 2.0 * bend * accuracy) | (beside.outcome != blow.outcome)
+    return {
+        "contact_time": (passes.hub_angle - passes.start) / speed,
+        "lag_at_contact": -passes.angle,
+        "relative_speed_at_contact": passes.rate * speed,
+        "tip_speed_at_contact": np.hypot(blow.normal, blow.tangential),
+        "normal_compressive_impulse": blow.impact.compressive_impulse_normal,
+        "normal_final_impulse": blow.impact.impulse_normal,
+        "tangential_compressive_impulse": blow.impact.compressive_impulse_tangential,
+        "final_bristle_rate": speed * spin + blow.gain,
+        "error_estimate": np.where(uncertain, 1.0, np.minimum(error, 1.0)),
+        "outcome": blow.outcome,
+    }
+
+
+def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
+    """Return the impact of a wire whose angle, and rate over its scale, are off by a fraction."""
+    length = values["bristle_length"]
+    turn = passes.hub_angle + passes.angle + off
+    spin = 1.0 + passes.rate + off * passes.rate_scale
     sine = np.sin(turn)
     cosine = np.cos(turn)
-    spin = 1.0 + passes.rate
-    normal = passes.radius * np.sin(passes.hub_angle) + sine * spin
-    tangential = passes.radius * np.cos(passes.hub_angle) + cosine * spin
+    tip_speed = length * values["hub_speed"]
+    normal = (passes.radius * np.sin(passes.hub_angle) + sine * spin) * tip_speed
+    tangential = (passes.radius * np.cos(passes.hub_angle) + cosine * spin) * tip_speed
     compliance = 3.0 / values["bristle_mass"]
-    matrix = np.array([[sine * sine, sine * cosine], [sine * cosine, cosine * cosine]]) * compliance
-    velocity = np.array([normal, tangential]) * length * speed
+    inverse_mass = np.array([[sine * sine, sine * cosine], [sine * cosine, cosine * cosine]]) * compliance
     later = np.where(np.isnan(values["restitution_friction"]), values["friction"], values["restitution_friction"])
     elastic = values["tangential_compliance"]
-    hit = energetic_impact(
-        matrix.transpose(2, 0, 1),
-        velocity.T,
+    impact = energetic_impact(
+        inverse_mass.transpose(2, 0, 1),
+        np.array([normal, tangential]).T,
         values["friction"],
         values["restitution"],
         later,
         tangential_compliance=elastic if elastic.any() else 0.0,
     )
-    gained = (sine * hit.impulse_normal + cosine * hit.impulse_tangential) * compliance / length
-
-    # An error of the angle moves the instant of the strike, and with it the state.
-    acceleration = free_acceleration(passes, passes.hub_angle, passes.angle, passes.rate)
-    shift = np.abs(sine) / np.maximum(-normal, 1e-300)
-    error = passes.error * (1.0 + shift * (np.abs(acceleration) / passes.rate_scale + np.abs(spin)))
-    bend = np.abs(passes.radius * np.cos(passes.hub_angle) + cosine * spin**2 + sine * acceleration)
-    grazes = normal**2 < 2.0 * bend * accuracy
-    return {
-        "contact_time": (passes.hub_angle - passes.start) / speed,
-        "lag_at_contact": -passes.angle,
-        "relative_speed_at_contact": passes.rate * speed,
-        "tip_speed_at_contact": np.hypot(*velocity),
-        "normal_compressive_impulse": hit.compressive_impulse_normal,
-        "normal_final_impulse": hit.impulse_normal,
-        "tangential_compressive_impulse": hit.compressive_impulse_tangential,
-        "final_bristle_rate": speed * spin + gained,
-        "error_estimate": np.where(grazes, 1.0, np.minimum(error, 1.0)),
-        "outcome": outcome_codes(hit, tangential),
-    }
+    gain = (sine * impact.impulse_normal + cosine * impact.impulse_tangential) * compliance / length
+    return Blow(normal, tangential, impact, gain, outcome_codes(impact, tangential))
 
 
-def outcome_codes(hit: Impact, tangential: Array) -> Array:
-    """Return the code of each outcome; a point that reverses its slip, or sticks, does so in a phase with an impulse."""
-    active = hit.phase_impulse > 0.0
+def outcome_codes(impact: Impact, tangential: Array) -> Chosen:
+    """Return the code of each outcome; a tip that reverses its slip, or sticks, does so in a phase with an impulse."""
+    active = impact.phase_impulse > 0.0
     sense = np.sign(tangential)[:, np.newaxis]
-    reverses = (active & (hit.phase_slip * sense < 0.0)).any(axis=-1)
-    sticks = (active & (hit.phase_slip == 0.0)).any(axis=-1)
+    reverses = (active & (impact.phase_slip * sense < 0.0)).any(axis=-1)
+    sticks = (active & (impact.phase_slip == 0.0)).any(axis=-1)
     parted = np.select([reverses, sticks], [REVERSES, STICKS], REBOUNDS)
-    return np.where(hit.outcome == JAM, JAMS, np.where(hit.outcome == REBOUND, parted, STAYS))
+    return np.where(impact.outcome == JAM, JAMS, np.where(impact.outcome == REBOUND, parted, STAYS))
