@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from bristle_sim.arrays import Number
 from bristle_sim.units import ANY, Computed, Declared, Range, choice, count, declarations, quantity
 
 Vector = tuple[float, float]
@@ -57,6 +58,12 @@ class Belt(Declared):
         "0 <= belt_damping_ratio <= 1e3: damping ratio of the bristle on its belt; 1 is critical"
         " [undamped as in Zhang 2020]",
     )
+
+
+def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
+    """Return the density times the wire's volume, kg: the printed mass times ratios that are 1 for the printed wire."""
+    section = (diameter / PRINTED_DIAMETER) ** 2
+    return PRINTED_MASS * section * (length / PRINTED_LENGTH) * (density / PRINTED_DENSITY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +132,7 @@ class Bristle(Declared):
             object.__setattr__(self, "mass", Computed(self._mass_of_volume()))
 
     def _mass_of_volume(self) -> float:
-        """Return the density times the wire's volume, kg: the printed mass times ratios that are 1 for the printed wire."""
-        section = (self.wire_diameter / PRINTED_DIAMETER) ** 2
-        mass = PRINTED_MASS * section * (self.length / PRINTED_LENGTH) * (self.density / PRINTED_DENSITY)
+        mass: float = mass_of_volume(self.length, self.wire_diameter, self.density)
         declared = declarations(Bristle)["mass"]
         assert isinstance(declared, Range)
         if not declared.lowest <= mass <= declared.highest:

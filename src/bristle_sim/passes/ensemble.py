@@ -11,7 +11,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import Request, passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES, Ensemble
-from bristle_sim.passes.run import CUT_OFF, FOLDS, LOCKED, MISSED, STRUCK, TOO_MANY, advance
+from bristle_sim.passes.run import FOLDS, LOCKED, MISSED, STRUCK, TOO_MANY, advance
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
 from bristle_sim.settings import Settings
@@ -23,17 +23,16 @@ BLOCK = 1 << 14
 LEAST_FLYING = BLOCK // 4  # passes in flight below which the next block begins
 
 UNCERTAIN = 1.0
-"""Error estimate of a pass in which a graze decides: another touch, or none, is within the accuracy."""
+"""Error estimate of a pass that takes another course, by one touch more or less, or outcome within the accuracy."""
 
 REASONS = {
     MISSED: "its tip stays above the workpart",
     LOCKED: "friction locks the wire on the bar",
-    CUT_OFF: "its tip reaches the workpart while the wire lies on the bar",
     FOLDS: "it folds back by more than a quarter turn",
     TOO_MANY: "it taps the bar thousands of times",
 }
 UNTOUCHED = "the wire does not touch the bar"
-GRAZES = "a graze decides its course; within the accuracy it may take another"
+OTHERWISE = "a change within the accuracy gives it another course or outcome"
 
 
 def ensemble(
@@ -121,7 +120,7 @@ class Results:
                 self.columns[name][numbers[struck]] = each
         for where, reason in (
             (np.isnan(done.release), UNTOUCHED),
-            (self.columns["error_estimate"][numbers] >= UNCERTAIN, GRAZES),
+            (self.columns["error_estimate"][numbers] >= UNCERTAIN, OTHERWISE),
         ):
             open_question = where & (self.reason[numbers] == "")
             self.reason[numbers[open_question]] = reason

@@ -13,8 +13,8 @@ from bristle_sim.passes.crossing import Function, root
 from bristle_sim.passes.motion import ORDER, Course, Pose, course_of, free_acceleration, step_length
 from bristle_sim.passes.state import Chosen, Passes, Place
 
-NOTHING, BAR, WORKPART = range(3)
-"""What a wire touches at the end of a step."""
+NOTHING, BAR, WORKPART, HUB = range(4)
+"""Touches at the end of a step; a wire that folds back by a quarter turn lies on the hub."""
 
 INTERVALS = 8
 """Equal parts of a step; a gap is taken to have at most one minimum in each."""
@@ -79,6 +79,8 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
             margin[chosen] = np.minimum(margin[chosen], search.margin)
             kind[chosen] = np.where(sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen])
             place[chosen] = np.where(sooner, search.place, place[chosen])
+    folded = poses.cosine * poses.hub_cosine + poses.sine * poses.hub_sine < 0.0  # cos alpha
+    kind[(folded & (FRACTIONS[:, np.newaxis] * step <= place)).any(axis=0)] = HUB
     passes.angle = course.angle_at(place)
     passes.rate = course.rate_at(place)
     _note_retraction(passes, course, poses.rate, step, place)

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.parameters.parts import mass_of_volume
+from bristle_sim.parameters.tool import CLEAR_OF_BAR, START
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
-from bristle_sim.units import Choice, Range, likely_key, shown
+from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
 HUB_TURN = 1.5 * math.pi  # rad; turn of the hub after which a pass ends, as in a simulation by default
-START = -0.5 * math.pi  # rad; hub angle at the start, unless the bar is met before
-CLEAR_OF_BAR = math.radians(5.0)  # rad; from an earlier start to the touch of the bar
 MOST_RADIANS = 1e5  # radians of the fastest motion that a pass may last: each step is some two of them
 OVERLAP_ROUNDING = 1e-11  # overlap with an obstacle at the start, over the bristle's length, that is rounding
 
@@ -49,6 +49,8 @@ class Request:
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
+        own = mass_of_volume(values["bristle_length"], values["wire_diameter"], values["wire_density"])
+        values["bristle_mass"] = np.where(np.isnan(values["bristle_mass"]), own, values["bristle_mass"])
         return values
 
 
@@ -95,14 +97,14 @@ def _array(declared: Range, value: Any) -> Array:
 
 
 def _numbers_of(tool: Tool) -> dict[str, float]:
-    """Return the numbers of a tool by key; NaN for one that is left out."""
+    """Return the numbers of a tool by key; NaN for one that is left out or computed from others."""
     found = {}
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool
         for key, (name, declared) in keys.items():
             if owner is not None and isinstance(declared, Range):
                 value = getattr(owner, name)
-                found[key] = math.nan if value is None else float(value)
+                found[key] = math.nan if isinstance(value, Computed | None) else float(value)
     return found
 
 
@@ -168,9 +170,8 @@ def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
         window = half_window(radius, distance, reach)
         met = bar_angle + meeting_angle(radius, distance, reach)
         start = np.where(met < START, met - CLEAR_OF_BAR, start)
-    if "start_hub_angle_deg" in values:
-        own = np.radians(values["start_hub_angle_deg"])
-        start = np.where(np.isnan(own), start, own)
+    own = np.radians(values["start_hub_angle_deg"])
+    start = np.where(np.isnan(own), start, own)
     gravity = 1.5 * values["gravity"] / (length * speed**2)
     undone = np.full(size, np.nan)
     return Passes(

@@ -51,7 +51,8 @@ class Ensemble(EqualByValue):
         tip_speed_at_contact: m/s.
         normal_compressive_impulse, normal_final_impulse, tangential_compressive_impulse: on the tip, N s.
         final_bristle_rate: the wire's absolute rate after the strike, rad/s.
-        error_estimate: of angle and rate at the strike over the motion's size; 1 where a graze decides the course.
+        error_estimate: of angle and rate at the strike over the motion's size; 1 where a change
+            within the accuracy gives another course, by one touch more or less, or outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``, ``does not strike`` or ``refused``.
         reason: why a pass was refused, has no strike, no release, or no valid error estimate; empty otherwise.
     """

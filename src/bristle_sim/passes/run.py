@@ -8,9 +8,9 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.bar import levers, locks, lying
-from bristle_sim.passes.flight import BAR, NOTHING, WORKPART, fly
+from bristle_sim.passes.flight import BAR, HUB, NOTHING, WORKPART, fly
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.slide import CUTS, FOLDED, JAMMED, slide
+from bristle_sim.passes.slide import FOLDED, JAMMED, STRIKES, slide
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM
@@ -25,10 +25,12 @@ LOWEST_REBOUND = 1e-10
 
 MOST_TOUCHES = 3000  # of the bar, after which a pass is refused: a restitution near 1 has no end of them
 
+LEAST_SPEED = 1e-300  # over the bristle's length, per radian; a lower one has no reciprocal
+
 ROUNDING = 1e-15  # error of a state that geometry gives, rad
 
-STRUCK, MISSED, LOCKED, TOO_MANY, CUT_OFF, FOLDS = range(1, 7)
-"""The ends of a pass: strike, end of the hub's turn, friction on the bar, taps without end, a strike from the bar, a fold."""
+STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS = range(1, 6)
+"""The ends of a pass: strike, end of the hub's turn, friction on the bar, taps without end, a fold."""
 
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
@@ -37,7 +39,7 @@ def advance(passes: Passes, accuracy: float) -> Chosen:
     kind, margin = fly(passes, tolerance)
     ending = np.zeros(passes.size, dtype=int)
     passes.error = np.where(margin < accuracy, 1.0, passes.error)
-    ending[np.abs(passes.angle) > 0.5 * math.pi] = FOLDS
+    ending[(kind == HUB) | (np.abs(passes.angle) > 0.5 * math.pi)] = FOLDS
     ending[(passes.hub_angle >= passes.end) & (kind == NOTHING) & (ending == 0)] = MISSED
     ending[(kind == WORKPART) & (ending == 0)] = STRUCK
     touching = np.flatnonzero((kind == BAR) & (ending == 0))
@@ -66,12 +68,13 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     held = lying(passes, passes.hub_angle, sides, at_end)
     parting = np.maximum(hit.velocity_normal, 0.0)
     pressed = np.abs(touch.normal) * held.pressure
-    amplified = np.abs(pressed) / np.maximum(-touch.normal_velocity, 1e-300)
+    approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
+    amplified = np.abs(pressed) / approach
     passes.error = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
     grazes = touch.normal_velocity**2 < -2.0 * pressed * accuracy  # the gap would open again by itself
     passes.error = np.where(grazes, 1.0, passes.error)
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
-    low |= comes_to_rest(passes, sides, at_end, pressed, parting, -parting / touch.normal_velocity)
+    low |= comes_to_rest(passes, sides, at_end, pressed, parting, parting / approach)
     stays = np.flatnonzero((ending == 0) & (pressed > 0.0) & low)
     if stays.size:
         some = passes.take(stays)
@@ -81,7 +84,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
         some.error = np.where(some.error >= 1.0, 1.0, ROUNDING)
         passes.put(stays, some)
         how[locked] = JAMMED
-        ending[stays] = np.select([how == JAMMED, how == CUTS, how == FOLDED], [LOCKED, CUT_OFF, FOLDS], 0)
+        ending[stays] = np.select([how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], 0)
     return ending
 
 

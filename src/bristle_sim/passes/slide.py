@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.bar import locks, lying
+from bristle_sim.passes.bar import Lying, locks, lying
 from bristle_sim.passes.crossing import Function, root
 from bristle_sim.passes.flight import WORKPART, clearance
 from bristle_sim.passes.motion import pose_of
@@ -17,8 +19,10 @@ does not rise again."""
 
 FRACTIONS = np.linspace(0.0, 1.0, SAMPLES + 1)[:, np.newaxis]
 
-RELEASED, JAMMED, CUTS, FOLDED = range(4)
-"""The ends of a contact: no force is left, friction locks it, the tip reaches the workpart, the wire folds back."""
+RELEASED, STRIKES, JAMMED, FOLDED = range(4)
+"""The ends of a contact: no force is left, the tip reaches the workpart, friction locks it, the wire folds back."""
+
+Measure = Callable[[Passes, Array, Lying], Array]
 
 
 def slide(passes: Passes, side: Array) -> Chosen:
@@ -62,7 +66,8 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen)
     stops = motion.pressure <= 0.0
     stops[0] &= ~fresh
     folds = np.abs(motion.angle) > 0.5 * np.pi
-    strikes = clearance(WORKPART, passes, pose_of(hub, motion.angle, motion.rate))[0] <= 0.0
+    heights = _height(passes, hub, motion)
+    strikes = heights <= 0.0
     jams = np.zeros_like(stops)
     if passes.bar_friction.any():
         jams = locks(passes, hub, motion.angle, motion.rate) & (motion.pressure > 0.0)
@@ -70,25 +75,41 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen)
     ended = halts.any(axis=0)
     at = np.where(ended, halts.argmax(axis=0), SAMPLES)
     columns = np.arange(passes.size)
-    how = np.select([jams[at, columns], strikes[at, columns], folds[at, columns]], [JAMMED, CUTS, FOLDED], RELEASED)
+    how = np.select([jams[at, columns], folds[at, columns]], [JAMMED, FOLDED], RELEASED)
     place = hub[at, columns]
-    between = np.flatnonzero(ended & (how == RELEASED) & (at > 0))
-    if between.size:
-        part = at[between]
-        brackets = (hub[part - 1, between], hub[part, between])
-        values = (motion.pressure[part - 1, between], motion.pressure[part, between])
+    for ending, reached, values, measure in (
+        (RELEASED, stops, motion.pressure, _pressure),
+        (STRIKES, strikes, heights, _height),
+    ):
+        between = np.flatnonzero(ended & (how < JAMMED) & reached[at, columns])
+        inside = between[at[between] > 0]
 
-        def pressure_of(numbers: Chosen) -> Function:
-            some, own_side, own_end = _some(passes, side, ends, between[numbers])
-            return lambda place: lying(some, place, own_side, own_end).pressure
+        def measure_of(numbers: Chosen, chosen: Chosen = inside, measure: Measure = measure) -> Function:
+            some, own_side, own_end = _some(passes, side, ends, chosen[numbers])
+            return lambda where: measure(some, where, lying(some, where, own_side, own_end))
 
-        place[between] = root(pressure_of, brackets, values)
+        part = at[inside]
+        brackets = (hub[part - 1, inside], hub[part, inside])
+        located = place.copy()
+        located[inside] = root(measure_of, brackets, (values[part - 1, inside], values[part, inside]))
+        first = between[(located[between] < place[between]) | ~(stops & strikes)[at[between], between]]
+        how[first] = ending
+        place[first] = located[first]
     _note_retraction(passes, hub, motion.rate, place, side, ends)
     found = lying(passes, place, side, ends)
     passes.hub_angle, passes.angle, passes.rate = place, found.angle, found.rate
     passes.release, passes.release_angle = place.copy(), found.angle.copy()
     passes.lowest = np.minimum(passes.lowest, found.angle)
     return np.where(ended, how, -1)
+
+
+def _pressure(_passes: Passes, _hub_angle: Array, motion: Lying) -> Array:
+    return motion.pressure
+
+
+def _height(passes: Passes, hub_angle: Array, motion: Lying) -> Array:
+    """Return the tip's height above the workpart, over the bristle's length."""
+    return clearance(WORKPART, passes, pose_of(hub_angle, motion.angle, motion.rate))[0]
 
 
 def _note_retraction(passes: Passes, hub: Array, rates: Array, place: Array, side: Array, ends: Chosen) -> None:
