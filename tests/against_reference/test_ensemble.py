@@ -7,7 +7,6 @@ and without weight and restitution, a bar anywhere before the workpart. A few ru
 from __future__ import annotations
 
 import math
-from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -111,6 +110,8 @@ def faults(count: int, seed: int, accuracy: float, *, reference: bool = False) -
         except ValueError as error:
             found += [] if many.outcome[number] == "refused" else [f"{number}: {error}"]
             continue
+        if run.stop_reason.gives_up:
+            continue
         strike = run.first_contact("workpart")
         word = run.stop_reason if strike is None else strike.outcome
         if many.outcome[number] not in WORDS.get(word, set()):
@@ -153,7 +154,7 @@ def test_many_random_tools_against_the_independent_solution(seed: int):
 
 @pytest.mark.nightly
 def test_twenty_thousand_random_tools_have_numbers_or_a_reason():
-    """And none raises, warns or is left out; a pass at 1e-4 is within the sum of both error estimates of one at 1e-8."""
+    """And none raises, warns or is left out. A pass at 1e-4 and one at 1e-8 have one outcome, and lags that differ by at most ten times 1e-4."""
     values = random_tools(20_000, 1)
     fine, coarse = (bs.ensemble(accuracy=accuracy, **values) for accuracy in (1e-8, 1e-4))
     struck = np.isfinite(fine.contact_time)
@@ -162,7 +163,6 @@ def test_twenty_thousand_random_tools_have_numbers_or_a_reason():
         assert (fine.reason[missing] != "").all(), name
     assert (fine.reason[~struck] != "").all()
     certain = struck & (coarse.error_estimate < 1.0) & (fine.error_estimate < 1.0)
-    assert (fine.outcome == coarse.outcome)[certain].mean() > 0.999
+    assert (fine.outcome == coarse.outcome)[certain].all()
     off = np.abs(fine.lag_at_contact - coarse.lag_at_contact)[certain]
-    estimate = attrgetter("error_estimate")
-    assert (off <= 10.0 * (estimate(fine) + estimate(coarse))[certain] + 1e-8).mean() > 0.999
+    assert (off <= 10.0 * 1e-4).all()

@@ -18,6 +18,9 @@ from bristle_sim.theory.impact_phases import JAM
 LOCAL_FRACTION = 1e-3
 """Local tolerance over the accuracy: a thousand steps may add up, and a step's length depends on it weakly."""
 
+MOST_TOLERANCE = 1e-9
+"""Largest local tolerance: taps magnify errors a thousandfold, and a hundred times longer steps save little at this order."""
+
 LEAST_TOLERANCE = 1e-14  # local tolerance below which rounding is larger
 
 LOWEST_REBOUND = 1e-10
@@ -35,7 +38,7 @@ STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS = range(1, 6)
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
     """Advance every pass by one step and its consequences; return how it ends, 0 where it goes on."""
-    tolerance = max(LOCAL_FRACTION * accuracy, LEAST_TOLERANCE)
+    tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     kind, margin = fly(passes, tolerance)
     ending = np.zeros(passes.size, dtype=int)
     passes.error = np.where(margin < accuracy, 1.0, passes.error)
