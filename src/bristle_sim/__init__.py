@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from bristle_sim.reference import simulate_reference
     from bristle_sim.scene.simulate import simulate, simulate_row
     from bristle_sim.settings import Settings
+    from bristle_sim.studies.limits import limits
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
     from bristle_sim.tool_file import read_tool, write_tool
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Ensemble", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
-    "__version__", "energetic_impact", "ensemble", "explore", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
+    "__version__", "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
     "simulate_reference", "simulate_row", "sweep", "write_tool",
 ]  # fmt: skip
 
@@ -44,6 +45,7 @@ _MODULES = {
     "energetic_impact": "theory.impact",
     "ensemble": "passes.ensemble",
     "explore": "cli.explore.entry",
+    "limits": "studies.limits",
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",
     "read_tool": "tool_file",

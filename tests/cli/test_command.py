@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import runpy
 import subprocess
@@ -153,3 +154,18 @@ def test_the_tool_that_was_run_or_found_is_written(line: str, bar: tuple[float, 
     assert found.bar is not None
     assert found.bar.centre == pytest.approx(bar, abs=5e-6)
     assert found.hub.speed == (280.0 if "280" in line else Hub().speed)
+
+
+def test_limits_are_printed_and_written(capsys: pytest.CaptureFixture[str]):
+    """A tip on a rod sticks from mu = tan phi on; the angle of the wire at the strike is that of the scene, to a microradian."""
+    strike = bristle_sim.simulate(Tool(), stop_after="strike").first_contact("workpart")
+    assert strike is not None
+    expected = abs(math.tan(strike.angles[0]))
+    assert command.main(["limits", "friction=0.1:0.6", "--json", "-"]) == 0
+    (change,) = json.loads(capsys.readouterr().out)["changes"]
+    assert change["at"] == pytest.approx(expected, abs=1e-5)
+    assert command.main(["limits", "hub_speed=250:255", "--set", "friction=0.2"]) == 0
+    assert "does not change" in capsys.readouterr().out
+    for wrong in ("friction", "friction=0.1", "frict=0:1", "contact=a:b", "friction=0.1:0.1"):
+        assert command.main(["limits", wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1

@@ -150,6 +150,29 @@ def test_texts_carry_units():
     np.testing.assert_array_equal(texts.contact_time, numbers.contact_time)
 
 
+def test_limits_are_those_of_the_closed_forms():
+    """Without bar and with R = 1 the tip rebounds for mu < tan gamma (2.51), and strikes where the workpart cuts its circle."""
+    tool = TOOL.replace(bar=None)
+    gamma = math.acos(TOOL.workpart_depth / (TOOL.hub.radius + TOOL.bristle.length))
+    (change,) = bs.limits(tool, friction=(0.1, 0.8))
+    assert (change.above, change.at) == ("stays", pytest.approx(math.tan(gamma), abs=1e-8))
+    (change,) = bs.limits(tool, penetration=("-1 mm", "1 mm"))
+    assert (change.below, change.at) == ("does not strike", pytest.approx(0.0, abs=1e-10))
+    # A rod at the angle phi to the normal has K_nt/K_tt = tan phi, the friction from which its tip sticks.
+    many = bs.ensemble()
+    phi = TOOL.hub.speed * float(many.contact_time) - 0.5 * math.pi - float(many.lag_at_contact)
+    (change,) = bs.limits(friction=("0.1", 0.6))
+    assert (change.below, change.above) == ("reverses its slip", "sticks and rebounds")
+    assert change.at == pytest.approx(math.tan(-phi), abs=1e-7)
+    assert bs.limits(hub_speed=(250.0, 260.0)) == ()
+
+
+@pytest.mark.parametrize("between", [{}, {"friction": 0.1}, {"friction": (0.1, 0.1)}, {"frict": (0.1, 0.2)}])
+def test_limits_of_no_range_are_refused(between: dict[str, object]):
+    with pytest.raises(ValueError, match=r"^[^\n]+$"):
+        bs.limits(**between)  # type: ignore[arg-type]
+
+
 def test_tables_and_picture():
     many = bs.ensemble(hub_speed=np.linspace(240.0, 280.0, 3), friction=np.array([[0.1], [0.6]]))
     data = many.to_xarray()

@@ -1,0 +1,53 @@
+"""``bristle-sim limits KEY=FROM:TO``: the values of a key at which the outcome of the pass changes."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from bristle_sim.cli.output import json_of, say, word, write_text
+from bristle_sim.cli.scenario import Scenario, built
+from bristle_sim.comparison import aligned
+from bristle_sim.files import checked_target
+from bristle_sim.parameters import Tool
+from bristle_sim.studies.limits import limits
+from bristle_sim.units import Range, likely_key
+
+
+def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
+    """Print the limits, write them as JSON if requested, and return the exit status.
+
+    Raises:
+        ValueError: for bad input.
+        OSError: naming the file, if the JSON cannot be written.
+    """
+    parser.add_argument("range", metavar="KEY=FROM:TO", help="a key of the tool and the range of its values")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="another key of the tool")
+    parser.add_argument("--json", metavar="FILE|-", help="write the limits as JSON")
+    options = parser.parse_args(arguments)
+    key, _, ends = options.range.partition("=")
+    keys = pass_of.keys()
+    if key not in keys:
+        raise ValueError(f"{options.range!r}: unknown key {key!r}; {likely_key(key, keys)}")
+    declared = keys[key][0]
+    if ends.count(":") != 1 or not isinstance(declared, Range):
+        raise ValueError(f"{options.range!r}: must be KEY=FROM:TO with two numbers, such as friction=0.1:0.6")
+    target = None if options.json in (None, "-") else checked_target(options.json, (".json",), option="--json")
+    values = pass_of.values_of(options.set)
+    tool = built(Tool, values)
+    low, high = (float(declared.parse(end)) for end in ends.split(":"))
+    changes = limits(tool, accuracy=1e-8, **{key: (low, high)})
+    unit = "" if declared.unit == "1" else f" {declared.unit}"
+    answer = f"Between {word(low)} and {word(high)}{unit} of {key} the outcome does not change."
+    if changes:
+        places = ", ".join(f"at {word(each.at)}{unit} ({each.below}, then {each.above})" for each in changes)
+        answer = f"Between {word(low)} and {word(high)}{unit} of {key} the outcome changes {places}."
+    found = [{"at": each.at, "below": each.below, "above": each.above} for each in changes]
+    text = json_of("limits", answer, values, changes=found)
+    if target is not None:
+        write_text(target, text)
+    rows = [[f"{key}{unit and f' ({declared.unit})'}", "below", "above"]]
+    rows += [[f"{each.at:.9g}", each.below, each.above] for each in changes]
+    table = ["", *aligned(rows, 0)] if changes else []
+    say(text if options.json == "-" else "\n".join([answer, *table]))
+    return 0
