@@ -183,7 +183,7 @@ def unsaid(seed: int) -> list[str]:
         strikes = [each.time for each in (first, second) if each]
         if min(strikes, default=math.inf) <= holds - allowed * unit:
             if first is None or second is None:
-                found.append("strike or none")
+                found += [] if first is second else ["strike or none"]
             else:
                 state = [np.concatenate([each.angles, np.array(each.rates_before) * unit]) for each in (first, second)]
                 off = max(abs(first.time - second.time) / unit, float(np.abs(state[0] - state[1]).max()))
