@@ -97,6 +97,37 @@ def test_a_spring_that_is_loaded_again_returns_its_part_of_the_work() -> None:
     assert scene.phases.count("compression slip") + scene.phases.count("compression reverse slip") > 1
 
 
+def test_slip_between_two_frictions_stays_at_rest_where_the_wire_presses_on() -> None:
+    """Friction pushes this tip up: with mu_1 it parts at the deepest point, with the smaller mu_2 the wire presses it on.
+
+    So v_n = 0 under a friction between the two, and penetration and normal force stay. Unloading and loading by turns takes
+    some 600 steps for 1e-6 of that time. The two accuracies agree to ten times the coarser one; friction is within its limits
+    to rounding, which it reaches where rest begins and ends.
+    """
+    surface, angles = Surface(0.87, 0.04, 0.26), [-GAMMA] * 6
+    tool = radial(Bristle(links=6), surface, -GAMMA, angles)
+    coarse, fine = (
+        strike_wire(
+            tool,
+            -GAMMA,
+            angles,
+            [RATE] * 6,
+            stiffness(tool, DURATION),
+            Settings(accuracy=accuracy, maximum_steps=20_000),
+            duration=DURATION,
+        ).contact
+        for accuracy in (1e-4, 1e-7)
+    )
+    assert coarse.impulse == pytest.approx(fine.impulse, rel=0.0, abs=1e-3 * fine.impulse[0])
+    assert coarse.rates_after == pytest.approx(fine.rates_after, rel=0.0, abs=1e-3 * max(map(abs, fine.rates_after)))
+    history = fine.history
+    normal, friction = history.normal_force, np.abs(history.tangential_force)
+    rests = (np.abs(history.normal_velocity) < 1e-6) & (history.tangential_velocity > 1.0)
+    assert np.count_nonzero(rests) > 3
+    assert (friction[rests] >= 0.04 * normal[rests] * (1.0 - 1e-6)).all()
+    assert (friction[rests] <= 0.87 * normal[rests] * (1.0 + 1e-6)).all()
+
+
 @pytest.mark.parametrize("accuracy", [3e-6, 1e-6])
 def test_a_spring_that_lets_go_for_a_moment_within_an_interval(accuracy: float) -> None:
     """The wire leaves with a tenth of the speed at which it vibrates: 0.06 of 3.5 us later it would be back.

@@ -155,14 +155,15 @@ def _spring_events(system: System, contact: ActiveContact, spring: Spring, index
     def above_deepest(at: Advance) -> float:
         return -beyond(spring.deepest or 0.0, at)
 
-    def excess(at: Advance) -> float:
+    def rest_margin(which: int, at: Advance) -> float:
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
-        return spring.excess_friction(penetration, at.sums(index).tangential) / (spring.law.stiffness * duration)
+        margins = spring.rest_margins(penetration, at.sums(index).tangential)
+        return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: Advance) -> float:
-        if spring.elastic and not spring.at_rest:
+        if spring.elastic:
             force = spring.elastic_force(gaps.along(pair, at.state))
         elif at.totals:
             force = at.sums(index).tangential
@@ -174,8 +175,8 @@ def _spring_events(system: System, contact: ActiveContact, spring: Spring, index
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)
     if spring.at_rest:
         yield Event(slip_at_rest, -1, Kind.FOOT_STOPS, contact, tolerance)
-        yield Event(spare, -1, Kind.REST_ENDS, contact, tolerance)
-        yield Event(excess, -1, Kind.PRESSED_ON, contact, at_deepest)
+        yield Event(partial(rest_margin, 0), -1, Kind.REST_ENDS, contact, tolerance)
+        yield Event(partial(rest_margin, 1), -1, Kind.PRESSED_ON, contact, at_deepest)
         return
     if spring.deepest is None:
         ends = Kind.RELOADING_ENDS if spring.pressed_on else Kind.COMPRESSION_ENDS

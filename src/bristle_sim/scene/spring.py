@@ -119,21 +119,26 @@ class Spring:
         normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
         if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
-        return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
+        friction = max(self.law.friction, self.law.restitution_friction) if self.at_rest else self.friction
+        return normal, math.copysign(min(abs(self.stick_force), friction * normal), self.stick_force)
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the margin of the force in stick to the limit of friction."""
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
-    def excess_friction(self, penetration: float, force: float) -> float:
-        """Return the margin of the force in slip at rest to the friction of compression."""
-        return abs(force) - self.law.friction * self.law.normal_force(penetration, self.deepest)
+    def rest_margins(self, penetration: float, force: float) -> Vector:
+        """Return the margins of friction in slip at rest: to that of restitution, which parts the point, and of compression."""
+        normal, friction = self.law.normal_force(penetration, self.deepest), -self.slip * force
+        sense = math.copysign(1.0, self.law.restitution_friction - self.law.friction)
+        to_part = sense * (self.law.restitution_friction * normal - friction)
+        to_press = sense * (friction - self.law.friction * normal)
+        return to_part, to_press
 
     @property
     def least_slip_at_rest(self) -> float:
         """Slip velocity at rest below which a tangential spring's swings are resolved; 0 where there is none."""
         law = self.law
-        rise = law.compliance * (law.restitution_friction - law.friction) * (self.deepest or 0.0)
+        rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
         return rise / (SHORTEST_SWING * self.expected.duration)
 
     def foot_speed(self, velocity: Vector) -> float:

@@ -160,11 +160,12 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
     """Return whether friction holds the normal velocity at zero at the deepest point, where slip goes on.
 
     The friction of restitution would press the point on, and that of compression would part it. Neither unloading nor further
-    loading is then consistent: the normal velocity stays zero under a friction between the two. A tangential spring makes the
-    force swing between the two; where that is fast, its mean does the same.
+    loading is then consistent: the normal velocity stays zero under a friction between the two. That of restitution is the
+    larger one where friction presses the point on, and the smaller one where the other bodies press it on against friction. A
+    tangential spring makes the force swing between the two; where that is fast, its mean does the same.
     """
-    coupling = float(spring.inverse_mass[0, 1])
-    if spring.law.restitution_friction <= spring.law.friction or spring.slip * coupling <= 0.0:
+    coupling, law = float(spring.inverse_mass[0, 1]), spring.law
+    if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
     if spring.slip * slip <= spring.least_slip_at_rest:
@@ -173,7 +174,7 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
     spring.at_rest = True
     follow_bodies(system.scene, system.state, spring)
     mean = _probe(system, motion, contact, spring)[1].tangential_at_start
-    holds = spring.spare_friction(spring.deepest or 0.0, mean) > 0.0
+    holds = min(spring.rest_margins(spring.deepest or 0.0, mean)) > 0.0
     spring.stick_force = mean if holds else before
     return holds
 
