@@ -20,8 +20,13 @@ from pymunk._chipmunk_cffi import lib
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.scene.pairs import BarPair, ClosedPair, WorkpartPair
 
-Touch = Callable[[Vector, float, float], tuple[float, float, float, float]]
-"""Joint, cosine and sine of the link's angle in; the arm of the contact point from the joint and the normal out."""
+_angle = lib.cpBodyGetAngle
+_rate = lib.cpBodyGetAngularVelocity
+_set_rate = lib.cpBodySetAngularVelocity
+_set_velocity = lib.cpBodySetVelocity
+
+Touch = Callable[[float, float, float, float], tuple[float, float, float, float]]
+"""Joint (x, y), cosine and sine of the link's angle in; the arm of the contact point from the joint and the normal out."""
 
 
 class LinkVelocity:
@@ -50,6 +55,7 @@ class LinkVelocity:
         self._active = False
         self._link = mechanism.links[0]
         self._inertia = self._link.inertia_about_joint
+        self._centre = self._link.centre
         self._radius = mechanism.hub_radius
         self._speed = mechanism.hub_speed
         self._hub = None if hub is None else hub._body
@@ -78,33 +84,34 @@ class LinkVelocity:
             self._ratio = -closed.pair.friction * (closed.slip or 0)
 
     def solve(self, step: float) -> None:
-        """Make the link's velocity after an engine step obey the joint and the contact, with implicit damping."""
-        assert self._touch is not None
-        hub = lib.cpBodyGetAngle(self._hub) if self._hub is not None else 0.0
-        angle = lib.cpBodyGetAngle(self._body)
-        rate = lib.cpBodyGetAngularVelocity(self._body)
-        joint = (self._radius * math.sin(hub), -self._radius * math.cos(hub))
-        moving_x, moving_y = -self._speed * joint[1], self._speed * joint[0]
-        cosine, sine = math.cos(angle), math.sin(angle)
-        x, y = self._link.centre
-        centre_x, centre_y = cosine * x - sine * y, sine * x + cosine * y
-        # The nearest velocity that obeys the joint.
-        velocity = lib.cpBodyGetVelocity(self._body)
-        moment = centre_x * (velocity.y - moving_y) - centre_y * (velocity.x - moving_x)
+        """Make the link's rate after an engine step obey the contact, with implicit damping.
+
+        The engine's step has made it obey the joint: the belt's spring acts before the joint is solved.
+        """
+        touch, body, speed, ratio = self._touch, self._body, self._speed, self._ratio
+        assert touch is not None
+        hub = _angle(self._hub) if self._hub is not None else 0.0
+        angle = _angle(body)
+        joint_x = self._radius * math.sin(hub)
+        joint_y = -self._radius * math.cos(hub)
+        moving_x = -speed * joint_y
+        moving_y = speed * joint_x
+        cosine = math.cos(angle)
+        sine = math.sin(angle)
+        arm_x, arm_y, normal_x, normal_y = touch(joint_x, joint_y, cosine, sine)
         damping = step * self._damping
         inertia = self._inertia + damping
-        rate = (self._link.inertia * rate + self._link.mass * moment + damping * self._speed) / inertia
-        arm_x, arm_y, normal_x, normal_y = self._touch(joint, cosine, sine)
+        rate = (self._inertia * _rate(body) + damping * speed) / inertia
         lever = arm_x * normal_y - arm_y * normal_x
         along = -arm_x * normal_x - arm_y * normal_y
-        turning = (lever + self._ratio * along) / inertia
-        approach = moving_x * normal_x + moving_y * normal_y + rate * lever
-        push = -approach / (lever * turning) if lever * turning else 0.0
+        turning = (lever + ratio * along) / inertia
+        yields = lever * turning
+        push = -(moving_x * normal_x + moving_y * normal_y + rate * lever) / yields if yields else 0.0
         rate += turning * push
-        lib.cpBodySetAngularVelocity(self._body, rate)
-        lib.cpBodySetVelocity(self._body, (moving_x - rate * centre_y, moving_y + rate * centre_x))
-        slip = moving_x * normal_y - moving_y * normal_x + rate * along
-        self.impulses = [(push, self._ratio * push, slip)]
+        x, y = self._centre
+        _set_rate(body, rate)
+        _set_velocity(body, (moving_x - rate * (sine * x + cosine * y), moving_y + rate * (cosine * x - sine * y)))
+        self.impulses = [(push, ratio * push, moving_x * normal_y - moving_y * normal_x + rate * along)]
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:
@@ -122,8 +129,8 @@ def _corner(corner: Vector) -> Touch:
     """Return the touch of a corner on the workpart."""
     x, y = corner
 
-    def touch(joint: Vector, cosine: float, sine: float) -> tuple[float, float, float, float]:
-        del joint
+    def touch(joint_x: float, joint_y: float, cosine: float, sine: float) -> tuple[float, float, float, float]:
+        del joint_x, joint_y
         return cosine * x - sine * y, sine * x + cosine * y, 0.0, 1.0
 
     return touch
@@ -132,18 +139,25 @@ def _corner(corner: Vector) -> Touch:
 def _flank(bar: BarPair, start: Vector, end: Vector) -> Touch:
     """Return the touch of a straight piece, with round ends, on the bar."""
     length = math.dist(start, end)
-    along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
+    start_x, start_y = start
+    along_x = (end[0] - start_x) / length
+    along_y = (end[1] - start_y) / length
     bar_x, bar_y = bar.centre
     wire = bar.wire_radius
 
-    def touch(joint: Vector, cosine: float, sine: float) -> tuple[float, float, float, float]:
-        x, y = cosine * start[0] - sine * start[1], sine * start[0] + cosine * start[1]
-        u, v = cosine * along_x - sine * along_y, sine * along_x + cosine * along_y
-        to_bar_x, to_bar_y = bar_x - joint[0], bar_y - joint[1]
-        foot = min(max((to_bar_x - x) * u + (to_bar_y - y) * v, 0.0), length)
+    def touch(joint_x: float, joint_y: float, cosine: float, sine: float) -> tuple[float, float, float, float]:
+        x = cosine * start_x - sine * start_y
+        y = sine * start_x + cosine * start_y
+        u = cosine * along_x - sine * along_y
+        v = sine * along_x + cosine * along_y
+        to_bar_x = bar_x - joint_x
+        to_bar_y = bar_y - joint_y
+        foot = (to_bar_x - x) * u + (to_bar_y - y) * v
+        foot = 0.0 if foot < 0.0 else length if foot > length else foot
         x += foot * u
         y += foot * v
-        away_x, away_y = x - to_bar_x, y - to_bar_y
+        away_x = x - to_bar_x
+        away_y = y - to_bar_y
         distance = math.hypot(away_x, away_y) or 1.0
         away_x /= distance
         away_y /= distance
