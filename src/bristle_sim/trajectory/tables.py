@@ -31,7 +31,7 @@ def summary(run: RecordedRun) -> str:
     cost, strike = run.cost, "none"
     if contact is not None:
         before, after = (math.hypot(*velocity) for velocity in (contact.velocity_before, contact.velocity_after))
-        speeds = f"tip speed {before:.4g} m/s before and {after:.4g} m/s after"
+        speeds = f"{contact.point or 'tip'} speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
     error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
     error += "" if cost.holds_until is None else f", valid up to {1e3 * cost.holds_until:.4g} ms"
