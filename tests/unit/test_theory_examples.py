@@ -1,4 +1,4 @@
-"""Examples in the docstrings of formulas."""
+"""Examples in the docstrings of formulas, and of many passes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import pytest
 
 from bristle_sim import theory
 
-MODULES = [module.name for module in pkgutil.iter_modules(theory.__path__, f"{theory.__name__}.")]
+MODULES = [
+    *(module.name for module in pkgutil.iter_modules(theory.__path__, f"{theory.__name__}.")),
+    *("bristle_sim.passes.ensemble", "bristle_sim.studies.limits"),
+]
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -50,7 +50,7 @@ def ensemble(
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])
     >>> many.tip_speed_at_contact.round(1).tolist()
-    [29.8, 37.9, 46.4]
+    [34.5, 37.9, 41.1]
 
     Args:
         tool: has the values of all keys that are not given; by default the dissertation's tool.
