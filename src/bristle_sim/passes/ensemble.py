@@ -81,8 +81,9 @@ def ensemble(
         if flying is None or not flying.size:
             continue
         ending = advance(flying, accuracy)
-        if ending.any():
-            results.record(flying, ending)
+        over = np.flatnonzero(ending)
+        if over.size:
+            results.add(flying.take(over), ending[over])
             flying = flying.take(np.flatnonzero(ending == 0))
             if progress is not None:
                 progress((begun - flying.size) / request.size)
@@ -90,15 +91,28 @@ def ensemble(
 
 
 class Results:
-    """The results of a request's passes, which are recorded as they end."""
+    """The results of a request's passes; those that have ended wait until many are recorded at once."""
 
     def __init__(self, request: Request, accuracy: float) -> None:
         self.request, self.accuracy = request, accuracy
         self.columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
         self.codes = np.full(request.size, REFUSED, dtype=np.int8)
         self.reason = np.full(request.size, "", dtype=object)
+        self.waiting = list[tuple[Passes, Chosen]]()
 
-    def record(self, passes: Passes, ending: Chosen) -> None:
+    def add(self, passes: Passes, ending: Chosen) -> None:
+        """Add passes that have ended, and how."""
+        self.waiting.append((passes, ending))
+        if sum(each.size for each, _ in self.waiting) >= LEAST_FLYING:
+            self._record_waiting()
+
+    def _record_waiting(self) -> None:
+        if self.waiting:
+            passes, endings = zip(*self.waiting, strict=True)
+            self._record(passes[0].joined(*passes[1:]), np.concatenate(endings))
+            self.waiting.clear()
+
+    def _record(self, passes: Passes, ending: Chosen) -> None:
         """Record the passes that have ended."""
         for code, reason in REASONS.items():
             over = passes.number[ending == code]
@@ -127,6 +141,7 @@ class Results:
 
     def ensemble(self) -> Ensemble:
         """Return the results in the request's shape."""
+        self._record_waiting()
         shape = self.request.shape
         shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
         outcome = np.array(OUTCOMES)[self.codes].reshape(shape)

@@ -102,10 +102,10 @@ class Passes:
         for name in STATE:
             getattr(self, name)[chosen] = getattr(some, name)
 
-    def joined(self, others: Passes) -> Passes:
+    def joined(self, *others: Passes) -> Passes:
         """Return these passes followed by others."""
-        pairs = zip(self._columns(), others._columns(), strict=True)
-        return Passes(*map(np.concatenate, pairs))
+        columns = zip(self._columns(), *(each._columns() for each in others), strict=True)
+        return Passes(*map(np.concatenate, columns))
 
     def _columns(self) -> list[NDArray[Any]]:
         return [getattr(self, name) for name in COLUMNS]
