@@ -17,31 +17,50 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bristle_sim.cli.explore.entry import explore
+    from bristle_sim.contact_space.contact_pair import LocatedImpact
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
-    from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
+    from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Surface, Tool, Workpart, operating_point
     from bristle_sim.passes.ensemble import ensemble
     from bristle_sim.passes.result import Ensemble
     from bristle_sim.reference import simulate_reference
     from bristle_sim.scene.simulate import simulate, simulate_row
-    from bristle_sim.settings import Settings
+    from bristle_sim.scene.snapshots import ContactState, Snapshot, snapshots
+    from bristle_sim.settings import Settings, StopReason
     from bristle_sim.studies.limits import limits
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
+    from bristle_sim.theory.impact_phases import Impact
     from bristle_sim.tool_file import read_tool, write_tool
-    from bristle_sim.trajectory import Trajectory
+    from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Motion, Trajectory, WireMotion
+    from bristle_sim.trajectory.pictures import Html
     from bristle_sim.version import __version__
 
 __all__ = [
-    "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Ensemble", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
-    "__version__", "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
-    "simulate_reference", "simulate_row", "sweep", "write_tool",
+    "Bar", "Belt", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost",
+    "EnergeticContact", "Ensemble", "Event", "Html", "Hub", "Impact", "LocatedImpact", "Motion", "Settings",
+    "Snapshot", "StopReason", "Surface", "Tool", "Trajectory", "WireMotion", "Workpart", "__version__",
+    "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "operating_point", "poisson_impact",
+    "read_tool", "simulate", "simulate_reference", "simulate_row", "snapshots", "sweep", "write_tool",
 ]  # fmt: skip
 
 _MODULES = {
+    "ContactHistory": "trajectory",
+    "ContactRecord": "trajectory",
+    "ContactState": "scene.snapshots",
+    "Cost": "trajectory",
     "EnergeticContact": "contact_space.energetic_contact",
     "Ensemble": "passes.result",
+    "Event": "trajectory",
+    "Html": "trajectory.pictures",
+    "Impact": "theory.impact_phases",
+    "LocatedImpact": "contact_space.contact_pair",
+    "Motion": "trajectory",
     "Settings": "settings",
+    "Snapshot": "scene.snapshots",
+    "StopReason": "settings",
     "Trajectory": "trajectory",
+    "WireMotion": "trajectory",
+    "__version__": "version",
     "energetic_impact": "theory.impact",
     "ensemble": "passes.ensemble",
     "explore": "cli.explore.entry",
@@ -52,9 +71,9 @@ _MODULES = {
     "simulate": "scene.simulate",
     "simulate_reference": "reference",
     "simulate_row": "scene.simulate",
+    "snapshots": "scene.snapshots",
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
-    "__version__": "version",
 }
 """Where each name is defined, below this package; names that are left out are parameters."""
 

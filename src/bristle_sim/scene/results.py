@@ -48,7 +48,7 @@ def trajectories_in_si(
                 normal_force=forces[:, number],
                 hub_speed=parameters["tool"]["hub"]["speed"],
                 events=_events(recording, scene, number, (motion[0], hub - motion[1][:, 0]), units),
-                contacts=_contacts(recording, scene.mechanism, number, units),
+                contacts=contacts_in_si(recording.contacts, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
                 cost=Cost(*cost, *errors),
                 parameters=parameters,
@@ -103,11 +103,13 @@ def _events(
     return tuple([Event(each.name, each.time * units.time) for each in found])
 
 
-def _contacts(recording: Recording, mechanism: Mechanism, wire: int, units: Units) -> tuple[ContactRecord, ...]:
+def contacts_in_si(
+    records: Sequence[tuple[ContactRecord, tuple[int, ...]]], mechanism: Mechanism, wire: int, units: Units
+) -> tuple[ContactRecord, ...]:
     """Return a wire's contact records, with its own angles and rates, its link in contact and its partner."""
     found, size = [], mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
-    for contact, links in recording.contacts:
+    for contact, links in records:
         wires = [link // size for link in links]
         if wire in wires:
             place = wires.index(wire)

@@ -7,7 +7,7 @@ zero; the instant of release is located too. Several contacts may be sustained a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.decide import decide, end_contacts, first_motion
@@ -15,7 +15,7 @@ from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.happening import Happening, Kind
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.motion import accept, integrate, overdue, up_to_first_event
+from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.system import Plan, Recording, System
 from bristle_sim.settings import StopReason
@@ -39,14 +39,29 @@ def run(
         pairs: the pairs that can touch, those of the scene by default.
         law: impact law of the workpart.
     """
-    budget = scene.engine.work + plan.maximum_steps
     system = System(scene, start, stepper, plan, pairs, law)
+    for _ in run_by_intervals(system):
+        pass
+    return system.recording
+
+
+def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]]:
+    """Run a system from its present state to the plan's end, interval by interval.
+
+    Yields:
+        The motion with which the run starts, and None. At the end of each interval its motion, and the event that ended it or
+        None; after an event once more, with the motion that was decided and None. At the end of the run a motion without
+        contacts, and None.
+    """
+    plan, engine = system.plan, system.scene.engine
+    budget = engine.work + plan.maximum_steps
     motion = first_motion(system)
+    yield motion, None
     while system.recording.stop_reason is None:
         if system.state.time >= plan.end * (1.0 - 1e-15):
             system.stop(StopReason.END)
             break
-        if scene.engine.work >= budget:
+        if engine.work >= budget:
             system.stop(StopReason.STEP_BUDGET)
             break
         interval, event = integrate(system, motion)
@@ -58,7 +73,10 @@ def run(
             event = event or overdue(system, motion)
             if motion.locked:
                 event = Happening(Kind.LOCKED, None)
+        if interval is not None or event is not None:
+            yield motion, event
         if event is not None:
             motion = decide(system, motion, event)
+            yield motion, None
     end_contacts(system, motion.contacts, motion.contacts, str(system.recording.stop_reason))
-    return system.recording
+    yield Motion(), None

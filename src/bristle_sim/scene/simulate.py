@@ -6,16 +6,18 @@ import dataclasses
 import math
 import time as clock
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval, damping_rate, motion_scale, time_scale
 from bristle_sim.scene.compliant import contact_law
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.impacts import ContactLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.system import Plan
-from bristle_sim.scene.tool import LONE, Row, build_tool
+from bristle_sim.scene.tool import LONE, Row, Units, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Declared, quantity, shown
@@ -135,6 +137,38 @@ def _simulated(
     step: float | None = None,
 ) -> tuple[Trajectory, ...]:
     """Return the run of each bristle, all of which begin at the same angle and rate relative to their roots."""
+    prepared = prepare(tool, settings, begin, row, stop_after, step)
+    engine = prepared.scene.engine
+    wall, cpu, steps = clock.perf_counter(), clock.process_time(), engine.steps
+    recording = run(prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law)
+    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, engine.steps - steps)
+    runs = trajectories_in_si(
+        recording, prepared.scene, prepared.units, prepared.parameters, cost, with_estimate=step is None
+    )
+    return tuple([each.with_places(tool) for each in runs])
+
+
+class Prepared(NamedTuple):
+    """The objects that a run needs, and the description of the run in plain numbers and strings."""
+
+    scene: Scene
+    units: Units
+    start: State
+    stepper: Stepper
+    plan: Plan
+    law: ContactLaw
+    parameters: dict[str, Any]
+
+
+def prepare(
+    tool: Tool,
+    settings: Settings | None,
+    begin: tuple[float | None, float, float],
+    row: Row,
+    stop_after: str | None,
+    step: float | None = None,
+) -> Prepared:
+    """Check the input of a run and build its scene, its plan and its integrator."""
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     if not isinstance(settings, Settings | None):
@@ -154,10 +188,7 @@ def _simulated(
         stepper = stepper_for(scene, settings, start, plan)
     else:
         stepper = plain_steps_for(scene, settings, step, units.time)
-    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.engine.steps
     law = contact_law(tool.contact, settings.accuracy, units.time)
-    recording = run(scene, start, stepper, plan, law=law)
-    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.engine.steps - steps)
     parameters = {
         "method": METHOD if row is LONE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
@@ -167,8 +198,7 @@ def _simulated(
     }
     if row is not LONE:
         parameters["row"] = dataclasses.asdict(row)
-    runs = trajectories_in_si(recording, scene, units, parameters, cost, with_estimate=step is None)
-    return tuple([each.with_places(tool) for each in runs])
+    return Prepared(scene, units, start, stepper, plan, law, parameters)
 
 
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
