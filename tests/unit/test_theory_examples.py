@@ -24,3 +24,13 @@ def test_examples_print_what_they_say(name: str) -> None:
 def test_the_impact_laws_have_examples() -> None:
     """Two of the energetic law, one of each other one, with a line that makes the impact before both of the first."""
     assert doctest.testmod(importlib.import_module("bristle_sim.theory.impact")).attempted == 6
+
+
+def test_the_formulas_have_examples() -> None:
+    """Each file of formulas that a user calls; the laws' inner files are tested against them."""
+    without = {
+        name.rpartition(".")[2] for name in MODULES if not doctest.testmod(importlib.import_module(name)).attempted
+    }
+    assert without <= {
+        "crater_kinematics", "force_fit", "impact_compliance", "impact_events", "impact_phases", "impact_stick", "numbers",
+    }  # fmt: skip

@@ -8,7 +8,13 @@ from bristle_sim.theory.impact import Impact
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
-    """Return k = (pi (1 + e*)/(2 T))^2/K_nn, at which a frictionless contact on K_nn lasts the time T."""
+    """Return k = (pi (1 + e*)/(2 T))^2/K_nn, at which a frictionless contact on K_nn lasts the time T.
+
+    A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
+
+    >>> print(f"{frictionless_stiffness(1.0, 1.0, math.pi):.6f}")
+    1.000000
+    """
     return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 / inverse_mass
 
 
@@ -16,6 +22,13 @@ def stiffness_for_duration(impact: Impact, velocity: float, restitution: float, 
     """Return the stiffness at which the contact of an impact by the law lasts a given time, in the limit of short contacts.
 
     The duration scales with 1/sqrt(k). ``velocity`` is the normal one before the impact, negative.
+
+    The same point by the impact law, at any speed and for half the time, needs four times the stiffness:
+
+    >>> from bristle_sim.theory.impact import energetic_impact
+    >>> impact = energetic_impact([[1.0, 0.0], [0.0, 1.0]], (-3.0, 0.0), 0.0, 1.0)
+    >>> print(f"{stiffness_for_duration(impact, -3.0, 1.0, math.pi / 2.0):.6f}")
+    4.000000
     """
     return (time_at_unit_stiffness(impact, velocity, restitution) / duration) ** 2
 

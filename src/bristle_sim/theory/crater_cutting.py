@@ -75,6 +75,12 @@ def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angl
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
     W in J is the work that the tip does on the workpart along its path, u in J/m^3.
+
+    The energy of a volume brings its depth back:
+
+    >>> path, angle = 1e-4, math.radians(30.0)
+    >>> print(f"{depth_from_energy(1e9 * swept_volume(path, angle), 1e9, angle) / path:.6f}")  # sin(30 deg)
+    0.500000
     """
     volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
 
@@ -92,6 +98,12 @@ def depth_from_force(
     """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
 
     Arguments are those of depth_from_energy; the force is that along the path, N.
+
+    A face of full width b = 0.71 mm in steel of u = 1 GPa: at gamma = 60 deg, whose cosine is 1/2, 1420 N cut 1 mm, deeper than the
+    face's half, from where on the width is constant.
+
+    >>> print(f"{1e3 * depth_from_force(1420.0, 1e9, math.radians(60.0)):.6f}")
+    1.000000
     """
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.

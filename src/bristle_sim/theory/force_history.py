@@ -31,6 +31,12 @@ class ForceCurve:
 
     The amplitude c is dimensionless, the decay lambda in 1/s, offset and swing in N, lead t_o < T/2 and period T in s. For
     an impact of the form (3.3), offset = swing cos(2 pi lead/period).
+
+    Without decay the curve (3.3) is highest in the middle, with F* (1 + cos(pi/6))/2 = 0.933013 F*:
+
+    >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
+    >>> print(f"{curve.peak_time():.3e} s, {curve.peak_force():.4f} N")
+    5.000e-05 s, 55.9808 N
     """
 
     amplitude: float
@@ -83,6 +89,11 @@ class ForceCurve:
         """Return the time of the largest force, F' = 0 (3.6), s: the end of compression t_c.
 
         With tan(phi) = lambda/w it is the second root of sin(w (t + t_o) + phi) = lambda offset/(swing sqrt(w^2 + lambda^2)).
+
+        The ball's, as printed (Zhang 2020, below eq. 3.6):
+
+        >>> print(f"{1e3 * BALL.peak_time():.3f} ms, {BALL.peak_force():.0f} N")
+        2.328 ms, 341 N
         """
         ratio = self.decay * self.offset / (self.swing * math.hypot(self._turn, self.decay))
         late = math.asin(max(-1.0, min(ratio, 1.0))) + math.atan2(self.decay, self._turn)
@@ -137,6 +148,13 @@ def segment_impulses(
     p_c, shape (...), N s, is the compressive impulse to be divided; the compression time, s, is by default the curve's peak
     time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of the
     compression time; their sum is the impulse.
+
+    Up to the middle of an undecaying curve the fractions add up to the whole:
+
+    >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
+    >>> parts = segment_impulses(curve, 2.0, segments=2)
+    >>> print(f"{parts.sum():.6f}")
+    2.000000
     """
     end = curve.peak_time() if compression_time is None else compression_time
     edges = np.linspace(0.0, end, segments + 1)

@@ -30,6 +30,11 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
     """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
     Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
+
+    Without the rotating root's field k A^2 = I omega^2, so that A = omega sqrt(I/k) = 0.5 rad here:
+
+    >>> print(f"{largest_retraction(1.0, 4.0, 0.0, 1.0):.9f}")
+    0.500000000
     """
     require("hub_speed", hub_speed, hub_speed >= LEAST_SPEED, f"must be at least {LEAST_SPEED:g} (in rad/s)")
     from scipy.optimize import brentq
@@ -52,6 +57,11 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
 
     With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha -
     cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A + alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
+
+    Without the field it is half a period of the belt's spring, pi sqrt(I/k) = pi/2 s here:
+
+    >>> print(f"{time_to_radial(1.0, 4.0, 0.0, 1.0):.9f}")
+    1.570796327
     """
     top = largest_retraction(inertia, stiffness, centrifugal, hub_speed)
     sine = np.sin(NODES)

@@ -39,7 +39,14 @@ class ShearAngleError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class CuttingAngles:
-    """Angles of Merchant's circle, rad: rake alpha, friction beta and shear eta; arrays of one broadcast shape."""
+    """Angles of Merchant's circle, rad: rake alpha, friction beta and shear eta; arrays of one broadcast shape.
+
+    At beta - alpha = 0 the shear angle of least work is 45 deg, so that R = tau_s b d_u/(sin 45 cos 45) is twice the yield force:
+
+    >>> angles = CuttingAngles(rake=0.0, friction=0.0, shear=math.pi / 4.0)
+    >>> print(f"{angles.resultant_ratio:.6f} {angles.cutting_ratio:.6f}")
+    0.500000 0.500000
+    """
 
     rake: Number
     friction: Number
@@ -75,6 +82,12 @@ def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool 
     the workpart, 0 <= gamma < pi/2 in rad.
 
     Raises ShearAngleError where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
+
+    With mu = 1 the resultant makes 45 deg with the workpart; a path along the surface (gamma = 0) has eta = 45 - 45/2 = 22.5 deg:
+
+    >>> angles = oblique_angles(1.0, 0.0)
+    >>> print(f"{math.degrees(angles.resultant_angle):.3f} {math.degrees(angles.shear):.3f} {math.degrees(angles.rake):.3f}")
+    45.000 22.500 11.500
     """
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     shear = 0.5 * np.subtract(0.5 * math.pi, upright - gamma)
@@ -96,7 +109,13 @@ def specific_cutting_energy(
     shear_yield_stress: ArrayLike = API_5L,
     surface: Surface = "parallel",
 ) -> Number:
-    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it."""
+    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it.
+
+    There u/tau_s = cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
+
+    >>> print(f"{specific_cutting_energy(1.0, 0.0, 1.0):.3f}")
+    4.828
+    """
     angles = oblique_angles(friction, impact_angle, check=False)
     if surface == "parallel":
         return shear_yield_stress / angles.cutting_ratio

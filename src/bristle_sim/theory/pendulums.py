@@ -59,6 +59,12 @@ def single_pendulum_impact(
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
 
     Mass in kg, length in m, 0 < gamma <= pi/2 in rad; the rate, rad/s, is negative where the tip approaches the surface.
+
+    At gamma = 45 deg and mu = 0.6 the ratio is -e* sqrt(0.4/1.6) = -e*/2:
+
+    >>> impact = single_pendulum_impact(1.0, 1.0, math.pi / 4.0, -2.0, 0.6, 0.5)
+    >>> print(f"{impact.rebound_ratio:.6f} {impact.final_rate:.6f} {impact.outcome}")
+    -0.250000 0.500000 rebound
     """
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
@@ -109,6 +115,12 @@ def double_pendulum_impact(
 
     m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad, phi'_1 and phi'_2 before
     the impact in rad/s; the friction in restitution is equal to the other one by default, as in the dissertation.
+
+    A frictionless impact keeps the kinetic energy if e* = 1:
+
+    >>> impact = double_pendulum_impact(5.0, 1.0, 1.0, 0.35, 0.52, -0.1, -0.2, 0.0, 1.0)
+    >>> print(f"{impact.kinetic_energy_ratio:.9f} {impact.outcome}")
+    1.000000000 rebound
     """
     mass, ratio, *angles = checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2)
     length, mu, e = checked_numbers(rod_length=rod_length, friction=friction, restitution=restitution)
@@ -138,6 +150,11 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
 
     Angles in rad, arrays broadcast. For theta_1 = theta_2 it is tan theta whatever n (2.111).
+
+    The dissertation's identical rods at 20 and 30 deg:
+
+    >>> print(f"{stick_friction(1.0, math.radians(20.0), math.radians(30.0)):.6f}")
+    0.623401
     """
     first, second = np.asarray(angle_1, dtype=float), np.asarray(angle_2, dtype=float)
     heavy, c = np.add(mass_ratio, 3.0), np.cos(first - second)

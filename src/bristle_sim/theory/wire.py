@@ -27,12 +27,22 @@ error; of a smaller one the beam equation, a difference of order lambda^3, keeps
 
 
 def second_moment_of_area(diameter: float) -> float:
-    """Return the second moment of area of a round wire, pi d^4/64, in m^4."""
+    """Return the second moment of area of a round wire, pi d^4/64, in m^4.
+
+    >>> print(f"{second_moment_of_area(2.0):.6f}")  # pi/4 of a radius of 1 m
+    0.785398
+    """
     return math.pi * diameter**4 / 64.0
 
 
 def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
-    """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad."""
+    """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad.
+
+    A wire of 2 m diameter, 4 m length and 1 Pa has E I_a = pi/4 N m^2; between two halves, l = 2 m:
+
+    >>> print(f"{hinge_stiffness(2.0, 4.0, 1.0, 2):.6f}")
+    0.392699
+    """
     return modulus * second_moment_of_area(diameter) * links / length
 
 
@@ -55,6 +65,12 @@ def beam_frequencies(
 
     The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
     Mass in kg, length and diameter in m, Young's modulus in Pa, torsion spring at the root in N m/rad, 1 to 50 modes.
+
+    The hinged beam's first bending mode has lambda = 3.926602; here E I_a/(m L^3) = 1, so that 2 pi f = lambda^2 = 15.4182:
+
+    >>> frequencies = beam_frequencies(math.pi / 64.0, 1.0, 1.0, 1.0, 0.0, 2)
+    >>> print(f"{math.tau * frequencies[1]:.4f}")
+    15.4182
     """
     from scipy.optimize import brentq  # takes longer than everything else that a rigid bristle's scene imports
 
@@ -82,7 +98,13 @@ def beam_frequencies(
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> Array:
-    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,)."""
+    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,).
+
+    One link is a rod on its root's spring, 2 pi f = sqrt(k/(m L^2/3)) = 3 rad/s here:
+
+    >>> print(f"{math.tau * chain_frequencies(1.0, 1.0, 0.1, 1.0, 3.0, 1)[0]:.6f}")
+    3.000000
+    """
     return chain_modes(mass, length, diameter, modulus, root_stiffness, links)[0]
 
 
