@@ -1,13 +1,16 @@
 """The energetic law in a user's own pymunk space."""
 
 import math
+import sys
+import warnings
 from typing import Any
 
 import pymunk
 import pytest
 
-from bristle_sim.contact_space.contact_pair import LocatedImpact
+from bristle_sim.contact_space.collision_rule import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
+from bristle_sim.contact_space.tunnelling import least_extent
 from bristle_sim.theory.impact import newton_impact
 
 
@@ -195,3 +198,107 @@ class TestRest:
         assert not resting.is_sleeping
         # Equal masses, e = 1, no friction between them: speeds are swapped, less the floor's friction of 5 steps.
         assert resting.velocity.x == pytest.approx(-1.0, abs=0.3 * GRAVITY * 5e-3)
+
+    def test_a_contact_at_rest_and_a_step_in_flight_make_few_calls(self) -> None:
+        """Time is that of calls, some 0.1 us each, and their number is the same on any machine.
+
+        A contact at rest needs five Python functions, two of them pymunk's, and nine calls of the engine, three for its one point.
+        A step in flight needs pymunk's own, the beginning and end of the filter, and every sixteenth time the speeds.
+        """
+
+        def calls(height: float, balls: int) -> float:
+            space, _ = floor_space()
+            for number in range(balls):
+                ball(space, 0.5 * number, height)
+            contact = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5)
+            for _ in range(10):
+                contact.step(1e-6)
+            kinds: list[str] = []
+            sys.setprofile(lambda _frame, kind, _argument: kinds.append(kind))
+            try:
+                for _ in range(160):
+                    contact.step(1e-6)
+            finally:
+                sys.setprofile(None)
+            return (kinds.count("call") + kinds.count("c_call")) / 160
+
+        assert (calls(0.1, 50) - calls(0.1, 1)) / 49 <= 18.0
+        assert calls(1e3, 1) <= 25.0
+
+
+BULLET = 1e3  # m/s
+
+
+def take_steps(contact: EnergeticContact, number: int, duration: float = 1e-3) -> None:
+    """Take steps of one duration."""
+    for _ in range(number):
+        contact.step(duration)
+
+
+class TestTunnelling:
+    """The engine looks for contacts at the ends of a step only; a bullet of 1000 m/s moves by 1 m in one of 1 ms."""
+
+    @staticmethod
+    def bullets(height: float, velocity: tuple[float, float], kind: int = 1) -> EnergeticContact:
+        """Return a contact in a space with a floor 20 mm thick and a bullet of 10 mm above it."""
+        space = pymunk.Space()
+        floor = pymunk.Segment(space.static_body, (-10.0, 0.0), (10.0, 0.0), 0.01)
+        floor.collision_type = kind
+        space.add(floor)
+        bullet = pymunk.Body(1e-3, 1e-8)
+        bullet.position = (0.0, height)
+        bullet.velocity = velocity
+        shape = pymunk.Circle(bullet, 0.005)
+        shape.collision_type = 2
+        space.add(bullet, shape)
+        return EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5)
+
+    def test_a_bullet_that_passes_a_floor_gives_one_warning_with_the_step_that_would_do(self) -> None:
+        contact = self.bullets(10.5, (0.0, -BULLET))
+        with pytest.warns(RuntimeWarning) as warned:
+            take_steps(contact, 20)
+        (warning,) = warned
+        # The bullet's middle passes that of the floor 15 us after the touch, at 10 mm + 5 mm.
+        assert str(warning.message) == (
+            "duration = 0.001: a body at the speed 1000 moves by 1 in a step and passes a shape without a contact; "
+            "take steps of at most 1.5e-05"
+        )
+        assert warning.filename == __file__
+
+    @pytest.mark.parametrize("height", [10.5, 10.507, 10.513, 10.52])
+    def test_in_that_step_it_strikes_wherever_it_starts(self, height: float) -> None:
+        contact = self.bullets(height, (0.0, -BULLET))
+        impacts: list[LocatedImpact] = []
+        contact.report = impacts.append
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            take_steps(contact, 800, 1.49e-5)
+        assert len(impacts) == 1
+
+    @pytest.mark.parametrize(
+        ("velocity", "kind"),
+        [((BULLET, 0.0), 1), ((0.0, BULLET), 1), ((0.0, -BULLET), 7)],
+        ids=["along the floor", "away from it", "through a shape of no pair"],
+    )
+    def test_fast_bodies_that_pass_no_shape_of_their_pair_are_left_alone(
+        self, velocity: tuple[float, float], kind: int
+    ) -> None:
+        contact = self.bullets(10.5, velocity, kind)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            take_steps(contact, 20)
+
+    def test_a_body_that_becomes_fast_is_noticed_within_sixteen_steps(self) -> None:
+        contact = self.bullets(30.5, (0.0, 0.0))
+        contact.step(1e-3)
+        (bullet,) = contact.space.bodies
+        bullet.velocity = (0.0, -BULLET)
+        with pytest.warns(RuntimeWarning, match="passes a shape"):
+            take_steps(contact, 40)
+
+    def test_the_least_width_of_a_polygon_is_across_an_edge(self) -> None:
+        """Of an equilateral triangle of side 2 it is the height, the square root of 3; of a rectangle its shorter side."""
+        triangle = pymunk.Poly(None, [(-1.0, 0.0), (1.0, 0.0), (0.0, math.sqrt(3.0))])
+        assert least_extent(triangle) == pytest.approx(math.sqrt(3.0), rel=1e-12)
+        rectangle = pymunk.Poly(None, [(0.0, 0.0), (3.0, 3.0), (2.5, 3.5), (-0.5, 0.5)], radius=0.1)
+        assert least_extent(rectangle) == pytest.approx(math.sqrt(0.5) + 0.2, rel=1e-12)

@@ -23,7 +23,7 @@ import numpy as np
 import pymunk
 import pytest
 
-from bristle_sim.contact_space.contact_pair import LocatedImpact
+from bristle_sim.contact_space.collision_rule import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.contact_space.joints import close_joints, joined
 

@@ -10,11 +10,11 @@ from typing import Any
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.contact_space.contact_pair import ContactPair
+from bristle_sim.contact_space.collision_rule import CollisionRule
 from bristle_sim.contact_space.joints import joined
 from bristle_sim.contact_space.touching import (
     APPROACH_ROUNDING,
-    Met,
+    Collision,
     Shapes,
     StepMotion,
     overlaps,
@@ -35,92 +35,111 @@ class RestFilter:
     Attributes:
         space: the space.
         resting_speed: a contact that approaches more slowly is at rest.
-        met: contacts of this step. skipped: shapes of the contacts to which the engine does not respond.
+        resting: the largest approach that counts as rest in this step; negative until a contact needs it.
+        at_rest: arbiters and rules of this step's contacts that are left to the engine.
+        impacts: contacts of this step to which the engine does not respond.
+        skipped: their shapes.
         jammed: contacts that jammed in the last step; they are left to the engine while they last.
         motion: motion in the step of the bodies of skipped contacts and of bodies joined to them.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
-        self.space, self.motion = space, StepMotion()
-        self.resting_speed, self._resting, self._active = 0.0, -1.0, False
-        self.met: list[Met] = []
+        self.space = space
+        self.motion = StepMotion()
+        self.resting_speed = 0.0
+        self.resting = -1.0
+        self.at_rest: list[tuple[Any, CollisionRule]] = []
+        self.impacts: list[Collision] = []
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
         self._still_jammed: set[Shapes] = set()
         self._bodies: Any = None  # room for an arbiter's bodies within a step; a copy cannot take it along
 
-    @property
-    def resting(self) -> float:
-        """The largest approach that counts as rest in this step."""
-        if self._resting < 0.0:
-            gravity = STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step
-            self._resting = max(self.resting_speed, gravity)
-        return self._resting
-
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
-        self.resting_speed, self._resting, self._active = resting_speed, -1.0, True
+        self.resting_speed = resting_speed
+        self.resting = -1.0
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
         """End a step: contacts that jammed and were not met again are over."""
-        self._active, self._bodies = False, None
+        self._bodies = None
         if self.jammed:
-            self.jammed, self._still_jammed = self._still_jammed, set()
+            self.jammed = self._still_jammed
+            self._still_jammed = set()
 
     def clear(self) -> None:
         """Forget the contacts of the step."""
-        self.met.clear()
+        self.at_rest.clear()
+        self.impacts.clear()
         self.skipped.clear()
         self.motion.clear()
 
-    def divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
-        """Leave a contact at rest to the engine (with the pair's friction, without restitution); make it ignore an impact."""
-        if not self._active:
+    def collisions(self) -> list[Collision]:
+        """Return the contacts of the step, those at rest included."""
+        return [*[Collision(raw, rule) for raw, rule in self.at_rest], *self.impacts]
+
+    def filter_impact(self, rule: CollisionRule, raw: Any) -> None:
+        """Leave a contact at rest to the engine, with the rule's friction and no restitution; make it ignore an impact.
+
+        ``raw``: the engine's own arbiter. Contacts at rest are many: their shapes are not even looked up.
+        """
+        if self._bodies is None:
             return
-        raw = arbiter._arbiter
-        found = lib.cpArbiterGetContactPointSet(raw)
-        approach, speeds = _approach(raw, found, self._bodies)
+        if self.resting < 0.0:
+            gravity = STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step
+            self.resting = max(self.resting_speed, gravity)
         lib.cpArbiterSetRestitution(raw, 0.0)
-        rests = approach <= max(self.resting, APPROACH_ROUNDING * speeds)
-        # Contacts at rest are many; their shapes are not even looked up.
-        if not rests or self.jammed:
-            shapes = shapes_of(raw)
-            if (key := frozenset(shapes)) in self.jammed:
-                self._still_jammed.add(key)
+        approach, speeds = _approach(raw, self._bodies)
+        rests = approach <= self.resting or approach <= APPROACH_ROUNDING * speeds
+        if self.jammed:
+            shapes = frozenset(shapes_of(raw))
+            if shapes in self.jammed:
+                self._still_jammed.add(shapes)
                 rests = True
         if rests:
-            lib.cpArbiterSetFriction(raw, pair.friction)
-            self.met.append(Met(raw, pair))
-            return
-        # The engine keeps the contact and wakes its bodies, but takes it to fly apart, and to have no overlap to reduce.
-        for each in shapes:
-            if each.body is not None:
-                self.motion.note(joined([each.body]))
+            lib.cpArbiterSetFriction(raw, rule.friction)
+            self.at_rest.append((raw, rule))
+        else:
+            self._skip(rule, raw)
+
+    def _skip(self, rule: CollisionRule, raw: Any) -> None:
+        """Make the engine keep the contact and wake its bodies, but take it to fly apart, and to have no overlap to reduce."""
+        shapes = shapes_of(raw)
+        for shape in shapes:
+            if shape.body is not None:
+                self.motion.note(joined([shape.body]))
         slide = lib.cpArbiterGetSurfaceVelocity(raw)
-        self.skipped.add(key)
-        self.met.append(Met(raw, pair, (shapes, overlaps(found), (slide.x, slide.y))))
+        contact = lib.cpArbiterGetContactPointSet(raw)
+        self.skipped.add(frozenset(shapes))
+        self.impacts.append(Collision(raw, rule, (shapes, overlaps(contact), (slide.x, slide.y))))
         lib.cpArbiterSetFriction(raw, 0.0)
-        for index in range(found.count):
-            found.points[index].pointB = found.points[index].pointA
-        lib.cpArbiterSetContactPointSet(raw, ffi.addressof(found))
-        lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * found.normal.x, OUT_OF_REACH * found.normal.y))
+        for index in range(contact.count):
+            contact.points[index].pointB = contact.points[index].pointA
+        lib.cpArbiterSetContactPointSet(raw, ffi.addressof(contact))
+        lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * contact.normal.x, OUT_OF_REACH * contact.normal.y))
 
 
-def _approach(raw: Any, found: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
+def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
     """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding.
 
     ``bodies``: where the engine writes the bodies.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)
-    fastest = (0.0, 0.0)
-    for index in range(found.count):
-        point = found.points[index].pointA
+    normal = lib.cpArbiterGetNormal(raw)
+    fastest = 0.0
+    speeds = 0.0
+    for index in range(lib.cpArbiterGetCount(raw)):
+        point = lib.cpArbiterGetPointA(raw, index)
         one = lib.cpBodyGetVelocityAtWorldPoint(first[0], point)
         other = lib.cpBodyGetVelocityAtWorldPoint(second[0], point)
-        u, v, p, q = one.x, one.y, other.x, other.y
-        approach = (u - p) * found.normal.x + (v - q) * found.normal.y
-        if approach > fastest[0]:
-            fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
-    return fastest
+        u = one.x
+        v = one.y
+        p = other.x
+        q = other.y
+        approach = (u - p) * normal.x + (v - q) * normal.y
+        if approach > fastest:
+            fastest = approach
+            speeds = abs(u) + abs(v) + abs(p) + abs(q)
+    return fastest, speeds

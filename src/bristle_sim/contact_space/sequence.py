@@ -12,12 +12,12 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.contact_pair import LocatedImpact
+from bristle_sim.contact_space.collision_rule import LocatedImpact
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.contact_space.joints import Connected, close_joints, joined
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
-from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Met, Shapes, TouchingPoint
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, Shapes, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
 COLLAPSE = 12  # impacts at one point after which its group is resolved at once: it would bounce without end
@@ -36,8 +36,8 @@ class Groups:
         impacts: number of impacts so far in each group, by the group's representative body.
     """
 
-    def __init__(self, contacts: Iterable[Met]) -> None:
-        self._met: dict[pymunk.Body, list[Met]] = {}
+    def __init__(self, contacts: Iterable[Collision]) -> None:
+        self._met: dict[pymunk.Body, list[Collision]] = {}
         for met in contacts:
             for body in met.bodies():
                 self._met.setdefault(body, []).append(met)
@@ -89,7 +89,7 @@ class ImpactSequence:
 
     def __init__(self, found: RestFilter, report: Callable[[LocatedImpact], None] | None, end: float) -> None:
         self._found, self._motion, self._report, self._end = found, found.motion, report, end
-        self._groups = Groups(found.met)
+        self._groups = Groups(found.collisions())
         self._approaching: dict[TouchingPoint, None] = {}
         self.struck: dict[pymunk.Body, float] = {}
         self.jammed: set[Shapes] = set()

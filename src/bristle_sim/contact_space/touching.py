@@ -21,7 +21,7 @@ import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact
+from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact
 from bristle_sim.contact_space.joints import Connected, Vector, allowed_part, mass_centre
 from bristle_sim.theory.impact import Impact
 
@@ -147,14 +147,14 @@ def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
     return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(lib.cpShapeGetUserData(second[0]))
 
 
-class Met(NamedTuple):
+class Collision(NamedTuple):
     """A contact that the engine has found: its arbiter, its pair, and its data from before the engine was made to ignore it.
 
     The data are shapes, overlaps and surface velocity. Outside callbacks an arbiter may have its shapes in the other order.
     """
 
     arbiter: Any
-    pair: ContactPair
+    pair: CollisionRule
     data: tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector] | None = None
 
     def bodies(self) -> list[pymunk.Body]:
@@ -200,7 +200,7 @@ class TouchingPoint:
         impacts: number of impacts here so far.
     """
 
-    pair: ContactPair
+    pair: CollisionRule
     shapes: tuple[pymunk.Shape, pymunk.Shape]
     bodies: tuple[pymunk.Body, pymunk.Body]
     surface_velocity: Vector

@@ -40,7 +40,7 @@ from bristle_sim.theory.impact_phases import (
     End,
     Impact,
     Target,
-    walk,
+    resolve_phases,
 )
 from bristle_sim.theory.numbers import isfinite, numbers, quotient, require, select, square_root
 from bristle_sim.units import shown
@@ -201,7 +201,7 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     single = _single(matrix, velocity, coefficients) if rigid else None
     values, shape = single or _unpack(matrix, velocity, *coefficients)
     if rigid and shape is None:
-        impact = walk(end, *values)
+        impact = resolve_phases(end, *values)
         _check_result(impact, values)
         return impact
     squared = numbers("tangential_compliance", compliance, "must be real numbers")
@@ -247,7 +247,7 @@ def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
 def _rigid_row(end: End, values: list[Number]) -> Impact:
     """Resolve a row of rigid impacts in blocks that fit the cache."""
     starts = range(0, max(values[0].size, 1), BLOCK)
-    parts = [walk(end, *(value[start : start + BLOCK] for value in values)) for start in starts]
+    parts = [resolve_phases(end, *(value[start : start + BLOCK] for value in values)) for start in starts]
     if len(parts) == 1:
         return parts[0]
     return Impact(*(np.concatenate([getattr(part, entry.name) for part in parts]) for entry in fields(Impact)))

@@ -151,7 +151,7 @@ _NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single imp
 End = Callable[[Number, Number, Target], Number]  # (velocity, compliance, target) -> normal impulse of restitution
 
 
-def walk(
+def resolve_phases(
     end: End,
     k_nn: Number,
     k_nt: Number,

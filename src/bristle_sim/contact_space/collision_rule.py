@@ -46,7 +46,7 @@ class LocatedImpact(Impact):
     bodies: tuple[pymunk.Body, pymunk.Body]
 
 
-class ContactPair:
+class CollisionRule:
     """Two collision types, their coefficients and their law, all checked, since a bad value can abort the engine's process.
 
     Attributes:

@@ -1,0 +1,111 @@
+"""Shapes that pass each other within one step: the engine looks for contacts only at its ends, so it misses them.
+
+The engine separates two shapes by the shortest way out, which leads back only while their middles have not passed each other. With
+least extents a and b and the speed v of approach, some step of length h ends in time if v h <= (a + b)/2. A body that
+moves farther is followed along the straight line of its next step. It passes a shape that this line meets, if it does not touch
+it at the beginning and is beside or beyond it at the end. Other shapes count as standing still; turning is not followed.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Collection
+
+import numpy as np
+import pymunk
+from pymunk.batch import BodyFields, Buffer, get_space_bodies
+
+UNWATCHED_STEPS = 16
+"""Steps from one reading of all speeds to the next while no body is fast: reading them takes 5 us, a step in flight 1 us."""
+
+Types = tuple[int, int]
+
+
+class TunnellingWatch:
+    """Warn once when a body passes a shape that it should collide with.
+
+    All speeds are read in every step while one of them is fast or the number of shapes has changed, otherwise in each
+    sixteenth step. Least extents are computed when the number of shapes changes.
+
+    Attributes:
+        warned: whether the warning has been given; nothing is watched after that.
+    """
+
+    def __init__(self) -> None:
+        self.warned = False
+        self._unwatched = 0
+        self._shapes = -1
+        self._least_extent = 0.0
+
+    def watch(self, space: pymunk.Space, pairs: Collection[Types], duration: float) -> None:
+        """Look ahead before a step of this duration."""
+        if self._unwatched and len(space._shapes) == self._shapes:
+            self._unwatched -= 1
+            return
+        if len(space._shapes) != self._shapes:
+            self._shapes = len(space._shapes)
+            types = {kind for pair in pairs for kind in pair}
+            self._least_extent = min(
+                (least_extent(s) for s in space.shapes if s.collision_type in types), default=math.inf
+            )
+        velocities = Buffer()
+        get_space_bodies(space, BodyFields.VELOCITY, velocities)
+        speeds = np.abs(np.frombuffer(velocities.float_buf()))
+        # A speed is at most the square root of two times its larger component.
+        if math.sqrt(2.0) * float(speeds.max(initial=0.0)) * duration <= self._least_extent:
+            self._unwatched = UNWATCHED_STEPS - 1
+            return
+        for body in space.bodies:
+            if not self.warned and body.velocity.length * duration > self._least_extent:
+                self._follow(space, pairs, body, duration)
+
+    def _follow(self, space: pymunk.Space, pairs: Collection[Types], body: pymunk.Body, duration: float) -> None:
+        """Warn if the body passes a shape in the step that begins."""
+        speed = body.velocity.length
+        for shape in body.shapes:
+            extent = least_extent(shape)
+            start = shape.cache_bb().center()
+            end = start + body.velocity * duration
+            for hit in space.segment_query(start, end, 0.5 * extent, shape.filter):
+                if not _collide(shape, hit.shape, pairs):
+                    continue
+                longest = 0.5 * (extent + least_extent(hit.shape)) / speed
+                before = hit.shape.point_query(start)
+                after = hit.shape.point_query(end)
+                beyond = after.distance > 0.5 * extent or after.gradient.dot(hit.normal) < 0.0
+                if before.distance > 0.5 * extent and beyond and duration > longest:
+                    self._warn(duration, speed, longest)
+                    return
+
+    def _warn(self, duration: float, speed: float, longest: float) -> None:
+        self.warned = True
+        warnings.warn(
+            f"duration = {duration:g}: a body at the speed {speed:g} moves by {speed * duration:g} in a step and"
+            f" passes a shape without a contact; take steps of at most {longest:.3g}",
+            RuntimeWarning,
+            stacklevel=5,
+        )
+
+
+def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types]) -> bool:
+    """Whether the engine would find a contact that has an impact law, if the two overlapped."""
+    types = (shape.collision_type, other.collision_type)
+    moving = pymunk.Body.DYNAMIC in (_body_type(shape), _body_type(other))
+    solid = not (shape.sensor or other.sensor)
+    return moving and solid and shape.body is not other.body and (types in pairs or types[::-1] in pairs)
+
+
+def _body_type(shape: pymunk.Shape) -> int | None:
+    return None if shape.body is None else shape.body.body_type
+
+
+def least_extent(shape: pymunk.Shape) -> float:
+    """Return the least width of a shape over all directions."""
+    if not isinstance(shape, pymunk.Poly):
+        return 2.0 * shape.radius  # type: ignore[no-any-return]
+    corners = np.array(shape.get_vertices())
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack([edges[:, 1], -edges[:, 0]]) / np.hypot(*edges.T)
+    # The least width of a convex polygon is that across one of its edges.
+    return float(np.ptp(corners @ normals, axis=0).min()) + 2.0 * shape.radius
