@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -49,7 +50,8 @@ class Request:
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
-        own = mass_of_volume(values["bristle_length"], values["wire_diameter"], values["wire_density"])
+        with np.errstate(over="ignore", invalid="ignore"):  # numbers of refused tools
+            own = mass_of_volume(values["bristle_length"], values["wire_diameter"], values["wire_density"])
         values["bristle_mass"] = np.where(np.isnan(values["bristle_mass"]), own, values["bristle_mass"])
         return values
 
@@ -89,11 +91,13 @@ def _array(declared: Range, value: Any) -> Array:
         return np.array(math.nan)
     array = np.asarray(value)
     if array.dtype.kind in "iuf":
-        return array.astype(float)
+        with np.errstate(over="ignore"):  # of a longer type; it is then out of range
+            return array.astype(float)
     if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
         raise declared.refusal(value)
-    texts = {each: declared.parse(each) if isinstance(each, str) else declared.check(each) for each in set(array.flat)}
-    return np.array([texts[each] for each in array.flat], dtype=float).reshape(array.shape)
+    parsed = functools.cache(declared.parse)
+    numbers = [parsed(each) if isinstance(each, str) else declared.check(each) for each in array.flat]
+    return np.array(numbers, dtype=float).reshape(array.shape)
 
 
 def _numbers_of(tool: Tool) -> dict[str, float]:

@@ -99,11 +99,13 @@ def comes_to_rest(
     Hops of an initial speed v that keep a fraction e of it last 2 v/(a (1 - e)) in all at an acceleration a. Twice that time is
     looked ahead, and the pressure must stay within a factor of two.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ahead = passes.hub_angle + np.minimum(4.0 * parting / (pressed * (1.0 - returned)), 1.0)
+    lost = pressed * (1.0 - returned)
+    lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
+    ahead = passes.hub_angle + np.minimum(lasting, 1.0)
     same = touch_at_end(passes, ahead) == at_end
     now = lying(passes, passes.hub_angle, sides, at_end).pressure
-    ratio = lying(passes, ahead, sides, at_end).pressure / now
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = lying(passes, ahead, sides, at_end).pressure / now
     return np.asarray(same & (ratio > 0.5) & (ratio < 2.0) & (ahead < passes.hub_angle + 1.0))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,8 +59,8 @@ def limits(tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any) 
         return ensemble(tool, accuracy=accuracy, **given)
 
     first, last = np.sort(passes(list(ends)).keys[key]).tolist()
-    if not last > first:
-        raise ValueError(f"{key} = {shown(ends)}: must be two different ends of a range")
+    if not first < last < math.inf or first == -math.inf:
+        raise ValueError(f"{key} = {shown(ends)}: must be two different finite ends of a range")
     points = np.linspace(first, last, POINTS + 1)[np.newaxis]
     while True:
         lows, highs, words = _changes(points, passes(points).outcome)
