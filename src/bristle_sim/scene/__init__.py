@@ -13,7 +13,8 @@ In reading order; a file imports only from files below it in this list:
 - ``impacts``, ``compliant``: the contact laws.
 - ``happening``: events and their kinds; ``extrapolation``: engine steps extrapolated over an interval; ``load``: its interface to
   contacts.
-- ``build``: the pymunk space of a mechanism; ``solver``: joints and contacts of several links; ``shapes``: the engine's contact.
+- ``shapes``: the engine's own contact, for its law; ``build``: the pymunk space of a mechanism.
+- ``solver``: joints and contacts of several links; ``link_solver``: of a single one.
 - ``gaps``, ``pairs``: the geometry of pairs that can touch; ``engine``: bare calls of the engine.
 - ``mechanism``: chains of links.
 """
