@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bristle_sim.cli.explore.entry import explore
-    from bristle_sim.contact_space.contact_pair import LocatedImpact
+    from bristle_sim.contact_space.collision_rule import LocatedImpact
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Surface, Tool, Workpart, operating_point
     from bristle_sim.passes.ensemble import ensemble
@@ -53,7 +53,7 @@ _MODULES = {
     "Event": "trajectory",
     "Html": "trajectory.pictures",
     "Impact": "theory.impact_phases",
-    "LocatedImpact": "contact_space.contact_pair",
+    "LocatedImpact": "contact_space.collision_rule",
     "Motion": "trajectory",
     "Settings": "settings",
     "Snapshot": "scene.snapshots",
