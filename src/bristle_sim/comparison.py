@@ -125,6 +125,8 @@ class Report:
         extra: parts of the JSON that no other scenario has.
         subject: the objects that pictures are drawn from.
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
+        not_reached: the sentence on an accuracy that a run has not reached (``Trajectory.accuracy_not_reached``). It becomes the
+            last remark, and the answer begins with "Accuracy not reached".
     """
 
     outcome: str | None = None
@@ -138,9 +140,17 @@ class Report:
     extra: dict[str, Any] = field(default_factory=dict)
     subject: Any = None
     answer: str = ""
+    not_reached: str = ""
 
     def __post_init__(self) -> None:
-        """Leave rows that agree unjudged where there is no contact: values that nothing has changed confirm nothing."""
+        """State an accuracy that was not reached, and leave rows that agree unjudged where there is no contact.
+
+        Values that nothing has changed confirm nothing.
+        """
+        if self.not_reached:
+            object.__setattr__(self, "answer", f"Accuracy not reached: {self.answer}")
+            object.__setattr__(self, "remarks", (*self.remarks, self.not_reached))
+            object.__setattr__(self, "not_reached", "")
         if self.outcome == "no contact":
             unjudged = tuple(replace(each, tolerance=None) if each.ok else each for each in self.quantities)
             object.__setattr__(self, "quantities", unjudged)

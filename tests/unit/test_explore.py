@@ -26,6 +26,7 @@ from bristle_sim.cli import command
 
 pytest.importorskip("flask")
 
+from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore import worker as worker_module
 from bristle_sim.cli.explore.entry import explore
 from bristle_sim.cli.explore.server import application, meant_for, server
@@ -52,6 +53,26 @@ def test_a_run_is_the_simulated_one(client: Any) -> None:
     assert found["changed"] == [["hub_speed", "261.8", "280"]]
     assert found["command"].endswith("cue_and_impact --set friction=0.4 --set hub_speed=280")
     assert found["answer"].startswith("The bristle strikes at ")
+
+
+def test_the_page_of_a_run_stays_small(client: Any) -> None:
+    """Contacts of 0.4 ns at 10 MN take no more than the digits that the page shows."""
+    answer = client.get("/run?contact=compliant")
+    motion = answer.json["motion"]
+    drawn, samples = map(int, re.findall(r"(\d+) of (\d+) samples drawn", motion["drawn"])[0])
+    assert drawn <= samples
+    assert len(motion["time"]) < 3000
+    assert len(answer.data) < 2e6
+    assert "samples drawn" in answer.json["series"]["drawn"]
+
+
+def test_a_panel_of_a_long_run_keeps_every_extreme() -> None:
+    time = np.linspace(0.0, 1.0, 20_000)
+    spikes = np.zeros(time.size)
+    spikes[[7_003, 12_345]] = [1.0, -2.0]
+    chosen = bench._visible_samples(time, [np.sin(40.0 * time), spikes])
+    assert {0, 7_003, 12_345, time.size - 1} <= {*chosen}
+    assert len(chosen) <= 6 * bench.PANEL_COLUMNS
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from bristle_sim import simulate
+from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import Event, Trajectory
@@ -134,3 +135,21 @@ def test_runs_are_equal_by_value(trajectory: Trajectory):
     unknown = dataclasses.replace(trajectory, normal_force=np.full_like(trajectory.time, np.nan))
     assert unknown == dataclasses.replace(unknown, normal_force=unknown.normal_force.copy())
     assert trajectory != "run"
+
+
+def test_an_accuracy_that_is_missed_a_hundredfold_is_said(trajectory: Trajectory):
+    """In the summary, and in the answer and the remarks of a report, once."""
+    requested = {"settings": {"accuracy": 1e-6}}
+
+    def run(estimate: float | None) -> Trajectory:
+        cost = dataclasses.replace(trajectory.cost, error_estimate=estimate)
+        return dataclasses.replace(trajectory, cost=cost, parameters=requested)
+
+    line = "accuracy not reached: error estimate 0.0003, 300 times the requested accuracy 1e-06; request a smaller accuracy"
+    assert run(3e-4).accuracy_not_reached == line
+    assert repr(run(3e-4)).splitlines()[-1] == line
+    assert [run(each).accuracy_not_reached for each in (None, 0.0, 9e-5)] == ["", "", ""]
+    report = Report(answer="The bristle strikes.", remarks=("a",), not_reached=line)
+    again = dataclasses.replace(report, steps=1)
+    assert again.answer == "Accuracy not reached: The bristle strikes."
+    assert again.remarks == ("a", line)

@@ -135,7 +135,7 @@ for (const [name, caption] of PANELS) {
 function panels(run) {
   for (const [name, caption] of PANELS) {
     const canvas = el("panel-" + name);
-    canvas.nextSibling.textContent = caption + ", over time in ms" + (pinned ? "; grey: the pinned tool" : "");
+    canvas.nextSibling.textContent = caption + `, over time in ms; ${run.series.drawn}` + (pinned ? "; grey: the pinned tool" : "");
     chart(canvas, [pinned && { ...pinned.series, values: pinned.series[name], colour: "soft" }, { ...run.series, values: run.series[name], colour: "wire" }].filter(Boolean));
   }
 }

@@ -2,56 +2,69 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS
-from bristle_sim.trajectory import Interpolation, Motion, Trajectory
+from bristle_sim.trajectory import ContactRecord, Interpolation, Motion, Trajectory
 
-ROUNDS, TRIED = 12, 0.4
-"""Most times that an interval is halved, and where in it the page's interpolation is tried: where errors do not cancel."""
+ROUNDS = 12  # most times that an interval between two samples is halved
+TRIED = 0.4  # fraction of an interval where the page's interpolation is tried: errors do not cancel there
 
-SHOWN = {"line": 0.001, "retraction": 0.001, "force": 0.0007}
-SPEED_SHOWN = 0.01
+LINE_SHOWN, RETRACTION_SHOWN, FORCE_SHOWN, SPEED_SHOWN = 0.001, 0.001, 0.0007, 0.01
 """Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, degrees, N, and m/s of the tip."""
 
+FORCE_RATIO = 1e-4
+"""Error of the force over the contact's largest force, if that is more than FORCE_SHOWN. A contact in time of 0.4 ns reaches 10 MN;
+its force to 0.7 mN would take a hundred thousand nodes."""
+
+MOST_NUMBERS = 100_000  # numbers in a page's motion; 12 bytes each leave it below 2 MB
+LOOSENING = 4.0  # factor of the errors while the motion has more numbers than that
+MOST_LOOSENED = 4.0**6  # factor of the errors at most: four millimetres
+
 STRIKE_SHOWN = 0.01  # part of the run for which an impact at an instant is shown
-Columns = dict[str, tuple[Array, Array]]
-"""Values and slopes of the line's corners, mm, the retraction, degrees, and the force, N, each (n, m); times are in ms."""
+JUMP = 1e-9  # smallest difference of the motion before and after an instant that is a jump, in the page's units
+
+Indices = NDArray[np.intp]
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     """Return a pass up to the end of its story as JSON data: ms, mm, m/s and degrees; the hub's angle in rad.
 
     Between the nodes the page interpolates centre line and retraction by cubic Hermite polynomials, and the force linearly.
-    Nodes are added until that is exact to the digits shown. Two nodes at one instant are the motion before and after it.
+    Nodes are those samples, and instants between them, that make this exact to the digits shown. Two nodes at one instant are
+    the motion before and after it. ``drawn`` states the number of samples that are nodes, and the errors.
     """
-    interpolation, end = Interpolation(run), story_end(run)
-    time = _nodes(interpolation, end)
-    before, after = _columns(interpolation(time, "before")), _columns(interpolation(time))
-    columns = {name: np.stack([np.hstack(before[name]), np.hstack(after[name])], axis=1) for name in after}
-    jumps = [np.abs(np.diff(each, axis=1)).max(axis=(1, 2)) > 1e-9 for each in columns.values()]
-    kept = np.stack([np.any(jumps, axis=0) & (time > time[0]), np.ones(time.size, dtype=bool)], axis=1)
+    end = story_end(run)
+    nodes = _Nodes(run, end)
+    jumps = nodes.jumps & (np.arange(nodes.time.size) > 0)
+    kept = np.stack([jumps, np.ones(nodes.time.size, dtype=bool)], axis=1)
     # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
-    nodes = {name: np.round(each[kept], 9) for name, each in columns.items()}
-    line, velocity = np.hsplit(nodes["line"], 2)
+    places, slopes = np.round(np.stack([nodes.before, nodes.after], axis=2)[:, kept], 9)
     return {
-        "time": np.round(MILLISECONDS * np.stack([time, time], axis=1)[kept], 12).tolist(),
-        "line": line.tolist(),
-        "velocity": velocity.tolist(),
-        "retraction": nodes["retraction"].tolist(),
-        "force": nodes["force"][:, :1].tolist(),
+        "time": np.round(MILLISECONDS * np.stack([nodes.time, nodes.time], axis=1)[kept], 12).tolist(),
+        "line": places[:, :-2].tolist(),
+        "velocity": slopes[:, :-2].tolist(),
+        "retraction": np.stack([places[:, -2], slopes[:, -2]], axis=1).tolist(),
+        "force": places[:, -1:].tolist(),
+        "drawn": nodes.drawn,
         "hub": [float(run.hub_angle[0]), run.hub_speed / MILLISECONDS],
         "hubRadius": tool.hub.radius * MILLIMETRES,
         "wire": tool.bristle.wire_diameter * MILLIMETRES,
         "bar": None if tool.bar is None else [each * MILLIMETRES for each in (*tool.bar.centre, tool.bar.radius)],
         "surface": None if tool.workpart is None else -tool.workpart_depth * MILLIMETRES,
         "contacts": [
-            [each.obstacle, *(1e3 * part for part in (each.time, each.duration, *each.impulse))]
+            [
+                each.obstacle,
+                *(1e3 * part for part in (each.time, each.duration, *each.impulse)),
+                _force_digit(run, each),
+            ]
             for each in run.contacts
             if each.time <= end
         ],
@@ -63,42 +76,138 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
 
 
-def _nodes(interpolation: Interpolation, end: float) -> Array:
-    """Return the nodes, s, that make the page's interpolation exact to the digits shown."""
-    time = np.unique(interpolation.course(end, 2).time)
-    starts, ends, nodes = time[:-1], time[1:], [time]
-    for _ in range(ROUNDS):
-        tried = starts + TRIED * (ends - starts)
-        motion = [interpolation(starts), interpolation(ends, "before"), interpolation(tried)]
-        wrong = _differs(MILLISECONDS * (ends - starts), *map(_columns, motion))
-        if not wrong.any():
-            break
-        middles = 0.5 * (starts + ends)[wrong]
-        starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
-        nodes.append(middles)
-    return np.sort(np.concatenate(nodes))
+class _Nodes:
+    """The nodes of a run's motion on a page.
 
+    Attributes:
+        time: s, ascending.
+        before, after: values and slopes before and after these instants, shape (2, nodes, columns); the columns are the line's
+            corners, mm, the retraction, degrees, and the force, N, whose slope is not used. Slopes are per ms.
+        drawn: the number of samples that are nodes, and the errors, in words.
+    """
 
-def _columns(motion: Motion) -> Columns:
-    """Return values and slopes of the interpolated quantities; m/s are mm/ms, and the force needs no slope."""
-    shape, force = (motion.time.size, -1), motion.normal_force[:, np.newaxis]
-    retraction, falling = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])[..., np.newaxis]
-    velocity = motion.centre_line_velocity.reshape(shape)
-    line = (motion.centre_line * MILLIMETRES).reshape(shape), velocity
-    return {"line": line, "retraction": (retraction, falling), "force": (force, np.zeros_like(force))}
+    def __init__(self, run: Trajectory, end: float) -> None:
+        """Choose the nodes up to the first sample at the instant ``end`` or after it."""
+        self._interpolation = Interpolation(run)
+        last = run.time[np.searchsorted(run.time, end)]
+        samples = int(np.searchsorted(run.time, last, side="right"))
+        self.time, first = np.unique(run.time[:samples], return_index=True)
+        states = _states(run)
+        self.before, self.after = states[:, first], states[:, np.append(first[1:], samples) - 1]
+        self.before[0, :, -1] = self._interpolation.normal_force(self.time, "before")
+        self.after[0, :, -1] = self._interpolation.normal_force(self.time, "after")
+        self._most = MOST_NUMBERS // (2 * self.before.shape[2])
+        self._allowed = np.full((self.time.size, self.before.shape[2]), LINE_SHOWN)
+        self._allowed[:, -2] = RETRACTION_SHOWN
+        self._allowed[:, -1] = FORCE_SHOWN
+        for contact in run.contacts:
+            during = (self.time >= contact.time) & (self.time <= contact.time + contact.duration)
+            self._allowed[during, -1] = _force_error(run, contact)
+        self._loosened = 1.0
+        kept = self._kept_samples()
+        while kept.size > self._most and self._loosened < MOST_LOOSENED:
+            self._loosened *= LOOSENING
+            kept = self._kept_samples()
+        between = self._add_between(kept)
+        more = f" and {between} instants between them" if between else ""
+        errors = (self._loosened * each for each in (LINE_SHOWN, RETRACTION_SHOWN, SPEED_SHOWN))
+        self.drawn = (
+            "{} of {} samples drawn{}; between these the motion is interpolated to {:g} mm, {:g}° and {:g} m/s".format(
+                kept.size, first.size, more, *errors
+            )
+        )
 
+    @property
+    def jumps(self) -> NDArray[np.bool_]:
+        """Whether the motion before and after each instant differs."""
+        found = np.abs(self.after - self.before).max(axis=(0, 2)) > JUMP
+        return np.asarray(found)
 
-def _differs(length: Array, start: Columns, end: Columns, motion: Columns) -> Any:
-    """Return for each interval, of a length in ms, whether the page's interpolation at TRIED is visibly wrong."""
-    s, h, wrong = TRIED, length[:, np.newaxis], []
-    for name, shown in SHOWN.items():
-        (p, v), (q, w), (true, velocity) = start[name], end[name], motion[name]
+    def _kept_samples(self) -> Indices:
+        """Return the samples that are nodes; the page's interpolation between them passes through the others."""
+        kept = self.jumps
+        kept[[0, -1]] = True
+        while kept.sum() <= self._most:
+            nodes, others = np.flatnonzero(kept), np.flatnonzero(~kept)
+            interval = np.searchsorted(nodes, others)
+            starts, ends = nodes[interval - 1], nodes[interval]
+            length = self.time[ends] - self.time[starts]
+            part = (self.time[others] - self.time[starts]) / length
+            wrong = self._wrong(
+                length, part, self.after[:, starts], self.before[:, ends], self.after[:, others], self._allowed[others]
+            )
+            if not wrong.any():
+                break
+            kept[(starts[wrong] + ends[wrong]) // 2] = True
+        return np.flatnonzero(kept)
+
+    def _add_between(self, kept: Indices) -> int:
+        """Keep these samples, add the nodes between them that the page needs, and return their number."""
+        starts, ends = self.time[kept[:-1]], self.time[kept[1:]]
+        at_start, at_end = self.after[:, kept[:-1]], self.before[:, kept[1:]]
+        allowed = np.maximum(self._allowed[kept[:-1]], self._allowed[kept[1:]])
+        times, before, after = [self.time[kept]], [self.before[:, kept]], [self.after[:, kept]]
+        added = 0
+        for _ in range(ROUNDS):
+            length = ends - starts
+            tried = _states(self._interpolation(starts + TRIED * length))
+            part = np.full(length.size, TRIED)
+            wrong = self._wrong(length, part, at_start, at_end, tried, allowed)
+            if not wrong.any() or kept.size + added + wrong.sum() > self._most:
+                break
+            middles = 0.5 * (starts + ends)[wrong]
+            at_middle = _states(self._interpolation(middles))
+            starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
+            at_start = np.concatenate([at_start[:, wrong], at_middle], axis=1)
+            at_end = np.concatenate([at_middle, at_end[:, wrong]], axis=1)
+            allowed = np.concatenate([allowed[wrong], allowed[wrong]])
+            times.append(middles)
+            before.append(at_middle)
+            after.append(at_middle)
+            added += middles.size
+        time = np.concatenate(times)
+        order = np.argsort(time, kind="stable")
+        self.time = time[order]
+        self.before = np.concatenate(before, axis=1)[:, order]
+        self.after = np.concatenate(after, axis=1)[:, order]
+        return added
+
+    def _wrong(
+        self, length: Array, part: Array, start: Array, end: Array, motion: Array, allowed: Array
+    ) -> NDArray[np.bool_]:
+        """Return for intervals of a length, s, whether the page's interpolation at a part of each is visibly wrong.
+
+        ``start``, ``end`` and ``motion`` are the states at both ends and at that part.
+        """
+        h, s = (MILLISECONDS * length)[:, np.newaxis], part[:, np.newaxis]
+        (p, v), (q, w), (true, velocity) = start, end, motion
         # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight line.
         place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * h * ((1.0 - s) * v - s * w)
         slope = 6.0 * s * (s - 1.0) * (p - q) / h + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w
-        place = p + s * (q - p) if name == "force" else place
-        wrong.append(np.abs(place - true).max(axis=1) > shown)
-        if name == "line":
-            speeds = (np.hypot(*each[:, -2:].T) for each in (slope, velocity))
-            wrong.append(np.abs(np.subtract(*speeds)) > SPEED_SHOWN)
-    return np.any(wrong, axis=0)
+        place[:, -1] = (p + s * (q - p))[:, -1]
+        speed, true_speed = (np.hypot(*each[:, -4:-2].T) for each in (slope, velocity))
+        error = np.maximum((np.abs(place - true) / allowed).max(axis=1), np.abs(speed - true_speed) / SPEED_SHOWN)
+        found: NDArray[np.bool_] = error > self._loosened
+        return found
+
+
+def _states(motion: Motion) -> Array:
+    """Return values and slopes of the quantities that the page interpolates; m/s are mm/ms."""
+    rows = motion.time.size
+    retraction, falling = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])
+    force = motion.normal_force
+    places = (motion.centre_line * MILLIMETRES).reshape(rows, -1), retraction, force
+    slopes = motion.centre_line_velocity.reshape(rows, -1), falling, np.zeros_like(force)
+    return np.stack([np.column_stack(each) for each in (places, slopes)])
+
+
+def _force_error(run: Trajectory, contact: ContactRecord) -> float:
+    """Return the error that the page's force may have in a contact, N."""
+    during = (run.time >= contact.time) & (run.time <= contact.time + contact.duration)
+    largest = float(run.normal_force[during].max(initial=0.0)) if contact.duration else 0.0
+    return max(FORCE_SHOWN, FORCE_RATIO * largest)
+
+
+def _force_digit(run: Trajectory, contact: ContactRecord) -> float:
+    """Return the last digit of the force that the page shows in a contact, N: a power of ten, ten times the error or more."""
+    return float(10.0 ** math.ceil(math.log10(10.0 * _force_error(run, contact)) - 1e-9))

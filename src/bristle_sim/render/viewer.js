@@ -74,8 +74,9 @@ function draw() {
   path(now.line, "wire", Math.max(2, scale * data.wire)); disc(...root, 4, "wire");
   let force = "none";
   if (contact) {
-    const [obstacle, , duration, normal, tangential] = contact;
-    const brief = duration === 0, amount = brief ? `impulse ${Math.hypot(normal, tangential).toFixed(3)} mN s` : `${now.force.toFixed(2)} N`;
+    const [obstacle, , duration, normal, tangential, digit] = contact; // digit: the last one of the force that is exact, N
+    const newtons = (Math.round(now.force / digit) * digit).toFixed(Math.max(0, Math.round(-Math.log10(digit))));
+    const brief = duration === 0, amount = brief ? `impulse ${Math.hypot(normal, tangential).toFixed(3)} mN s` : `${newtons} N`;
     force = `${amount} by the ${obstacle}`;
     if (obstacle === "workpart") { // an impulse with its friction; the tangent runs along x
       if (brief || now.force > 0) arrow(now.tip[0], now.tip[1], brief ? tangential : 0, brief ? normal : 1);
@@ -120,6 +121,7 @@ function show(motion) {
   slider.max = PLAYED;
   instant = instantOf(Number(slider.value));
   box = boxShown();
+  find("drawn").textContent = data.drawn;
   const named = new Map(); // the first phase of each caption
   for (const [start, caption] of data.phases.slice(1)) if (!named.has(caption)) named.set(caption, start);
   find("jumps").replaceChildren(find("play"));

@@ -121,6 +121,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         steps=sum(run.cost.steps for run in runs.values()),
         remarks=(*(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()), against_film(slides)),
         extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
+        not_reached=next(filter(None, (run.accuracy_not_reached for run in runs.values())), ""),
         subject=BentBristles(tools, runs, slides),
         answer=answer(slides),
     )

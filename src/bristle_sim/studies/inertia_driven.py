@@ -101,6 +101,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
         steps=0 if radial is None else radial.trajectory.cost.steps,
+        not_reached=("" if radial is None else radial.trajectory.accuracy_not_reached) or with_bar.accuracy_not_reached,
         subject=InertiaDriven(tool, radial, with_bar),
         answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated["hub_speed_for_equal_tip_speed"]),
     )

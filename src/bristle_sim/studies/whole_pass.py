@@ -252,8 +252,9 @@ def outcome_of(contact: ContactRecord | None) -> str:
 
 
 def ran(run: Trajectory) -> dict[str, Any]:
-    """Return a run's events and cost as fields of a report."""
+    """Return a run's events, its cost, and an accuracy that it has not reached, as fields of a report."""
     return {
+        "not_reached": run.accuracy_not_reached,
         "events": tuple(map(attrgetter("name", "time"), run.events)),
         "wall_s": run.cost.wall_s,
         "steps": run.cost.steps,

@@ -76,10 +76,7 @@ class Interpolation:
             limits = f"must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
             raise ValueError(f"time = {instants[outside].flat[0]:g}: {limits}")
         flat, links = instants.ravel(), run.angles.shape[1]
-        chosen, scalars = _chosen(run.time, self._smooth, flat, side), np.empty((flat.size, 3))
-        for number in np.unique(chosen):
-            scalars[chosen == number] = self._splines[number](flat[chosen == number])
-        force, kinetic, potential = (each.reshape(instants.shape) for each in scalars.T)
+        force, kinetic, potential = (each.reshape(instants.shape) for each in self._scalars(flat, side).T)
         places, slopes = self._motion(flat, side)
         angles, lines = (*instants.shape, links), (*instants.shape, run.centre_line.shape[1], 2)
         return Motion(
@@ -106,6 +103,17 @@ class Interpolation:
         before = self(time[first], "before")
         for name in SAMPLED:
             getattr(found, name)[first] = getattr(before, name)
+        return found
+
+    def normal_force(self, time: Array, side: str) -> Array:
+        """Return the normal force at instants within the run, N, at a hundredth of the cost of the whole motion."""
+        return self._scalars(time, side)[:, 0]
+
+    def _scalars(self, instants: Array, side: str) -> Array:
+        """Return normal force, kinetic and potential energy at instants, shape (instants, 3)."""
+        chosen, found = _chosen(self.run.time, self._smooth, instants, side), np.empty((instants.size, 3))
+        for number in np.unique(chosen):
+            found[chosen == number] = self._splines[number](instants[chosen == number])
         return found
 
     def _motion(self, instants: Array, side: str) -> Array:

@@ -13,6 +13,7 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
 
+EXCESS_SAID = 100.0  # error estimate over the requested accuracy from which a run says that it has not reached it
 NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
 
@@ -68,6 +69,19 @@ class RecordedRun(Motion):
         """How to make the run go further, in terms of the obstacle touched last."""
         at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
         return self.stop_detail or self.stop_reason.remedy.format(friction="bar_friction" if at_bar else "friction")
+
+    @property
+    def accuracy_not_reached(self) -> str:
+        """The sentence that the error estimate exceeds the requested accuracy a hundredfold, and the remedy; else empty."""
+        estimate = self.cost.error_estimate
+        requested = self.parameters.get("settings", {}).get("accuracy")
+        if not estimate or not requested or estimate <= EXCESS_SAID * requested:
+            return ""
+        ratio = f"{estimate / requested:.0f}" if estimate < 1e6 * requested else f"{estimate / requested:.0e}"
+        return (
+            f"accuracy not reached: error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
+            " request a smaller accuracy"
+        )
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.

@@ -23,7 +23,7 @@ SINGULAR = {"angles": "angle", "rates": "rate"}
 
 
 def summary(run: RecordedRun) -> str:
-    """Describe samples, strike, events, stop reason and cost, one line each."""
+    """Describe samples, strike, events, stop reason and cost, one line each, and an accuracy that was not reached."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     notable, contact = run.notable_events, run.first_contact("workpart")
     events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN])
@@ -41,6 +41,7 @@ def summary(run: RecordedRun) -> str:
         f"events: {events or 'none'}{more}\n"
         f"stopped: {run.stop_reason}\n"
         f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}"
+        + (f"\n{run.accuracy_not_reached}" if run.accuracy_not_reached else "")
     )
 
 

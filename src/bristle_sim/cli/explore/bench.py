@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from bristle_sim.arrays import Array
 from bristle_sim.cli.output import csv_text, document, word
 from bristle_sim.cli.scenario import Scenario, built
 from bristle_sim.comparison import cells
@@ -26,6 +28,10 @@ OFTEN = ("hub", "bristle", "workpart")
 
 SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GPa", 1e9)}
 """Units that an engineer types, and their size in SI."""
+
+WHOLE, PANEL_COLUMNS = 1500, 300
+"""Most samples of a run that a panel shows whole, and the intervals of time, each a pixel or two wide, of which it shows the first,
+last, least and largest values of a longer run."""
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
@@ -79,8 +85,11 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
     }
 
 
-def series(run: Trajectory) -> dict[str, list[float]]:
-    """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force."""
+def series(run: Trajectory) -> dict[str, Any]:
+    """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force.
+
+    ``drawn`` states the number of samples in them; others would not change a panel by a pixel.
+    """
     curves = {
         "time": 1e3 * run.time,
         "retraction": np.degrees(run.retraction),
@@ -88,7 +97,20 @@ def series(run: Trajectory) -> dict[str, list[float]]:
         "speed": run.tip_speed,
         "force": run.normal_force,
     }
-    return {name: [float(f"{value:.6g}") for value in values] for name, values in curves.items()}
+    chosen = list(range(run.time.size)) if run.time.size <= WHOLE else _visible_samples(run.time, list(curves.values()))
+    columns = {name: [float(f"{value:.6g}") for value in values[chosen]] for name, values in curves.items()}
+    return {**columns, "drawn": f"{len(chosen)} of {run.time.size} samples drawn"}
+
+
+def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
+    """Return the samples that a panel can show: in each of its columns the first, the last and every curve's extremes."""
+    edges = np.searchsorted(time, np.linspace(time[0], time[-1], PANEL_COLUMNS + 1)[:-1])
+    kept = set[int]()
+    for first, end in pairwise([*edges.tolist(), time.size]):
+        if end > first:
+            own = [values[first:end] for values in curves]
+            kept |= {first + int(place) for each in own for place in (each.argmin(), each.argmax())} | {first, end - 1}
+    return sorted(kept)
 
 
 def command(assignments: Sequence[str]) -> str:
