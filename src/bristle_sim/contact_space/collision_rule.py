@@ -77,7 +77,8 @@ class CollisionRule:
             tangential_compliance=tangential_compliance,
         )
         self.chained: Any = None
-        self._law, self._further = law, {"tangential_compliance": compliance} if compliance else {}
+        self._law = law
+        self._further = {"tangential_compliance": compliance} if compliance else {}
         try:
             # The law is called without arguments that it does not accept.
             self._knows_stick = "stick_compliance" in inspect.signature(law).parameters

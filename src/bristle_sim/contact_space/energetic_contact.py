@@ -173,7 +173,8 @@ class EnergeticContact:
             if types not in self._callbacks or handler.pre_solve is not self._callbacks[types]:
                 if _owner(handler.pre_solve) is not self:
                     handler.data.setdefault("pre_solve", None)
-                    pair.chained, handler.pre_solve = handler.pre_solve, functools.partial(self._notice, pair)
+                    pair.chained = handler.pre_solve
+                    handler.pre_solve = functools.partial(self._notice, pair)
                 self._callbacks[types] = handler.pre_solve
 
     def _notice(self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:

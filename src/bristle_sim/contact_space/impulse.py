@@ -97,7 +97,8 @@ class ContactSpace:
                 gain = (velocity_after[1] - self.velocity[1]) / tangential
                 change = self.in_stick * impulse[0] + self.response[:, 1] * gain
         for body, (x, y, turn) in zip(self.bodies, change.reshape(-1, 3).tolist(), strict=True):
-            raw, velocity = body._body, lib.cpBodyGetVelocity(body._body)
+            raw = body._body
+            velocity = lib.cpBodyGetVelocity(raw)
             lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
             lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
 
@@ -133,7 +134,7 @@ def contact_space(
     columns, scale = scaled_columns([*[row.entries for row in rows], *contact], bodies)
     basis, triangle = _free_part(columns, len(rows))
     stick, compliance = _in_stick(columns, basis, triangle)
-    found = ContactSpace(
+    space = ContactSpace(
         inverse_mass=(triangle.T @ triangle)[::-1, ::-1],
         velocity=velocity,
         bodies=tuple(bodies),
@@ -144,9 +145,10 @@ def contact_space(
     if limited and any(limits := [row.limit for row in rows]):
         touch = columns[:, :-3:-1]
         impulses = np.asarray(np.linalg.lstsq(of_length_one(columns[:, :-2]), touch, rcond=DEPENDENT)[0], dtype=float)
-        found.limits = tuple(row for row in rows if row.limit)
-        found.limit_response, found.sizes = -impulses[limits], np.sqrt((touch**2).sum(axis=0))
-    return found
+        space.limits = tuple(row for row in rows if row.limit)
+        space.limit_response = -impulses[limits]
+        space.sizes = np.sqrt((touch**2).sum(axis=0))
+    return space
 
 
 def _relative_motion(
@@ -155,7 +157,8 @@ def _relative_motion(
     """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
     x, y = normal
     relative_x, relative_y = -surface_velocity[0], -surface_velocity[1]
-    tangential, across = [], []
+    tangential = []
+    across = []
     for body, sign in zip(ends, (1.0, -1.0), strict=False):
         moving = lib.cpBodyGetVelocityAtWorldPoint(body._body, point)
         relative_x += sign * moving.x
@@ -176,7 +179,8 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
         if moves and pivots[-1] < WEAK * max(abs(triangle[-2, -1]), pivots[-1]):
             _refine(basis, triangle, columns)
         return basis[:, joints:], triangle[joints:, joints:]
-    free, rigid = columns[:, joints:], span(columns[:, :joints])
+    free = columns[:, joints:]
+    rigid = span(columns[:, :joints])
     # Twice is enough: the second pass removes the remainder that rounding left (Kahan and Parlett).
     for _ in range(2):
         free = free - rigid @ (rigid.T @ free)
@@ -204,7 +208,8 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
     Nearly all of it is motion of the heavy bodies; that of the light ones is small compared with the rounding of the whole. The
     joints and stick, the other columns, determine it, and that correction is accurate (iterative refinement).
     """
-    others, out = basis[:, :-1], basis[:, -1]
+    others = basis[:, :-1]
+    out = basis[:, -1]
     for _ in range(2):
         out -= others @ np.linalg.solve(triangle[:-1, :-1].T, columns[:, :-1].T @ out)
     triangle[-1, -1] = columns[:, -1] @ out

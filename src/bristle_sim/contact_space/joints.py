@@ -59,7 +59,8 @@ class JointRow(NamedTuple):
 
     def excess(self) -> tuple[float, float]:
         """Return J V - rate at the bodies' velocities, and the sum of its terms' sizes, which scales its rounding."""
-        value, size = -self.rate, abs(self.rate)
+        value = -self.rate
+        size = abs(self.rate)
         for body, x, y, turn in self.entries:
             velocity = body.velocity
             for term in (x * velocity.x, y * velocity.y, turn * body.angular_velocity):
@@ -81,7 +82,8 @@ def mass_centre(body: pymunk.Body) -> Vector:
 
 def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
     """Return the row entry for the velocity of a body's world point along a direction."""
-    (x, y), (arm_x, arm_y) = direction, _arm(body, point)
+    x, y = direction
+    arm_x, arm_y = _arm(body, point)
     return body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)
 
 
@@ -143,7 +145,8 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 
 def _across(joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False) -> JointRow:
     """Return the row of the velocity of body a's end relative to body b's along a direction."""
-    a, b = point_entry(joint.a, ends[0], direction, 1.0), point_entry(joint.b, ends[1], direction, -1.0)
+    a = point_entry(joint.a, ends[0], direction, 1.0)
+    b = point_entry(joint.b, ends[1], direction, -1.0)
     return JointRow(joint, (a, b), 0.0, limit)
 
 
@@ -151,7 +154,8 @@ def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) ->
     """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
-        (a_x, a_y), (b_x, b_y) = _arm(joint.a, ends[0]), _arm(joint.b, ends[1])
+        a_x, a_y = _arm(joint.a, ends[0])
+        b_x, b_y = _arm(joint.b, ends[1])
         first = JointRow(joint, ((joint.a, 1.0, 0.0, -a_y), (joint.b, -1.0, 0.0, b_y)))
         return [first, JointRow(joint, ((joint.a, 0.0, 1.0, a_x), (joint.b, 0.0, -1.0, -b_x)))]
     distance, (x, y) = _between(*ends)
@@ -173,7 +177,8 @@ def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
 
 def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
     """Return rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
-    start, anchor = world(joint.a, joint.groove_a), world(joint.b, joint.anchor_b)
+    start = world(joint.a, joint.groove_a)
+    anchor = world(joint.b, joint.anchor_b)
     length, (x, y) = _between(start, world(joint.a, joint.groove_b))
     reached = (anchor[0] - start[0]) * x + (anchor[1] - start[1]) * y
     within = min(max(reached, 0.0), length)
@@ -188,18 +193,26 @@ def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
 
 def _turning(joint: Any) -> list[JointRow]:
     """Return the row of a joint between two angles."""
-    a, b = joint.a, joint.b
-    on_a, on_b, rate, limit = -1.0, 1.0, 0.0, False
+    a = joint.a
+    b = joint.b
+    on_a = -1.0
+    on_b = 1.0
+    rate = 0.0
+    limit = False
     margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
     if isinstance(joint, pymunk.RotaryLimitJoint) and joint.min < joint.max:
-        angle, limit = b.angle - a.angle, True
+        angle = b.angle - a.angle
+        limit = True
         if angle >= joint.max - margin:
-            on_a, on_b = 1.0, -1.0
+            on_a = 1.0
+            on_b = -1.0
         elif angle > joint.min + margin:
             return []
     elif isinstance(joint, pymunk.RatchetJoint):
-        way, limit = math.copysign(1.0, joint.ratchet), True
-        on_a, on_b = -way, way
+        way = math.copysign(1.0, joint.ratchet)
+        limit = True
+        on_a = -way
+        on_b = way
         if (b.angle - a.angle - joint.angle) * way > margin:
             return []
     elif isinstance(joint, pymunk.GearJoint):

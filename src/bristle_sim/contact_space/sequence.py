@@ -78,7 +78,7 @@ class ImpactSequence:
     """Resolve the contacts that approach at the end of a step.
 
     Args:
-        found: contacts of the step; the engine ignores those in ``skipped``, and keeps others that approach slowly.
+        contacts: contacts of the step; the engine ignores those in ``skipped``, and keeps others that approach slowly.
         report: called with each faster impact, or None.
         end: time of the end of the step.
 
@@ -87,9 +87,12 @@ class ImpactSequence:
         jammed: shapes of contacts that no impulse can separate.
     """
 
-    def __init__(self, found: RestFilter, report: Callable[[LocatedImpact], None] | None, end: float) -> None:
-        self._found, self._motion, self._report, self._end = found, found.motion, report, end
-        self._groups = Groups(found.collisions())
+    def __init__(self, contacts: RestFilter, report: Callable[[LocatedImpact], None] | None, end: float) -> None:
+        self._filter = contacts
+        self._motion = contacts.motion
+        self._report = report
+        self._end = end
+        self._groups = Groups(contacts.collisions())
         self._approaching: dict[TouchingPoint, None] = {}
         self.struck: dict[pymunk.Body, float] = {}
         self.jammed: set[Shapes] = set()
@@ -97,7 +100,7 @@ class ImpactSequence:
     def resolve(self) -> None:
         """Resolve all contacts that approach, and those that their impacts reach."""
         groups = self._groups
-        self._measure(groups.read([each.body for shapes in self._found.skipped for each in shapes if each.body]))
+        self._measure(groups.read([each.body for shapes in self._filter.skipped for each in shapes if each.body]))
         while self._approaching:
             point = max(self._approaching, key=attrgetter("time", "approach"))
             head = groups.head(point.bodies[0])
@@ -117,7 +120,7 @@ class ImpactSequence:
         """Determine which points approach."""
         for point in points:
             point.measure(self._motion, since, self._latest(point))
-            least = 0.0 if point.key in self._found.skipped else self._found.resting
+            least = 0.0 if point.key in self._filter.skipped else self._filter.resting
             if point.approach > max(least, APPROACH_ROUNDING * point.speed) and point.key not in self.jammed:
                 self._approaching[point] = None
             else:
@@ -128,7 +131,7 @@ class ImpactSequence:
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
     def _rests(self, approach: float, point: TouchingPoint) -> bool:
-        return approach <= max(self._found.resting, APPROACH_ROUNDING * point.speed)
+        return approach <= max(self._filter.resting, APPROACH_ROUNDING * point.speed)
 
     def _record(self, point: TouchingPoint, impact: Impact) -> None:
         if self._report is not None:
@@ -137,7 +140,9 @@ class ImpactSequence:
     def _strike(self, point: TouchingPoint) -> None:
         """Resolve one point at the instant of its touch."""
         point.impacts += 1
-        motion, groups, connected = self._motion, self._groups, joined(point.bodies)
+        motion = self._motion
+        groups = self._groups
+        connected = joined(point.bodies)
         bodies, joints = connected
         groups.unite(bodies)
         self._measure(groups.read(bodies))
@@ -166,12 +171,13 @@ class ImpactSequence:
     def _strike_all(self, point: TouchingPoint) -> None:
         """Resolve all contacts of a point's group, directly or over further bodies, at once, at the end of the step."""
         reached: dict[pymunk.Body, None] = {}
-        waiting, groups = [each for each in point.bodies if each.body_type == pymunk.Body.DYNAMIC], self._groups
+        groups = self._groups
+        waiting = [body for body in point.bodies if body.body_type == pymunk.Body.DYNAMIC]
         while waiting:
-            found = [each for each in joined(waiting)[0] if each not in reached]
-            reached.update(dict.fromkeys(found))
-            groups.read(found)
-            touched = dict.fromkeys(end for body in found for each in groups.points[body] for end in each.bodies)
+            connected = [each for each in joined(waiting)[0] if each not in reached]
+            reached.update(dict.fromkeys(connected))
+            groups.read(connected)
+            touched = dict.fromkeys(end for body in connected for each in groups.points[body] for end in each.bodies)
             waiting = [each for each in touched if each not in reached and each.body_type == pymunk.Body.DYNAMIC]
         every = dict.fromkeys(each for body in reached for each in groups.points[body])
         points = [each for each in every if each.key not in self.jammed]
@@ -185,8 +191,10 @@ class ImpactSequence:
 
     def _impact(self, point: TouchingPoint, connected: Connected) -> tuple[ContactSpace, Impact]:
         """Return the impact in which limits of joints only push: one that would pull takes no part."""
-        (first, second), (place, normal, _) = point.bodies, point.overlap
-        slide, released = point.surface_velocity, list[pymunk.Constraint]()
+        first, second = point.bodies
+        place, normal, _ = point.overlap
+        slide = point.surface_velocity
+        released: list[pymunk.Constraint] = []
         while True:
             space = contact_space(
                 first, place, normal, second, surface_velocity=slide, released=released, connected=connected

@@ -84,44 +84,55 @@ class Contacts:
         momentum = 1.0
         for _ in range(ITERATIONS):
             slope = velocity + self.gain(self.change(ahead))
-            found = self._in_cone(ahead - step * slope)
-            moved = found - impulse
+            projected = self._in_cone(ahead - step * slope)
+            moved = projected - impulse
             if (slope * moved).sum() > 0.0:
-                momentum, ahead = 1.0, found
+                momentum = 1.0
+                ahead = projected
             else:
                 following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
-                ahead, momentum = found + (momentum - 1.0) / following * moved, following
-            impulse = found
-            if np.abs(moved).max() <= SETTLED * np.abs(found).max():
+                ahead = projected + (momentum - 1.0) / following * moved
+                momentum = following
+            impulse = projected
+            if np.abs(moved).max() <= SETTLED * np.abs(projected).max():
                 break
         return impulse if len(velocity) > FEW else self._exact(velocity, impulse)
 
     def _exact(self, velocity: Array, impulse: Array) -> Array:
         """Refine an estimate of a plastic impact's impulses by Newton's method; return the estimate if that fails."""
-        count, speeds = len(velocity), velocity.ravel()
+        count = len(velocity)
+        speeds = velocity.ravel()
         scaled = np.zeros((len(self.joints), count, 2))
         scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(1, 2, 0)
         rows = scaled.reshape(len(self.joints), -1)
         rows -= self.joints @ (self.joints.T @ rows)
-        matrix, unit = rows.T @ rows, np.eye(2 * count)
+        matrix = rows.T @ rows
+        unit = np.eye(2 * count)
         step = np.divide(1.0, matrix.diagonal(), out=np.zeros(2 * count), where=matrix.diagonal() > 0.0)
         known: set[bytes] = set()
         found: Array = impulse.ravel()
-        normal, along = 2 * np.arange(count), 2 * np.arange(count) + 1
+        normal = 2 * np.arange(count)
+        along = normal + 1
         for _ in range(NEWTON_ROUNDS):
             trial = found - step * (matrix @ found + speeds)
-            closed, limit = trial[normal] > 0.0, self.friction * np.maximum(trial[normal], 0.0)
+            closed = trial[normal] > 0.0
+            limit = self.friction * np.maximum(trial[normal], 0.0)
             slip = np.where(np.abs(trial[along]) >= limit, np.sign(trial[along]), 0.0)
             if (state := closed.tobytes() + slip.tobytes()) in known:
                 break
             known.add(state)
-            system, target = matrix.copy(), -speeds
-            system[normal[~closed]], target[normal[~closed]] = unit[normal[~closed]], 0.0
+            system = matrix.copy()
+            target = -speeds
+            open_normal = normal[~closed]
+            system[open_normal] = unit[open_normal]
+            target[open_normal] = 0.0
             fixed = (slip != 0.0) | ~closed
             cone = unit[along] - (self.friction * slip * closed)[:, None] * unit[normal]
-            system[along[fixed]], target[along[fixed]] = cone[fixed], 0.0
+            system[along[fixed]] = cone[fixed]
+            target[along[fixed]] = 0.0
             found = np.asarray(np.linalg.lstsq(system, target, rcond=1e-14)[0])
-        after, most = matrix @ found + speeds, EXACT * np.abs(found).max(initial=0.0)
+        after = matrix @ found + speeds
+        most = EXACT * np.abs(found).max(initial=0.0)
         part = after[normal] >= -EXACT * np.abs(speeds).max(initial=0.0)
         kept = (found[normal] >= -most) & (np.abs(found[along]) <= self.friction * found[normal] + most)
         return self._in_cone(found.reshape(-1, 2)) if part.all() and kept.all() else impulse
@@ -140,7 +151,8 @@ class Contacts:
         if second.any():
             second = second + self.plastic(self.velocity + self.gain(self.change(first + second)))
         total = first + second
-        loss, size = -(total * self.velocity).sum(), (self.change(total) ** 2).sum()
+        loss = -(total * self.velocity).sum()
+        size = (self.change(total) ** 2).sum()
         fraction = min(1.0, max(2.0 * loss / size, 0.0)) if size > 0.0 else 0.0
         return fraction * first, fraction * second
 
@@ -179,7 +191,8 @@ def resolve_at_once(
     inertia = np.array([(body.mass, body.mass, body.moment) for body in index], dtype=float)
     scale = np.where(np.array(dynamic)[:, None], inertia, np.inf) ** -0.5
     moving, gains, places = zip(*map(motion.state, index), strict=True)
-    half, centres = 0.5 * np.array(gains), np.array(places)
+    half = 0.5 * np.array(gains)
+    centres = np.array(places)
     velocities = np.array(moving) - half
     pairs = np.array([[index[point.bodies[0]], index[point.bodies[1]]] for point in points])
     normal = np.array([point.overlap.normal for point in points])
@@ -209,7 +222,8 @@ def resolve_at_once(
 
 def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
     """Close the joints of bodies, with reached limits as rigid; return a basis of their scaled rows, shape (3 bodies, rank)."""
-    found, left = [np.zeros((3 * len(index), 0))], [each for each in index if each._constraints]
+    found = [np.zeros((3 * len(index), 0))]
+    left = [body for body in index if body._constraints]
     while left:
         bodies, joints = joined(left[:1])
         motion.kick(bodies, -0.5)

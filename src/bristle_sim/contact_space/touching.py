@@ -34,7 +34,8 @@ FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at t
 
 Shapes = frozenset[pymunk.Shape]
 
-_SHAPE, _BODY = ffi.typeof("cpShape *[1]"), ffi.typeof("cpBody *[1]")
+_SHAPE = ffi.typeof("cpShape *[1]")
+_BODY = ffi.typeof("cpBody *[1]")
 
 
 def room_for_bodies() -> tuple[Any, Any]:
@@ -78,7 +79,8 @@ class StepMotion:
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
-                (u, v, turn), (x, y, w) = self.gains[body], velocity_of(body)
+                u, v, turn = self.gains[body]
+                x, y, w = velocity_of(body)
                 self.gains[body] = (x - u, y - v, w - turn)
             if joints:
                 gains = np.array([self.gains[body] for body in bodies]).ravel()
@@ -101,7 +103,9 @@ class StepMotion:
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
         """Move bodies forward or back by a time, as the engine moves them within the step."""
         for body in bodies if time else ():
-            raw, (x, y, w), (u, v, turn) = body._body, velocity_of(body), self.gains.get(body, NONE)
+            raw = body._body
+            x, y, w = velocity_of(body)
+            u, v, turn = self.gains.get(body, NONE)
             lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (w - turn))  # about the mass centre
             place = lib.cpBodyGetPosition(raw)
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
@@ -110,7 +114,8 @@ class StepMotion:
         """Add a multiple of the gain to the velocities."""
         for body in bodies:
             if body in self.gains:
-                (x, y, w), (u, v, turn) = velocity_of(body), self.gains[body]
+                x, y, w = velocity_of(body)
+                u, v, turn = self.gains[body]
                 lib.cpBodySetVelocity(body._body, (x + steps * u, y + steps * v))
                 lib.cpBodySetAngularVelocity(body._body, w + steps * turn)
 
@@ -124,8 +129,12 @@ class Overlap(NamedTuple):
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
         """Extrapolate place and normal linearly from this overlap through a later one."""
-        (x, y), (u, v), (n_x, n_y), (m_x, m_y) = self.point, later.point, self.normal, later.normal
-        n_x, n_y = n_x + factor * (m_x - n_x), n_y + factor * (m_y - n_y)
+        x, y = self.point
+        u, v = later.point
+        n_x, n_y = self.normal
+        m_x, m_y = later.normal
+        n_x += factor * (m_x - n_x)
+        n_y += factor * (m_y - n_y)
         length = math.hypot(n_x, n_y)
         return Overlap((x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), self.depth)
 
@@ -142,7 +151,8 @@ def overlaps(found: Any) -> list[Overlap]:
 
 def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
     """Return the shapes of the engine's own arbiter."""
-    first, second = ffi.new(_SHAPE), ffi.new(_SHAPE)
+    first = ffi.new(_SHAPE)
+    second = ffi.new(_SHAPE)
     lib.cpArbiterGetShapes(arbiter, first, second)
     return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(lib.cpShapeGetUserData(second[0]))
 
@@ -171,7 +181,8 @@ class Collision(NamedTuple):
             return []
         if self.data is None:
             slide = lib.cpArbiterGetSurfaceVelocity(arbiter)
-            shapes, found = shapes_of(arbiter), overlaps(lib.cpArbiterGetContactPointSet(arbiter))
+            shapes = shapes_of(arbiter)
+            found = overlaps(lib.cpArbiterGetContactPointSet(arbiter))
             x, y = slide.x, slide.y
         else:
             shapes, found, (x, y) = self.data
@@ -222,7 +233,8 @@ class TouchingPoint:
         ``since``: time before the end of the step at which velocities changed; ``latest``: the touch is not before that.
         """
         (at_x, at_y), (x, y), depth = self.overlap
-        growth, gain = self.surface_velocity[0] * x + self.surface_velocity[1] * y, 0.0
+        growth = self.surface_velocity[0] * x + self.surface_velocity[1] * y
+        gain = 0.0
         for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
             (u, v, turn), (gain_u, gain_v, turning), (centre_x, centre_y) = motion.state(body)
             arm_x, arm_y = at_x - centre_x, at_y - centre_y
