@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bristle_sim.cli.explore.entry import explore
     from bristle_sim.contact_space.collision_rule import LocatedImpact
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
-    from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Surface, Tool, Workpart, operating_point
+    from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Surface, Tool, Workpart
     from bristle_sim.passes.ensemble import ensemble
     from bristle_sim.passes.result import Ensemble
     from bristle_sim.reference import simulate_reference
@@ -39,7 +39,7 @@ __all__ = [
     "Bar", "Belt", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost",
     "EnergeticContact", "Ensemble", "Event", "Html", "Hub", "Impact", "LocatedImpact", "Motion", "Settings",
     "Snapshot", "StopReason", "Surface", "Tool", "Trajectory", "WireMotion", "Workpart", "__version__",
-    "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "operating_point", "poisson_impact",
+    "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "poisson_impact",
     "read_tool", "simulate", "simulate_reference", "simulate_row", "snapshots", "sweep", "write_tool",
 ]  # fmt: skip
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp, trapezoid
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.settings import StopReason
@@ -163,8 +163,8 @@ class TestNames:
 
         Within 2 sqrt(2 reach 1e-9/(S R))/omega = 0.4 us of 18 ms the overlap has come and gone.
         """
-        bar = operating_point().bar
-        scale = (0.0545 + operating_point().bar_reach + clearance) / math.hypot(bar.horizontal, bar.vertical)
+        bar = Tool().bar
+        scale = (0.0545 + Tool().bar_reach + clearance) / math.hypot(bar.horizontal, bar.vertical)
         moved = replace(bar, horizontal=bar.horizontal * scale, vertical=bar.vertical * scale)
         run = simulate_reference(Tool(bar=moved, workpart=None), accuracy=1e-6)
         assert run.event_time(event) is not None
@@ -173,14 +173,14 @@ class TestNames:
     @pytest.mark.parametrize(
         ("tool", "settings", "message"),
         [
-            (operating_point(), {"start_hub_angle": 0.0}, "outside the workpart"),
-            (operating_point(), {"start_hub_angle": -1.15}, "outside the bar"),
-            (operating_point(), {"start_relative_angle": 1.6}, "start_relative_angle = 1.6"),
-            (operating_point(), {"accuracy": 1e-14}, "accuracy = 1e-14"),
-            (operating_point(), {"hub_turn": math.nan}, "hub_turn = nan"),
-            (operating_point(), {"stop_after": "release"}, "stop_after = 'release'"),
-            (operating_point(), {"duration": 1e4}, "duration = 10000"),
-            (operating_point(), {"sample_interval": 1e-12}, "sample_interval = 1e-12"),
+            (Tool(), {"start_hub_angle": 0.0}, "outside the workpart"),
+            (Tool(), {"start_hub_angle": -1.15}, "outside the bar"),
+            (Tool(), {"start_relative_angle": 1.6}, "start_relative_angle = 1.6"),
+            (Tool(), {"accuracy": 1e-14}, "accuracy = 1e-14"),
+            (Tool(), {"hub_turn": math.nan}, "hub_turn = nan"),
+            (Tool(), {"stop_after": "release"}, "stop_after = 'release'"),
+            (Tool(), {"duration": 1e4}, "duration = 10000"),
+            (Tool(), {"sample_interval": 1e-12}, "sample_interval = 1e-12"),
             (replace(FREE, hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)), {}, "duration = None"),
         ],
     )
@@ -211,7 +211,7 @@ def free_moment(tool, hub_angle, angle, rate):
 
 
 def bent(angle, position=0.75, **changes):
-    return replace(operating_point(), bristle=Bristle(knee_angle_deg=angle, knee_position=position), **changes)
+    return replace(Tool(), bristle=Bristle(knee_angle_deg=angle, knee_position=position), **changes)
 
 
 KNEES = [(0.0, 0.5), (-60.0, 0.5), (-40.0, 0.8), (25.0, 0.75), (90.0, 0.3)]
@@ -272,7 +272,7 @@ class TestKnee:
         centrifugal moment, m r_h omega^2 L/k = 7e-7 rad, and as much of its hinge.
         """
         bristle = Bristle(knee_angle_deg=-80.0, knee_position=position, links=links, modulus=1e15)
-        tool = replace(operating_point(), bar=None, bristle=bristle, belt=Belt(stiffness=100.0), hub=Hub(speed=30.0))
+        tool = replace(Tool(), bar=None, bristle=bristle, belt=Belt(stiffness=100.0), hub=Hub(speed=30.0))
         turn = math.acos(tool.workpart_depth / (tool.hub.radius + position * bristle.length))
         run = simulate_reference(tool, start_hub_angle=-turn - 0.02, stop_after="strike", accuracy=1e-8)
         assert run.event_time("strike") == pytest.approx(0.02 / 30.0, rel=0.0, abs=2e-6 / 30.0 / math.tan(turn))

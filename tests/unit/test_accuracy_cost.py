@@ -33,7 +33,7 @@ class TestCases:
 
     def test_a_pass_by_events_of_scipy(self):
         """A pass at 1e-2 is a coarse one."""
-        whole = cases.whole_pass()
+        whole = cases.whole_pass_case()
         assert whole.error(scipy_methods.pass_attempts(whole)[0].run().values) < 1.0
 
     def test_the_strikes_settle_to_the_printed_rates(self):
@@ -110,7 +110,7 @@ class TestPeers:
 
     def test_mujoco_pass_reaches_the_strike(self):
         pytest.importorskip("mujoco")
-        case = cases.whole_pass()
+        case = cases.whole_pass_case()
         run = attempt_named(peers.mujoco_pass(case), "mujoco rk4", "steps=2000").run()
         # A spring two steps stiff is 2e-3 of the pass soft, and what it keeps of that is a tenth.
         assert case.error(run.values) < 5e-4

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from bristle_sim.parameters import Tool, operating_point
+from bristle_sim.parameters import Tool
 from bristle_sim.theory import cueing
 
 HUB_RADIUS, LENGTH, MASS, HUB_SPEED = 0.0275, 0.027, 8.387e-5, 261.8
@@ -63,7 +63,7 @@ def test_printed_release_geometry():
     assert math.degrees(cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)) == pytest.approx(22.035, abs=5e-4)
     rest = math.radians(65.93) - cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)
     gamma = cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0045)
-    placed = cueing.placed_cue(operating_point(), RETRACTION, (rest - gamma) / HUB_SPEED, 0.0)
+    placed = cueing.placed_cue(Tool(), RETRACTION, (rest - gamma) / HUB_SPEED, 0.0)
     # Printed to 10 and 100 micrometres; direction and distance are rounded to 1e-4 and 1e-5 of themselves.
     assert placed.bar_distance == pytest.approx(0.055167, abs=5e-7)
     assert placed.bar_horizontal == pytest.approx(0.05037, abs=5e-6)
@@ -77,7 +77,7 @@ def test_retraction_at_bar_inverts_the_geometry():
     back = cueing.retraction_at_bar(*place, 0.004725, HUB_RADIUS, LENGTH)
     # The tip radius is even in the angle: its rounding, 1e-16 of 55 mm, costs 1e-16/theta_p.
     assert np.all(np.abs(back - retraction) < 1e-15 / retraction + 1e-14)
-    bar = operating_point().bar
+    bar = Tool().bar
     printed = cueing.retraction_at_bar(bar.horizontal, bar.vertical, 0.0047246, HUB_RADIUS, LENGTH)
     # r_b + d/2 = 4.725 mm was rounded from 4.7246 mm: 1e-4 mm of radius is 1e-5 rad.
     assert printed == pytest.approx(RETRACTION, abs=1e-5)
@@ -93,9 +93,9 @@ def test_printed_stiffness_cannot_be_per_radian():
     assert math.degrees(HUB_SPEED * stiffened) == pytest.approx(69, abs=0.5)
 
 
-def test_cue_of_the_operating_point():
+def test_cue_of_the_Tool():
     """Per degree: 170.9 Hz. Stiffened: 1.4052 ms, 21.08 deg, 869.1 rad/s, bar at 66.56 deg, each to its last digit."""
-    tool = operating_point()
+    tool = Tool()
     rate = cueing.natural_rate(PRINTED_PER_DEGREE, INERTIA)
     assert rate / (2 * math.pi) == pytest.approx(170.9, abs=0.05)
     stiffened = cueing.stiffened_cue(tool)

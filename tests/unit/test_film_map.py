@@ -16,7 +16,7 @@ from bristle_sim import simulate
 from bristle_sim.parameters import FilmGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies import film as module
-from bristle_sim.studies.film import MEASURED, _answer, film, followed
+from bristle_sim.studies.film import MEASURED, _answer, film, simulate_variant
 from bristle_sim.studies.strike_point import crater_depth
 from bristle_sim.theory.crater import CUTTING_FRICTION
 
@@ -32,7 +32,7 @@ def two_links():
 def test_a_stiff_contact_of_a_rigid_bristle_is_compressed_for_a_quarter_period():
     """Frictionless: k = (pi (1 + e*)/(2 T))^2/K_nn, so a quarter period is T/(1 + e*), and the spring takes v_n^2/(2 K_nn)."""
     smooth, accuracy = Tool().replace(friction=0.0, contact="compliant"), Settings(accuracy=1e-6)
-    found = followed(accuracy, smooth, contact_duration=1e-7)
+    found = simulate_variant(accuracy, smooth, contact_duration=1e-7)
     # In 0.07 us hub and bristle turn by 8e-5 rad, which changes the approach by as much over tan(gamma).
     assert found["compression_time"] == pytest.approx(1e-7 / 1.42, rel=1e-3)
     strike = simulate(smooth.replace(contact="energetic"), accuracy, stop_after="strike").first_contact("workpart")
@@ -51,7 +51,7 @@ def test_the_map_has_the_measures_of_single_cases(two_links):
     assert found.durations == pytest.approx([5e-5, math.sqrt(1.5) * 1e-4, 3e-4], rel=1e-12)
     tool = Tool().replace(wire_links=2, contact="compliant")
     keys = {"contact_duration": found.durations[1], "wire_damping_ratio": 0.5}
-    alone = followed(Settings(accuracy=1e-3), tool, **keys)
+    alone = simulate_variant(Settings(accuracy=1e-3), tool, **keys)
     assert {name: each[1, 1] for name, each in found.results.items()} == alone
     map_in_json = two_links.extra["map"]
     assert np.array(map_in_json["crater_depth"]) == pytest.approx(found.results["crater_depth"], rel=0.0)

@@ -22,13 +22,12 @@ from bristle_sim.parameters import (
     Strike,
     Tool,
     Workpart,
-    operating_point,
 )
 
 
 def test_operating_point_is_the_printed_one():
     """Zhang 2020, eqs. 2.2 and 2.3, captions of figs. 2.7, 2.8 and 2.13."""
-    tool = operating_point()
+    tool = Tool()
     assert (tool.hub.speed, tool.hub.radius) == (261.8, 0.0275)
     assert (tool.bristle.length, tool.bristle.mass, tool.bristle.wire_diameter) == (0.027, 8.387e-5, 7.1e-4)
     assert (tool.bar.horizontal, tool.bar.vertical) == (0.05037, 0.0225)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
-from bristle_sim.cli.output import say, tell
+from bristle_sim.cli.output import print_error, print_line
 from bristle_sim.cli.scripts import load_scenario, main_scenario, script_paths
 from bristle_sim.units import likely_key
 from bristle_sim.version import __version__, commit
@@ -39,9 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _complete(known)
     try:
         if first == "--version":
-            say(f"{PROGRAM} {__version__}" + (f" (commit {commit()})" if commit() else ""))
+            print_line(f"{PROGRAM} {__version__}" + (f" (commit {commit()})" if commit() else ""))
         elif first in ("", "-h", "--help"):
-            say("\n\n".join([overview(), *([HELP] if first else [])]))
+            print_line("\n\n".join([overview(), *([HELP] if first else [])]))
         elif first in COMMANDS:
             return _command(first, given[1:])
         elif name in known:
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
             raise ValueError(f"unknown scenario {first!r}; {advice}")
     except (ValueError, OSError) as error:
-        tell(f"{PROGRAM}: error: {error}")
+        print_error(f"{PROGRAM}: error: {error}")
         return BAD_INPUT
     return 0
 
@@ -81,10 +81,10 @@ def _command(name: str, given: Sequence[str]) -> int:
     try:
         return run_command(main_scenario(), parser, given)
     except (ValueError, OSError, argparse.ArgumentError) as error:
-        tell(f"{program}: error: {error}")
+        print_error(f"{program}: error: {error}")
         return BAD_INPUT
     except KeyboardInterrupt:
-        tell(f"{program}: ended")
+        print_error(f"{program}: ended")
         return INTERRUPTED
 
 

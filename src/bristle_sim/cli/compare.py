@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from bristle_sim.cli.output import say, word
+from bristle_sim.cli.output import format_value, print_line
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.comparison import Quantity, aligned, readable_unit
 from bristle_sim.files import checked_target
@@ -27,19 +27,19 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     names = (Path(options.first).stem, Path(options.second).stem)
     one, two = (pass_of.values_of(pass_of.assignments_from(path)[0]) for path in (options.first, options.second))
     reports = [pass_of.answer(one), pass_of.answer(two)]
-    changed = [[key, word(one[key]), word(two[key])] for key in one if one[key] != two[key]]
+    changed = [[key, format_value(one[key]), format_value(two[key])] for key in one if one[key] != two[key]]
     others = {each.name: each for each in reports[1].quantities}
     shown = [each for each in reports[0].quantities if each.tolerance is None and each.name in others]
     rows = [_row(each, others[each.name]) for each in shown]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
     keys = aligned([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)
     quantities = aligned([["quantity", "unit", *names, "difference"], *rows], 2)
-    say("\n".join([*answers, "", *keys, "", *quantities]))
+    print_line("\n".join([*answers, "", *keys, "", *quantities]))
     if target is not None:
         from bristle_sim.render.report import write_comparison
 
         write_comparison(target, names, reports, changed, rows)
-        say(f"--report: wrote {target}")
+        print_line(f"--report: wrote {target}")
     return 0
 
 

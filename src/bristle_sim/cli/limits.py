@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from bristle_sim.cli.output import json_of, say, word, write_text
-from bristle_sim.cli.scenario import Scenario, built
+from bristle_sim.cli.output import format_value, json_of, print_line, write_text
+from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import aligned
 from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool
@@ -34,14 +34,14 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         raise ValueError(f"{options.range!r}: must be KEY=FROM:TO with two numbers, such as friction=0.1:0.6")
     target = None if options.json in (None, "-") else checked_target(options.json, (".json",), option="--json")
     values = pass_of.values_of(options.set)
-    tool = built(Tool, values)
+    tool = build_parameters(Tool, values)
     low, high = (float(declared.parse(end)) for end in ends.split(":"))
     changes = limits(tool, accuracy=1e-8, **{key: (low, high)})
     unit = "" if declared.unit == "1" else f" {declared.unit}"
-    answer = f"Between {word(low)} and {word(high)}{unit} of {key} the outcome does not change."
+    answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome does not change."
     if changes:
-        places = ", ".join(f"at {word(each.at)}{unit} ({each.below}, then {each.above})" for each in changes)
-        answer = f"Between {word(low)} and {word(high)}{unit} of {key} the outcome changes {places}."
+        places = ", ".join(f"at {format_value(each.at)}{unit} ({each.below}, then {each.above})" for each in changes)
+        answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome changes {places}."
     found = [{"at": each.at, "below": each.below, "above": each.above} for each in changes]
     text = json_of("limits", answer, values, changes=found)
     if target is not None:
@@ -49,5 +49,5 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     rows = [[f"{key}{unit and f' ({declared.unit})'}", "below", "above"]]
     rows += [[f"{each.at:.9g}", each.below, each.above] for each in changes]
     table = ["", *aligned(rows, 0)] if changes else []
-    say(text if options.json == "-" else "\n".join([answer, *table]))
+    print_line(text if options.json == "-" else "\n".join([answer, *table]))
     return 0

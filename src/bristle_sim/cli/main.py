@@ -15,8 +15,17 @@ from pathlib import Path
 from typing import Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
-from bristle_sim.cli.output import csv_text, document, ending_in_order, in_words, progress, say, tell, write_text
-from bristle_sim.cli.scenario import Scenario, Values, built
+from bristle_sim.cli.output import (
+    csv_text,
+    document,
+    ending_in_order,
+    in_words,
+    print_error,
+    print_line,
+    progress,
+    write_text,
+)
+from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, is_special
 from bristle_sim.parameters import Tool
@@ -49,7 +58,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 raise OSError("standard output: must be open")
             options = parser_of(scenario, program, sweeping="--sweep" in command).parse_args(arguments)
             if options.list_keys:
-                say(scenario.key_list())
+                print_line(scenario.key_list())
                 return 0
             values = _values(scenario, options, remarks)
             work = Work(scenario, options, values, _targets(scenario, options, values), command)
@@ -66,14 +75,14 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                     raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
                 status = work.deliver(report, status)
         except (ValueError, OSError) as error:
-            tell(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
+            print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
         except KeyboardInterrupt:
             status = INTERRUPTED
     for line in remarks:
-        tell(f"{program}: warning: {line}")
+        print_error(f"{program}: warning: {line}")
     if status == INTERRUPTED:
-        tell(f"{program}: interrupted")
+        print_error(f"{program}: interrupted")
     return status
 
 
@@ -121,9 +130,9 @@ class Work:
             except OSError as error:
                 raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
             if option != "json":
-                tell(f"{_flag(option)}: wrote {target}")
+                print_error(f"{_flag(option)}: wrote {target}")
         shown = "json" if options.json == "-" else "csv" if options.csv == "-" else ""
-        say(texts.get(shown) or in_words(report))
+        print_line(texts.get(shown) or in_words(report))
         return status or (MISSED if False in map(attrgetter("ok"), report.quantities) else 0)
 
     def sweep(self) -> None:
@@ -141,7 +150,7 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
     elif option == "video" and scenario.film is not None:
         scenario.film(report, **(options.size or {})).write(target, **({"fps": options.fps} if options.fps else {}))
     elif option == "write_tool":
-        write_tool(built(Tool, work.values) if scenario.tool is None else scenario.tool(report), target)
+        write_tool(build_parameters(Tool, work.values) if scenario.tool is None else scenario.tool(report), target)
     else:
         from bristle_sim.render.report import write_report
 
@@ -151,7 +160,7 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
             name=scenario.name,
             question=scenario.question,
             command=work.command,
-            parameters=scenario.listed(work.values),
+            parameters=scenario.parameter_rows(work.values),
             plot=partial(_draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
             video=work.targets.get("video"),

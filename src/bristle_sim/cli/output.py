@@ -67,7 +67,7 @@ class _Progress(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Note a report."""
         if record.levelno >= logging.WARNING:
-            tell(f"{self.program}: warning: {record.getMessage()}")
+            print_error(f"{self.program}: warning: {record.getMessage()}")
             return
         self.last = record.getMessage()
         if self.terminal:
@@ -161,7 +161,7 @@ def plain(value: Any) -> Any:
     return finite(value) if isinstance(value, float) else value
 
 
-def word(value: Any) -> str:
+def format_value(value: Any) -> str:
     """Return a key's value as a person reads it."""
     return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
@@ -205,7 +205,7 @@ def write_text(target: Path, text: str) -> None:
         partial.write_text(text + "\n", encoding="utf-8", newline="")
 
 
-def say(text: str) -> None:
+def print_line(text: str) -> None:
     """Print on standard output; a reader that closes it early, such as ``head``, causes no error."""
     try:
         print(text, flush=True)
@@ -216,7 +216,7 @@ def say(text: str) -> None:
             raise OSError(f"standard output: {error.strerror}") from None
 
 
-def tell(text: str) -> None:
+def print_error(text: str) -> None:
     """Print on standard error if there is one; print() would take standard output in its place."""
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)

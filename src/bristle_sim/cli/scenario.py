@@ -162,10 +162,10 @@ class Scenario:
         """Build the run's arguments from key values, and run."""
         arguments = {}
         for name, kind in self.arguments.items():
-            arguments[name] = built(kind, values)
+            arguments[name] = build_parameters(kind, values)
         return self.run(**arguments)
 
-    def listed(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
+    def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
         """Return declaration, value and default of every key, for a page."""
         return [(declared, values[key], default) for key, (declared, default) in self.keys().items()]
 
@@ -187,12 +187,12 @@ class Scenario:
         return "\n".join(lines)
 
 
-def built(kind: Any, values: Values) -> Any:
+def build_parameters(kind: Any, values: Values) -> Any:
     """Return a parameter object of the given class, or a tool, with key values; a field without one has its default."""
     given = {}
     for name, (declared, _) in declared_fields(kind).items():
         if declared.key in values:
             given[name] = values[declared.key]
     for name, kinds in PARTS.items() if kind is Tool else ():
-        given[name] = built(kinds[0], values)
+        given[name] = build_parameters(kinds[0], values)
     return kind(**given)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bristle_sim.cli.output import csv_text, json_of, say, tell, write_text
+from bristle_sim.cli.output import csv_text, json_of, print_error, print_line, write_text
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
 from bristle_sim.units import Range, likely_key
@@ -53,9 +53,9 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
             save_figure(sweep_figure(found, list(axes)), target)
         else:
             write_text(target, texts[name])
-        tell(f"--{name}: wrote {target}")
+        print_error(f"--{name}: wrote {target}")
     shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
-    say(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
+    print_line(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bristle_sim.dissertation.printed import Figure, Figures, above, grows, linear, printed_number, within
-from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, RETRACTION_AT_RELEASE, Bar, Belt, operating_point
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, RETRACTION_AT_RELEASE, Bar, Belt, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.theory import cueing, pendulums
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
@@ -24,7 +24,7 @@ SPEED_RATIO, PRINTED_RATE = (
 PRINTED_POSITION = tuple(printed_number(f"eq. 2.3: bar position {name}") for name in ("S_H", "S_V"))
 PRINTED_DIRECTION = math.atan2(*PRINTED_POSITION)
 
-tool = operating_point()
+tool = Tool()
 mass, length, inertia, radius = tool.bristle.mass, tool.bristle.length, tool.bristle.inertia_about_root, tool.hub.radius
 natural_rate = float(cueing.natural_rate(tool.belt.stiffness, inertia))
 

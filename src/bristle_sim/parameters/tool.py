@@ -22,6 +22,8 @@ CLEAR_OF_BAR = math.radians(
 class Tool(Declared):
     """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
 
+    The default is the dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), its belt stiffness read per degree.
+
     Raises ValueError for a part of the wrong class.
     """
 
@@ -168,8 +170,3 @@ def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     """Return the keys of each part of a tool ("" is the tool itself), each with its field and declaration."""
     parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
     return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
-
-
-def operating_point() -> Tool:
-    """Return the dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), belt stiffness read per degree."""
-    return Tool()

@@ -20,7 +20,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import compression_end
-from bristle_sim.studies.whole_pass import require_result, stopped
+from bristle_sim.studies.whole_pass import require_result, stop_fields
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
@@ -120,7 +120,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
         remarks=(*(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()), against_film(slides)),
-        extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
+        extra={"stopped": {shape: stop_fields(run) for shape, run in runs.items()}},
         not_reached=next(filter(None, (run.accuracy_not_reached for run in runs.values())), ""),
         subject=BentBristles(tools, runs, slides),
         answer=answer(slides),

@@ -23,7 +23,7 @@ from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, H
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import full_pass
-from bristle_sim.studies.whole_pass import beside_radial, ran, require_result, require_rigid
+from bristle_sim.studies.whole_pass import beside_radial, require_result, require_rigid, run_fields
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
@@ -120,7 +120,7 @@ def cue_timing(
     passes = [row for each in timings.values() for row in each.passes]
     return Report(
         quantities=found,
-        **ran(own.trajectory),
+        **run_fields(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
         remarks=(
             "The formulas leave out the centrifugal stiffening of the rotating root, which the release includes, and the bar's"

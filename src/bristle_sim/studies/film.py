@@ -27,7 +27,7 @@ from bristle_sim.studies.bent_bristles import slide_of
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
 from bristle_sim.studies.strike_point import crater_depth
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_end
-from bristle_sim.studies.whole_pass import ran, require_result
+from bristle_sim.studies.whole_pass import require_result, run_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import UnusualValueWarning
@@ -95,7 +95,7 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
             Quantity("nearest_wire_damping_ratio", "1", damping, label="nearest: damping ratio of the wire"),
             *rows(MEASURES, values, printed=MEASURED),
         ),
-        **ran(found.run) | {"wall_s": clock.perf_counter() - started},
+        **run_fields(found.run) | {"wall_s": clock.perf_counter() - started},
         remarks=("printed: what film and micrograph show", *(_reached(name, found.results[name]) for name in MEASURED)),
         tables=(_table(variants),),
         extra={
@@ -118,7 +118,7 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
     space, point = (
         {"wire_damping_ratio": dampings, "contact_duration": durations},
-        partial(followed, settings, straight),
+        partial(simulate_variant, settings, straight),
     )
     swept = sweep(point, space, workers=None if grid.workers == 1 else grid.workers, store=grid.store).load()
     unknown = np.full(swept["failure"].shape, math.nan)
@@ -142,7 +142,7 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
     return contact.time
 
 
-def followed(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
+def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
     """Return the MEASURES of the strike of a tool at other values of its keys.
 
     The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
@@ -180,7 +180,7 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
 
     def one(keys: Mapping[str, float]) -> dict[str, Any]:
         try:
-            return followed(settings, best, **keys) | {"failure": ""}
+            return simulate_variant(settings, best, **keys) | {"failure": ""}
         except ValueError as error:
             return dict.fromkeys(MEASURES) | {"failure": str(error)}
 

@@ -21,7 +21,7 @@ from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike,
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import crater_depth
-from bristle_sim.studies.whole_pass import resolved
+from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord
@@ -152,7 +152,7 @@ def flexible_wire(
     if with_reference and not reference:
         remarks.append(NO_REFERENCE)
     return Report(
-        **resolved(wire.contact, wire, strike=0.0, release=wire.contact.duration),
+        **record_fields(wire.contact, wire, strike=0.0, release=wire.contact.duration),
         quantities=(*_frequencies(tool, with_reference), *rows(units, simulated, stiff, reference, tolerance=allowed)),
         remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),

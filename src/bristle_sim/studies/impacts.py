@@ -15,7 +15,7 @@ from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import IMPACT, contact_quantities, resolved
+from bristle_sim.studies.whole_pass import IMPACT, contact_quantities, record_fields
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -211,7 +211,7 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
     if impacts.elastic:
         remarks.append("theory: of a contact that is rigid along the surface")
     return Report(
-        **resolved(one, requested, strike=one.time),
+        **record_fields(one, requested, strike=one.time),
         quantities=tuple(rows),
         remarks=tuple(remarks),
         tables=(Table("the contact laws compared", head, cells),),

@@ -24,10 +24,10 @@ from bristle_sim.studies.whole_pass import (
     IMPACT,
     STATE,
     outcome_of,
-    ran,
     reference_accuracy,
     require_result,
     require_rigid,
+    run_fields,
     state_at_strike,
 )
 from bristle_sim.trajectory import Trajectory
@@ -112,7 +112,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         outcome=outcome_of(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
-        **ran(last),
+        **run_fields(last),
         remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}", f"least pitches: {counted}"),
         tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},

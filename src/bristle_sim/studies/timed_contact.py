@@ -22,7 +22,7 @@ from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import Impacts, radial_chain
-from bristle_sim.studies.whole_pass import resolved
+from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import normal_compressive_impulse
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
@@ -205,7 +205,7 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
     """Return a report's fields on a contact, with later events by name, s."""
     if contact is None:
         return {"outcome": "no contact"}
-    return resolved(contact.record, contact, strike=0.0, deepest=contact.compression_time, **later)
+    return record_fields(contact.record, contact, strike=0.0, deepest=contact.compression_time, **later)
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:

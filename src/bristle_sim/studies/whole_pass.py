@@ -113,9 +113,9 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         # Only an invariant that is violated takes a row, with which the comparison fails.
         quantities=(*found, *[each for each in invariants if each.ok is False]),
         phases=contact.phases if contact is not None else (),
-        **ran(run),
+        **run_fields(run),
         remarks=tuple(remarks),
-        extra={"invariants": dict(map(attrgetter("name", "simulated"), invariants)), "stopped": stopped(run)},
+        extra={"invariants": dict(map(attrgetter("name", "simulated"), invariants)), "stopped": stop_fields(run)},
         subject=WholePass(tool, run, reference),
         answer=_why_not(tool, run) if contact is None else _strike_in_words(measured, contact) + differences(found),
     )
@@ -251,7 +251,7 @@ def outcome_of(contact: ContactRecord | None) -> str:
     return "stiction" if contact.outcome == "jam" else contact.outcome
 
 
-def ran(run: Trajectory) -> dict[str, Any]:
+def run_fields(run: Trajectory) -> dict[str, Any]:
     """Return a run's events, its cost, and an accuracy that it has not reached, as fields of a report."""
     return {
         "not_reached": run.accuracy_not_reached,
@@ -261,13 +261,13 @@ def ran(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def resolved(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
+def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
     """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
     fields = {"outcome": outcome_of(contact), "phases": contact.phases, "events": tuple(events.items())}
     return {**fields, "wall_s": cost.wall_s, "steps": cost.steps}
 
 
-def stopped(run: Trajectory) -> dict[str, Any]:
+def stop_fields(run: Trajectory) -> dict[str, Any]:
     """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
     reason, time = run.stop_reason, float(run.time[-1])
     return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}

@@ -22,7 +22,7 @@ from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
-from bristle_sim.studies.whole_pass import ran, require_result, require_rigid
+from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
 from bristle_sim.trajectory import Trajectory
 
 # Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period
@@ -151,7 +151,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     )
     return Report(
         quantities=quantities,
-        **ran(turn.runs[-1]),
+        **run_fields(turn.runs[-1]),
         remarks=(settled, "theory: the energy that a turn loses"),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,

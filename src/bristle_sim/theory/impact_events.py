@@ -104,7 +104,7 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
     return speeds, forces, sines * (modes.forces - modes.speeds * ways)
 
 
-def followed(modes: Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
+def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
     """Step until few contacts are left without an event; return the times since the phase began, and the events."""
     times, events = np.zeros(settles.size), np.where(settles, SETTLED, NONE)
     going = np.flatnonzero(~settles)

@@ -17,7 +17,17 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.impact_events import LEAST_RATE, NEVER, NOISE, SETTLED, WIDE, Modes, both, followed, oscillators
+from bristle_sim.theory.impact_events import (
+    LEAST_RATE,
+    NEVER,
+    NOISE,
+    SETTLED,
+    WIDE,
+    Modes,
+    both,
+    oscillators,
+    step_to_event,
+)
 from bristle_sim.theory.impact_phases import KNIFE_EDGE
 
 STEEPEST_CONE = 1e150  # tangent of the cone's angle in the modes' units beyond which it is a half-plane
@@ -63,7 +73,7 @@ def stick(contact: Contact, jams: Number, settles: Number, patient: bool) -> tup
     modes, (cosine, sine) = _modes(contact)
     # Its drift is constant in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
-    time, event = followed(modes, settles | (jams & pressed), patient)
+    time, event = step_to_event(modes, settles | (jams & pressed), patient)
     (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
     event = np.where((event == SETTLED) & pressed, NEVER, event)
     still = (event == NEVER) | (event == SETTLED)

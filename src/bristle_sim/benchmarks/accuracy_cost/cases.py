@@ -127,7 +127,7 @@ def double_pendulum() -> StrikeCase:
 
 
 @functools.cache
-def whole_pass() -> Case:
+def whole_pass_case() -> Case:
     """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
     exact = state_at_strike(simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike"))
     return Case(

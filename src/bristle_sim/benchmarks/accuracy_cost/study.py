@@ -30,7 +30,7 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.release_flight, FLIGHT),
     (cases.strike, STRIKE),
     (cases.double_pendulum, STRIKE),
-    (cases.whole_pass, PASS),
+    (cases.whole_pass_case, PASS),
 )
 """Each case, with the function of each package that returns its attempts."""
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.cli.output import csv_text, document, word
-from bristle_sim.cli.scenario import Scenario, built
+from bristle_sim.cli.output import csv_text, document, format_value
+from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import cells
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.render.motion_data import motion_data
@@ -79,7 +79,11 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         "remarks": [each for each in report.remarks if each],
         "motion": motion_data(run, tool),
         "series": series(run),
-        "changed": [[key, word(before[key]), word(value)] for key, value in values.items() if value != before[key]],
+        "changed": [
+            [key, format_value(before[key]), format_value(value)]
+            for key, value in values.items()
+            if value != before[key]
+        ],
         "values": {each["key"]: each["start"] for each in knobs(pass_of, [*start, *typed])},
         "command": command([*start, *typed]),
     }
@@ -115,7 +119,7 @@ def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
 
 def command(assignments: Sequence[str]) -> str:
     """Return the command line that repeats the run."""
-    return shlex.join(["bristle-sim", "cue_and_impact", *(word for each in assignments for word in ("--set", each))])
+    return shlex.join(["bristle-sim", "cue_and_impact", *(part for each in assignments for part in ("--set", each))])
 
 
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
@@ -124,7 +128,7 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
 
     try:
         values = pass_of.values_of(assignments)
-        tool = built(Tool, values)
+        tool = build_parameters(Tool, values)
         found = placed(tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction).bar
     except (ValueError, ArithmeticError) as error:
         return {"error": " ".join(str(error).split())}
@@ -151,7 +155,7 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
-            write_tool(built(Tool, values), path)
+            write_tool(build_parameters(Tool, values), path)
         else:
             write_report(
                 path,
@@ -159,7 +163,7 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str
                 name=pass_of.name,
                 question=pass_of.question,
                 command=command(assignments),
-                parameters=pass_of.listed(values),
+                parameters=pass_of.parameter_rows(values),
             )
         return path.read_text(encoding="utf-8"), "application/toml" if kind == "toml" else "text/html"
 

@@ -7,7 +7,7 @@ import html
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from bristle_sim.cli.output import say
+from bristle_sim.cli.output import print_line
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.trajectory.pictures import Html
@@ -56,7 +56,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     except ModuleNotFoundError as error:
         raise ValueError(f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it") from error
     serving = server(start, host=options.host, port=options.port)
-    say(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
+    print_line(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
     serving.serve_forever()
     return 0
 
