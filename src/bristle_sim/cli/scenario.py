@@ -91,8 +91,8 @@ class Scenario:
             found[key] = (dataclasses.replace(declared, highest=limit, meaning=meaning), default)
         return found
 
-    def values_of(self, assignments: Sequence[str]) -> dict[str, Any]:
-        """Return every key's value: its default, or the last that the ``KEY=VALUE`` assignments give it.
+    def values_of(self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None) -> dict[str, Any]:
+        """Return every key's value: its default, the last that the ``KEY=VALUE`` assignments give it, or one of the numbers.
 
         Raises:
             ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
@@ -107,6 +107,8 @@ class Scenario:
                 advice = likely_key(key, keys, "--list-keys shows all keys")
                 raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
             typed[key] = keys[key][0].parse(text)
+        for key, number in (numbers or {}).items():
+            typed[key] = keys[key][0].check(number)
         for key, (_, default) in keys.items():
             values[key] = typed.get(key, default)
         for key, (declared, default) in keys.items():

@@ -60,7 +60,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
     """Answer a scenario's question at these values of its keys. Raises ValueError for a value that is refused."""
-    return scenario.answer(scenario.values_of([*assignments, *(f"{key}={value!r}" for key, value in keys.items())]))
+    return scenario.answer(scenario.values_of(assignments, keys))
 
 
 def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -138,13 +138,17 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
 
 def _strike_in_words(measured: Values, contact: ContactRecord) -> str:
     outcome, with_knee = outcome_of(contact), " with its knee" if contact.point == "knee" else ""
-    names = ("contact_time", *STATE, "normal_final_impulse")
-    time, lag, speed, tip, impulse = itemgetter(*names)(measured)
+    known = {name: value for name, value in measured.items() if value is not None}
+    speed = known["relative_speed_at_contact"]
+    time = amount(known["contact_time"], "s", 4)
+    lag = beside_radial(known["lag_deg_at_contact"])
+    tip = amount(known["tip_speed_at_contact"], "m/s")
+    impulse = amount(known["normal_final_impulse"], "N s")
     relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
-        f"The bristle strikes{with_knee} at {amount(time, 's', 4)}{by_bar}, {beside_radial(lag)}, {relative}, its tip at"
-        f" {amount(tip, 'm/s')}, with a normal impulse of {amount(impulse, 'N s')} ({outcome})."
+        f"The bristle strikes{with_knee} at {time}{by_bar}, {lag}, {relative}, its tip at {tip}, with a normal impulse of"
+        f" {impulse} ({outcome})."
     )
 
 
@@ -193,16 +197,21 @@ def _formulas(tool: Tool) -> Values:
         return UNKNOWN
     release = (cue.tip_lag - math.atan2(bar.horizontal, bar.vertical) - tool.start_hub_angle) / hub.speed
     rate = cue.highest_relative_speed + hub.speed
-    tip_speed = bristle.length * rate + hub.radius * hub.speed
-    retractions = [math.degrees(retraction)] * 2
-    chain = (release, *retractions, release + cue.cue_time, 0.0, cue.highest_relative_speed, tip_speed)
-    values: Values = dict(zip(QUANTITIES, chain, strict=False))
+    values: Values = {
+        "release_time": release,
+        "release_retraction_deg": math.degrees(retraction),
+        "largest_retraction_deg": math.degrees(retraction),
+        "contact_time": release + cue.cue_time,
+        "lag_deg_at_contact": 0.0,
+        "relative_speed_at_contact": cue.highest_relative_speed,
+        "tip_speed_at_contact": bristle.length * rate + hub.radius * hub.speed,
+    }
     if not cue.impact_angle > 0.0:
         return values
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
-    return {**values, **dict(zip(IMPACT, map(float, attrgetter(*IMPACT)(impact)), strict=True))}
+    return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}
 
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
@@ -224,7 +233,11 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
     speed = math.hypot(*contact.velocity_before)
     if contact.point == "knee":
         speed = float(run.tip_speed[int(abs(run.time - contact.time).argmin())])
-    return dict(zip(STATE, (math.degrees(lag), rate - tool.hub.speed, speed), strict=True))
+    return {
+        "lag_deg_at_contact": math.degrees(lag),
+        "relative_speed_at_contact": rate - tool.hub.speed,
+        "tip_speed_at_contact": speed,
+    }
 
 
 def beside_radial(lag: float) -> str:
@@ -238,10 +251,19 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
     """Return impulses, works and rates of a contact, in the units of IMPACT; None where its law has none."""
     if contact is None:
         return dict.fromkeys(IMPACT)
-    impulse, work = contact.compressive_impulse or (None, None), contact.compressive_work or (None, None)
-    before, after = contact.rates_before[0], contact.rates_after[0]
-    values = (impulse[0], contact.impulse[0], impulse[1], *work, after, after / before if before else None)
-    return dict(zip(IMPACT, values, strict=True))
+    impulse = contact.compressive_impulse or (None, None)
+    work = contact.compressive_work or (None, None)
+    before = contact.rates_before[0]
+    after = contact.rates_after[0]
+    return {
+        "normal_compressive_impulse": impulse[0],
+        "normal_final_impulse": contact.impulse[0],
+        "tangential_compressive_impulse": impulse[1],
+        "normal_compressive_work": work[0],
+        "tangential_compressive_work": work[1],
+        "final_bristle_rate": after,
+        "rebound_ratio": after / before if before else None,
+    }
 
 
 def outcome_of(contact: ContactRecord | None) -> str:
