@@ -1,8 +1,18 @@
-"""Run the command ``bristle-sim`` as ``python -m bristle_sim``."""
+"""The command ``bristle-sim``, also as ``python -m bristle_sim``."""
 
 import sys
 
-from bristle_sim.cli.command import main
+
+def main() -> int:
+    """Run the command; an interrupt while its modules are still being imported ends in one line, too."""
+    try:
+        from bristle_sim.cli.command import main as command
+
+        return command()
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+
 
 if __name__ == "__main__":
     sys.exit(main())
