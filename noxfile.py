@@ -61,7 +61,9 @@ def nightly(session: nox.Session) -> None:
     session.install("-e", ".[sweep,test,peers]", "playwright")
     session.run("pytest", "-m", "nightly", *session.posargs)
     seed = str(random.randrange(10**6))
-    session.run("pytest", "--random-order", seed, *session.posargs, env={"BRISTLE_FRESH_EXAMPLES": "1"})
+    session.run(
+        "pytest", "--random-order", seed, *session.posargs, env={"BRISTLE_FRESH_EXAMPLES": "1"}
+    )
     session.run("pytest", *session.posargs, env={"OPENBLAS_CORETYPE": "Haswell"})
     session.run("python", "docs/keep.py")
 
@@ -82,11 +84,15 @@ def mutants(session: nox.Session) -> None:
             if status in ("survived", "no tests", "suspicious"):
                 session.log(f"{status}: {name}")
     for module, found in sorted(modules.items()):
-        session.log(f"{found['killed'] + found['timeout']:5} of {found.total():5} noticed: {module}")
+        session.log(
+            f"{found['killed'] + found['timeout']:5} of {found.total():5} noticed: {module}"
+        )
     noticed = sum(found["killed"] + found["timeout"] for found in modules.values())
     changes = sum(found.total() for found in modules.values())
     if noticed < LEAST_NOTICED * changes:
-        session.error(f"{noticed} of {changes} changes are noticed; must be at least {LEAST_NOTICED:.0%}")
+        session.error(
+            f"{noticed} of {changes} changes are noticed; must be at least {LEAST_NOTICED:.0%}"
+        )
 
 
 @nox.session(default=False)

@@ -13,7 +13,16 @@ HERE = Path(__file__).parent
 def write_commit(folder: Path) -> None:
     """Write the commit of the checkout below a folder, if this is one; a source distribution carries its own."""
     if (HERE / ".git").exists():
-        describe = ["git", "-C", str(HERE), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+        describe = [
+            "git",
+            "-C",
+            str(HERE),
+            "describe",
+            "--always",
+            "--dirty",
+            "--abbrev=12",
+            "--exclude=*",
+        ]
         found = subprocess.run(describe, capture_output=True, text=True, check=True).stdout
         (folder / "bristle_sim" / "commit.txt").write_text(found, encoding="utf-8")
 

@@ -28,7 +28,11 @@ def keep(name: str, folder: Path) -> None:
     Raises:
         CalledProcessError: if it refuses its input.
     """
-    plot = [] if name in ("hard_cases", "dissertation_audit", "dissertation_figures") else ["--plot", f"{name}.png"]
+    plot = (
+        []
+        if name in ("hard_cases", "dissertation_audit", "dissertation_figures")
+        else ["--plot", f"{name}.png"]
+    )
     options = [*KEPT[name], "--json", f"{name}.json", *plot]
     command = [sys.executable, "-m", "bristle_sim", name, *options]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -39,13 +43,19 @@ def keep(name: str, folder: Path) -> None:
 
 def costs() -> str:
     """Return README's sentences on the cost of a pass, from the kept results."""
-    curves = json.loads((DOCS / "kept" / "accuracy_cost.json").read_text(encoding="utf-8"))["curves"]
+    curves = json.loads((DOCS / "kept" / "accuracy_cost.json").read_text(encoding="utf-8"))[
+        "curves"
+    ]
     passes = [each for each in curves if each["case"] == "whole_pass" and each["error"] is not None]
     own = {each["setting"]: each for each in passes if each["method"] == "bristle_sim simulate"}
-    asked = [f"{1e3 * own[f'accuracy={accuracy}']['cpu_s']:.0f}" for accuracy in ("0.001", "1e-06", "1e-10")]
+    asked = [
+        f"{1e3 * own[f'accuracy={accuracy}']['cpu_s']:.0f}"
+        for accuracy in ("0.001", "1e-06", "1e-10")
+    ]
     reference = [each for each in passes if each["method"] == "scipy dop853"]
     ours, theirs = (
-        min(each["cpu_s"] for each in found if each["error"] <= 1e-6) for found in (own.values(), reference)
+        min(each["cpu_s"] for each in found if each["error"] <= 1e-6)
+        for found in (own.values(), reference)
     )
     return (
         f"A whole pass to the strike costs {asked[0]}, {asked[1]} and {asked[2]} ms of CPU at 1e-3, 1e-6 and 1e-10.\n"
@@ -58,6 +68,8 @@ if __name__ == "__main__":
         keep(scenario, DOCS / "kept")
     readme = DOCS.parent / "README.md"
     written = re.sub(
-        r"A whole pass to the strike costs .*\n.* times as much\.", costs(), readme.read_text(encoding="utf-8")
+        r"A whole pass to the strike costs .*\n.* times as much\.",
+        costs(),
+        readme.read_text(encoding="utf-8"),
     )
     readme.write_text(written, encoding="utf-8")

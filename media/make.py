@@ -57,8 +57,13 @@ def strike_drawing() -> Figure:
     ):
         arc: dict[str, Any] = {"theta1": first, "theta2": last, **look}
         axes.add_patch(Arc((centre[0], centre[1]), size, size, **arc))
-    ends, style = 0.74 * radius * toward(np.radians([50.0, 95.0])), "-|>,head_length=5,head_width=2.5"
-    axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle="arc3,rad=0.25", color=BLACK))
+    ends, style = (
+        0.74 * radius * toward(np.radians([50.0, 95.0])),
+        "-|>,head_length=5,head_width=2.5",
+    )
+    axes.add_patch(
+        FancyArrowPatch(*ends, arrowstyle=style, connectionstyle="arc3,rad=0.25", color=BLACK)
+    )
     for start, step, color, style in (
         ((-66.0, -18.0), (9.0, 0.0), BLACK, "-|>"),  # x and y
         ((-66.0, -18.0), (0.0, 9.0), BLACK, "-|>"),
@@ -81,7 +86,13 @@ def strike_drawing() -> Figure:
         (x - 15.5, y + 7.0, "velocity of the tip before:\nnormal part < 0", BLUE, "right"),
         (x + 10.0, y + 5.0, "after: normal part > 0", BLUE, "left"),
         (x - 0.8, y + 11.8, "normal impulse > 0", VERMILION, "right"),
-        (x - 1.0, y - 4.0, "tangential impulse on the tip:\n< 0 where friction opposes x", VERMILION, "right"),
+        (
+            x - 1.0,
+            y - 4.0,
+            "tangential impulse on the tip:\n< 0 where friction opposes x",
+            VERMILION,
+            "right",
+        ),
         (3.0, -reach - 2.0, "penetration below the hub", BLACK, "left"),
         (25.0, -reach + 12.5, "circle of\nstraight tips", GREY, "left"),
     ):
@@ -94,7 +105,9 @@ CHAPTERS = {2: "The tool, cueing and impact", 3: "Force history", 4: "Crater"}
 
 def audit_page(rows: Sequence[AuditRow]) -> str:
     """Return all rows: first those that differ, each with its reason, then everything by chapter."""
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), keep_trailing_newline=True)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE), keep_trailing_newline=True
+    )
     environment.filters["number"] = shown_number
     environment.filters["plain"] = lambda text: text.replace("|", "\\|").replace("*", "\\*")
     by_chapter = {number: [row for row in rows if chapter_of(row) == number] for number in CHAPTERS}

@@ -51,7 +51,10 @@ SCENARIO = Scenario(
         "hub_speed": (272.27, "Zhang 2020, fig. 1.4: 2600 rpm"),
         "belt_damping_ratio": (0.05, "assumed: a wire that has swung out before the next strike"),
         "knee_angle_deg": (30.0, "assumed: as large as in Zhang 2020, fig. 1.3"),
-        "contact": ("compliant", "chosen: sliding takes time, which only a contact resolved in time has"),
+        "contact": (
+            "compliant",
+            "chosen: sliding takes time, which only a contact resolved in time has",
+        ),
         "contact_duration": (1e-4, "Zhang 2020, eq. 3.19: the assumed force lasts 0.1 ms"),
     },
 )

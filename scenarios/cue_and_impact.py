@@ -45,7 +45,12 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
-    highest={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
+    highest={
+        "wire_links": (
+            16,
+            "at most 16; the strike of more is beyond the 500,000 engine steps of a run",
+        )
+    },
 )
 
 if __name__ == "__main__":

@@ -44,7 +44,10 @@ SCENARIO = Scenario(
     tool=tool,
     without=(*SHAPE_KEYS, *CONTACT_KEYS),
     defaults={
-        "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
+        "reference": (
+            "yes",
+            "chosen: the roots are found a second time in the independent solution",
+        ),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),
     },
 )

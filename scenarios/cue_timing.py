@@ -10,7 +10,17 @@ import sys
 
 from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import SHAPE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
+from bristle_sim.parameters import (
+    SHAPE_KEYS,
+    Bar,
+    Belt,
+    Bristle,
+    Comparison,
+    Hub,
+    Release,
+    Tool,
+    Workpart,
+)
 from bristle_sim.settings import Settings
 
 
@@ -27,9 +37,13 @@ def run(
     """Release the bristle, and compare the cue with the formulas."""
     from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
-    tool = Tool(hub=hub, belt=belt, bristle=bristle, bar=unplaced(bar, hub, bristle), workpart=workpart)
+    tool = Tool(
+        hub=hub, belt=belt, bristle=bristle, bar=unplaced(bar, hub, bristle), workpart=workpart
+    )
     retraction = math.radians(release.retraction_deg)
-    return cue_timing(tool, retraction, settings, bar=bar, with_reference=compared.reference == "yes")
+    return cue_timing(
+        tool, retraction, settings, bar=bar, with_reference=compared.reference == "yes"
+    )
 
 
 def plot(report: Report) -> Picture:

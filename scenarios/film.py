@@ -40,7 +40,12 @@ SCENARIO = Scenario(
     plot=plot,
     series=series,
     without=("contact", "contact_duration", "wire_damping_ratio"),
-    highest={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
+    highest={
+        "wire_links": (
+            16,
+            "at most 16; the strike of more is beyond the 500,000 engine steps of a run",
+        )
+    },
     defaults={
         "wire_links": (8, "chosen: impulse and peak force are within 0.3 % of those of more links"),
         "knee_angle_deg": (

@@ -26,7 +26,14 @@ def run(
     from bristle_sim.studies.flexible_wire import flexible_wire
 
     return flexible_wire(
-        hub, belt, bristle, strike, surface, stiffness, settings, with_reference=compared.reference == "yes"
+        hub,
+        belt,
+        bristle,
+        strike,
+        surface,
+        stiffness,
+        settings,
+        with_reference=compared.reference == "yes",
     )
 
 
@@ -58,10 +65,15 @@ SCENARIO = Scenario(
     film=film,
     series=series,
     without=("knee_position", "knee_angle_deg", "hub_turn"),
-    highest={"wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")},
+    highest={
+        "wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")
+    },
     defaults={
         "wire_links": (8, "chosen: impulse and peak force are within 0.3 % of those of more links"),
-        "friction": (0.0, "chosen: the stiffness is that of a frictionless contact of the given duration"),
+        "friction": (
+            0.0,
+            "chosen: the stiffness is that of a frictionless contact of the given duration",
+        ),
         "reference": ("yes", "chosen: one strike takes the independent solution little time"),
     },
 )

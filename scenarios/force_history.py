@@ -16,7 +16,12 @@ from bristle_sim.settings import Settings
 
 
 def run(
-    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, measurement: Measurement, settings: Settings
+    hub: Hub,
+    bristle: Bristle,
+    surface: Surface,
+    history: ForceHistory,
+    measurement: Measurement,
+    settings: Settings,
 ) -> Report:
     """Compare the simulated contact force with the curve of chapter 3, or with one that was measured."""
     from bristle_sim.studies.force_comparison import force_comparison

@@ -26,7 +26,9 @@ def plot(report: Report) -> Picture:
     return measured_figure(report.subject)
 
 
-SCENARIO = Scenario(name="measured_impacts", question="Do the laws predict what was measured?", run=run, plot=plot)
+SCENARIO = Scenario(
+    name="measured_impacts", question="Do the laws predict what was measured?", run=run, plot=plot
+)
 
 if __name__ == "__main__":
     sys.exit(main(SCENARIO))

@@ -13,7 +13,14 @@ from bristle_sim.parameters import SHAPE_KEYS, Bristle, Contact, Hub, Strike, Su
 from bristle_sim.settings import Settings
 
 
-def run(hub: Hub, bristle: Bristle, strike: Strike, surface: Surface, contact: Contact, settings: Settings) -> Report:
+def run(
+    hub: Hub,
+    bristle: Bristle,
+    strike: Strike,
+    surface: Surface,
+    contact: Contact,
+    settings: Settings,
+) -> Report:
     """Strike once, and compare the impact with the closed forms."""
     from bristle_sim.studies.impacts import oblique_impact
 

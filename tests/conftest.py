@@ -15,16 +15,27 @@ from typing import Any
 import hypothesis
 import pytest
 
-hypothesis.settings.register_profile("same examples", deadline=None, derandomize=True, database=None)
-hypothesis.settings.register_profile("fresh examples", deadline=None, print_blob=True, database=None)
-hypothesis.settings.load_profile("fresh examples" if os.environ.get("BRISTLE_FRESH_EXAMPLES") else "same examples")
+hypothesis.settings.register_profile(
+    "same examples", deadline=None, derandomize=True, database=None
+)
+hypothesis.settings.register_profile(
+    "fresh examples", deadline=None, print_blob=True, database=None
+)
+hypothesis.settings.load_profile(
+    "fresh examples" if os.environ.get("BRISTLE_FRESH_EXAMPLES") else "same examples"
+)
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--random-order", type=int, metavar="SEED", help="run files, and tests within each, in the order of a seed"
+        "--random-order",
+        type=int,
+        metavar="SEED",
+        help="run files, and tests within each, in the order of a seed",
     )
 
 

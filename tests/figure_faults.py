@@ -25,9 +25,14 @@ def faults(figure: Figure) -> list[str]:
     """Every fault in words; the figure is drawn, not saved."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    page, boxes = figure.bbox, [(text, text.get_window_extent(canvas.get_renderer())) for text in _texts(figure)]
-    found = [f"empty panel {axes.get_title(loc='left')!r}" for axes in figure.axes if _is_empty(axes)]
-    found += [f"not in the legend: {each}" for axes in figure.axes for each in _unnamed(axes, figure)]
+    page = figure.bbox
+    boxes = [(text, text.get_window_extent(canvas.get_renderer())) for text in _texts(figure)]
+    found = [
+        f"empty panel {axes.get_title(loc='left')!r}" for axes in figure.axes if _is_empty(axes)
+    ]
+    found += [
+        f"not in the legend: {each}" for axes in figure.axes for each in _unnamed(axes, figure)
+    ]
     for text, box in boxes:
         if box.x0 < RIM or box.y0 < RIM or box.x1 > page.x1 - RIM or box.y1 > page.y1 - RIM:
             found.append(f"cut: {text.get_text()!r}")
@@ -35,7 +40,9 @@ def faults(figure: Figure) -> list[str]:
             found.append("a lone degree sign")
     for (one, a), (two, b) in itertools.combinations(boxes, 2):
         width, height = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
-        if min(width, height) > 1.5 and width * height > COVERED * min(a.width * a.height, b.width * b.height):
+        if min(width, height) > 1.5 and width * height > COVERED * min(
+            a.width * a.height, b.width * b.height
+        ):
             found.append(f"overlap: {one.get_text()!r} and {two.get_text()!r}")
     return found
 
@@ -55,7 +62,11 @@ def _texts(figure: Figure) -> Iterator[Text]:
             hidden |= {axis.label, axis.offsetText} if gone else set()
     for text in figure.findobj(Text):
         box = text.get_clip_box() if text.get_clip_on() and text.axes is not None else None
-        shown = text.get_visible() and text.get_text().strip() and (text.axes is None or text.axes.get_visible())
+        shown = (
+            text.get_visible()
+            and text.get_text().strip()
+            and (text.axes is None or text.axes.get_visible())
+        )
         if shown and text not in hidden and (box is None or box.overlaps(text.get_window_extent())):
             yield text
 
@@ -65,9 +76,15 @@ def _is_empty(axes: Axes) -> bool:
     if not axes.get_visible() or not axes.axison:
         return False
     others = (
-        axes.patches or axes.collections or axes.images or axes.tables or any(text.get_text() for text in axes.texts)
+        axes.patches
+        or axes.collections
+        or axes.images
+        or axes.tables
+        or any(text.get_text() for text in axes.texts)
     )
-    return not others and not any(np.isfinite(np.asarray(line.get_ydata(), dtype=float)).any() for line in axes.lines)
+    return not others and not any(
+        np.isfinite(np.asarray(line.get_ydata(), dtype=float)).any() for line in axes.lines
+    )
 
 
 def _unnamed(axes: Axes, figure: Figure) -> Iterator[str]:
@@ -77,12 +94,18 @@ def _unnamed(axes: Axes, figure: Figure) -> Iterator[str]:
     if not legends or not axes.get_visible():
         return
     handles = [handle for legend in legends for handle in legend.legend_handles]
-    named = {to_hex(_colour(handle)) for handle in handles} | {to_hex(text.get_color()) for text in _words(axes)}
+    named = {to_hex(_colour(handle)) for handle in handles} | {
+        to_hex(text.get_color()) for text in _words(axes)
+    }
     named |= {to_hex(label.get_color()) for label in (axes.xaxis.label, axes.yaxis.label)}
     drawn = set()
     for line in axes.lines:
         points = np.asarray(line.get_xydata())
-        if line.get_transform() == axes.transData and line.get_visible() and np.isfinite(points).all(axis=1).sum() > 1:
+        if (
+            line.get_transform() == axes.transData
+            and line.get_visible()
+            and np.isfinite(points).all(axis=1).sum() > 1
+        ):
             drawn.add(to_hex(_colour(line)))
     if own or len(drawn) > 1:  # a panel's only line is what its scale names
         yield from drawn - named
@@ -90,12 +113,18 @@ def _unnamed(axes: Axes, figure: Figure) -> Iterator[str]:
 
 def _words(axes: Axes) -> list[Text]:
     """Words in a panel and cells of its tables."""
-    return [*axes.texts, *(cell.get_text() for table in axes.tables for cell in table.get_celld().values())]
+    return [
+        *axes.texts,
+        *(cell.get_text() for table in axes.tables for cell in table.get_celld().values()),
+    ]
 
 
 def _colour(artist: Artist) -> Any:
     """The colour that tells an artist from others: of its line or mark, else of its face."""
     if isinstance(artist, Line2D):
-        marked = artist.get_linestyle() == "None" and artist.get_markerfacecolor() not in ("none", "white")
+        marked = artist.get_linestyle() == "None" and artist.get_markerfacecolor() not in (
+            "none",
+            "white",
+        )
         return artist.get_markerfacecolor() if marked else artist.get_color()
     return artist.get_facecolor()  # type: ignore[attr-defined]

@@ -18,8 +18,12 @@ TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
 """Relative error of an impulse summed by the trapezoidal rule over the 24 intervals of a record."""
 
 
-def bristle(state: Strike | None = None, contact: Contact | None = None, **surface: float) -> Impacts:
-    report = oblique_impact(Hub(), Bristle(), state or Strike(), Surface(**surface), contact or Contact(), Settings())
+def bristle(
+    state: Strike | None = None, contact: Contact | None = None, **surface: float
+) -> Impacts:
+    report = oblique_impact(
+        Hub(), Bristle(), state or Strike(), Surface(**surface), contact or Contact(), Settings()
+    )
     assert isinstance(report.subject, Impacts)
     return report.subject
 
@@ -31,7 +35,9 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
 
 
 def panel(figure: Figure, letter: str) -> Axes:
-    return next(axes for axes in figure.axes if axes.get_title(loc="left").startswith(f"$\\bf{{{letter}}}"))
+    return next(
+        axes for axes in figure.axes if axes.get_title(loc="left").startswith(f"$\\bf{{{letter}}}")
+    )
 
 
 def line(axes: Axes, name: str) -> Line2D:

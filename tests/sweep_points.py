@@ -13,7 +13,9 @@ def power(x: float, y: float) -> dict[str, Any]:
     return {"power": x**y, "pair": (x, y)}
 
 
-def counted(x: float, folder: str, pause: float = 0.0, killed_at: float = math.nan, times: int = 1) -> float:
+def counted(
+    x: float, folder: str, pause: float = 0.0, killed_at: float = math.nan, times: int = 1
+) -> float:
     """x squared, noted in a file; kills its process where told, a number of times over all processes."""
     deaths = len(list(Path(folder).glob("death*")))
     if x == killed_at and deaths < times:

@@ -8,8 +8,10 @@ from bristle_sim.parameters import Tool
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-FREQUENCY, AMPLITUDE = 1100.0, 0.7
-STRIKE, END = 1.4e-3, 2.5e-3
+FREQUENCY = 1100.0
+AMPLITUDE = 0.7
+STRIKE = 1.4e-3
+END = 2.5e-3
 HUB_START = -0.75
 
 
@@ -17,13 +19,17 @@ def swing(time):
     """Angle and rate relative to the hub: a harmonic from a lag of 0.7 rad, reflected at the strike."""
     later = 2.0 * STRIKE - time
     before = -AMPLITUDE * np.cos(FREQUENCY * time), AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * time)
-    after = -AMPLITUDE * np.cos(FREQUENCY * later), -AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * later)
+    after = (
+        -AMPLITUDE * np.cos(FREQUENCY * later),
+        -AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * later),
+    )
     return before, after
 
 
 def straight_wire(tool, hub, angle, rate):
     """Root and tip, and their velocities, by (sin, -cos) and its derivative (cos, sin)."""
-    arm, root = tool.bristle.length, tool.hub.radius
+    arm = tool.bristle.length
+    root = tool.hub.radius
     places = [root * np.array([np.sin(hub), -np.cos(hub)])]
     places.append(places[0] + arm * np.array([np.sin(angle), -np.cos(angle)]))
     velocities = [root * tool.hub.speed * np.array([np.cos(hub), np.sin(hub)])]
@@ -39,9 +45,14 @@ def make_trajectory(samples: int = 60, events: tuple[Event, ...] | None = None) 
     alpha = np.concatenate([swing(first)[0][0], swing(second)[1][0]])
     rate = np.concatenate([swing(first)[0][1], swing(second)[1][1]])
     hub = HUB_START + tool.hub.speed * time
-    angle, absolute = hub + alpha, rate + tool.hub.speed
+    angle = hub + alpha
+    absolute = rate + tool.hub.speed
     lines, velocities = straight_wire(tool, hub, angle, absolute)
-    named = (Event("bar release", 0.2e-3), Event("strike", STRIKE), Event("largest retraction", 2.3e-3))
+    named = (
+        Event("bar release", 0.2e-3),
+        Event("strike", STRIKE),
+        Event("largest retraction", 2.3e-3),
+    )
     return Trajectory(
         time=time,
         hub_angle=hub,

@@ -29,7 +29,9 @@ SIZE = {"width": 1280, "height": 820}
 
 def picture(assignments: list[str], path: Path) -> bool:
     """Write the page of the bench as a browser shows it, and return whether that was possible."""
-    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    chromium = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
     try:
         from playwright.sync_api import sync_playwright
     except ModuleNotFoundError:
@@ -71,9 +73,15 @@ class BenchDirective(SphinxDirective):
         found = bench.run_of(pass_of, [], assignments)
         address = "/?" + "&".join(assignments) if assignments else "/"
         shown: list[nodes.Node] = [nodes.literal_block(address, address, language="text")]
-        shown.append(nodes.paragraph(text=found.get("answer") or found["error"], classes=["answer"]))
+        shown.append(
+            nodes.paragraph(text=found.get("answer") or found["error"], classes=["answer"])
+        )
         if "picture" in self.options:
-            name = "bench_" + "_".join(each.replace("=", "_") for each in assignments or ["start"]) + ".png"
+            name = (
+                "bench_"
+                + "_".join(each.replace("=", "_") for each in assignments or ["start"])
+                + ".png"
+            )
             made = Path(self.env.srcdir) / "_made" / name
             made.parent.mkdir(exist_ok=True)
             if made.exists() or picture(assignments, made):

@@ -20,7 +20,9 @@ class KeysDirective(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Return the table of a scenario's keys."""
         command = [sys.executable, "-m", "bristle_sim", self.arguments[0], "--list-keys"]
-        head, _, _, *lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+        head, _, _, *lines = subprocess.run(
+            command, capture_output=True, text=True, check=True
+        ).stdout.splitlines()
         starts = [head.index(word) for word in HEAD]
         rows: list[list[str]] = []
         for line in lines:

@@ -32,7 +32,9 @@ LEFT_OUT = ("tolerance", "formula")
 """Columns of judged rows that JSON keeps for programs."""
 
 
-def run_scenario(name: str, assignments: list[str], folder: Path, *, picture: bool) -> dict[str, Any]:
+def run_scenario(
+    name: str, assignments: list[str], folder: Path, *, picture: bool
+) -> dict[str, Any]:
     """Run a scenario in a folder and return its JSON, with its printed table and its picture's file.
 
     Raises:
@@ -48,7 +50,11 @@ def run_scenario(name: str, assignments: list[str], folder: Path, *, picture: bo
     if done.returncode == 2:
         raise RuntimeError(done.stderr.strip())
     found: dict[str, Any] = json.loads((folder / f"{stem}.json").read_text(encoding="utf-8"))
-    return found | {"printed": done.stdout, "picture": f"{stem}.png" if picture else None, "status": done.returncode}
+    return found | {
+        "printed": done.stdout,
+        "picture": f"{stem}.png" if picture else None,
+        "status": done.returncode,
+    }
 
 
 class ScenarioDirective(SphinxDirective):
@@ -72,7 +78,10 @@ class ScenarioDirective(SphinxDirective):
         if "kept" in self.options:
             kept = Path(self.env.srcdir) / "kept"
             found = json.loads((kept / f"{name}.json").read_text(encoding="utf-8"))
-            found |= {"picture": f"{name}.png", "printed": (kept / f"{name}.txt").read_text(encoding="utf-8")}
+            found |= {
+                "picture": f"{name}.png",
+                "printed": (kept / f"{name}.txt").read_text(encoding="utf-8"),
+            }
             target = kept
         else:
             key = (name, *assignments)
@@ -80,24 +89,39 @@ class ScenarioDirective(SphinxDirective):
             if key not in known or ("picture" in parts and not known[key]["picture"]):
                 known[key] = run_scenario(name, assignments, target, picture="picture" in parts)
             found = known[key]
-        shown = {"command": self._command, "answer": self._answer, "picture": self._picture, "table": self._table}
+        shown = {
+            "command": self._command,
+            "answer": self._answer,
+            "picture": self._picture,
+            "table": self._table,
+        }
         made = [shown[part](name, assignments, found, target) for part in parts]
         return [node for each in made for node in (each if isinstance(each, list) else [each])]
 
-    def _command(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+    def _command(
+        self, name: str, assignments: list[str], found: dict[str, Any], target: Path
+    ) -> nodes.Node:
         del found, target
         text = " ".join(["bristle-sim", name, *(f"--set {each}" for each in assignments)])
         return nodes.literal_block(text, text, language="console")
 
-    def _answer(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+    def _answer(
+        self, name: str, assignments: list[str], found: dict[str, Any], target: Path
+    ) -> nodes.Node:
         del name, assignments, target
         return nodes.paragraph(text=found.get("answer", "(no answer)"), classes=["answer"])
 
-    def _picture(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+    def _picture(
+        self, name: str, assignments: list[str], found: dict[str, Any], target: Path
+    ) -> nodes.Node:
         del assignments
         path = target / found["picture"]
         # Sphinx takes a picture's place relative to the sources.
-        place = Path("/") / path.relative_to(self.env.srcdir) if path.is_relative_to(self.env.srcdir) else None
+        place = (
+            Path("/") / path.relative_to(self.env.srcdir)
+            if path.is_relative_to(self.env.srcdir)
+            else None
+        )
         if place is None:
             copied = Path(self.env.srcdir) / "_made" / path.name
             copied.parent.mkdir(exist_ok=True)
@@ -105,16 +129,27 @@ class ScenarioDirective(SphinxDirective):
             place = Path("/_made") / path.name
         uri = self.env.relfn2path(str(place))[0]
         self.env.note_dependency(uri)
-        return nodes.image(uri=f"/{uri}", alt=self.options.get("alt", f"Picture of {name}: {found.get('answer', '')}"))
+        return nodes.image(
+            uri=f"/{uri}",
+            alt=self.options.get("alt", f"Picture of {name}: {found.get('answer', '')}"),
+        )
 
-    def _table(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> list[nodes.Node]:
+    def _table(
+        self, name: str, assignments: list[str], found: dict[str, Any], target: Path
+    ) -> list[nodes.Node]:
         """Return the quantities and the judged rows as tables, and the text that is printed below them."""
         del name, assignments, target
-        head, *lines = cells([Quantity(**{key: row[key] for key in GIVEN}) for row in found["quantities"]])
+        head, *lines = cells(
+            [Quantity(**{key: row[key] for key in GIVEN}) for row in found["quantities"]]
+        )
         made: list[nodes.Node] = [table_node(head, lines, numbers=range(2, len(head)))]
         rows = found.get("rows") or [{}]
         if "status" in rows[0] or "ok" in rows[0]:
-            kept = [key for key in rows[0] if key not in LEFT_OUT and any(row[key] not in ("", None) for row in rows)]
+            kept = [
+                key
+                for key in rows[0]
+                if key not in LEFT_OUT and any(row[key] not in ("", None) for row in rows)
+            ]
             made.append(table_node(kept, [[_shown(row[key]) for key in kept] for row in rows]))
         else:
             below = found["printed"].rstrip().split("\n\n", 2)[2:]

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from docutils import nodes
 
 
-def table_node(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int] = ()) -> nodes.table:
+def table_node(
+    head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int] = ()
+) -> nodes.table:
     """Return a table; the columns whose positions are in ``numbers`` stand at the right."""
     group = nodes.tgroup(cols=len(head))
     group += [nodes.colspec(colwidth=1) for _ in head]
@@ -17,5 +19,7 @@ def table_node(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: S
 def _row(cells: Sequence[str], numbers: Sequence[int]) -> nodes.row:
     row = nodes.row()
     for column, text in enumerate(cells):
-        row += nodes.entry("", nodes.paragraph(text=text), classes=["text-right"] if column in numbers else [])
+        row += nodes.entry(
+            "", nodes.paragraph(text=text), classes=["text-right"] if column in numbers else []
+        )
     return row

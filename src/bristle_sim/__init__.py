@@ -31,7 +31,15 @@ if TYPE_CHECKING:
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
     from bristle_sim.theory.impact_phases import Impact
     from bristle_sim.tool_file import read_tool, write_tool
-    from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Motion, Trajectory, WireMotion
+    from bristle_sim.trajectory import (
+        ContactHistory,
+        ContactRecord,
+        Cost,
+        Event,
+        Motion,
+        Trajectory,
+        WireMotion,
+    )
     from bristle_sim.trajectory.pictures import Html
     from bristle_sim.version import __version__
 
@@ -99,7 +107,9 @@ def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
 
     def sweep(*_: Any, **__: Any) -> Any:
         """Evaluate a function at many points; needs the extra: pip install 'bristle_sim[sweep]'."""
-        raise ImportError(f"bristle_sim.sweep: {error}; pip install 'bristle_sim[sweep]'") from error
+        raise ImportError(
+            f"bristle_sim.sweep: {error}; pip install 'bristle_sim[sweep]'"
+        ) from error
 
     return sweep
 

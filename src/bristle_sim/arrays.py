@@ -29,6 +29,8 @@ class EqualByValue:
         names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]
         pairs = ((getattr(self, name), getattr(other, name)) for name in names)
         return all(
-            np.array_equal(one, two, equal_nan=True) if isinstance(one, np.ndarray) else bool(one == two)
+            np.array_equal(one, two, equal_nan=True)
+            if isinstance(one, np.ndarray)
+            else bool(one == two)
             for one, two in pairs
         )

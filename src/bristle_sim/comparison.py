@@ -59,7 +59,9 @@ class Quantity:
     def relative_difference(self) -> float | None:
         """(simulated - judge) / |judge|; None where it has no meaning."""
         judge = self.judge
-        return (self.simulated - judge) / abs(judge) if self.simulated is not None and judge else None
+        return (
+            (self.simulated - judge) / abs(judge) if self.simulated is not None and judge else None
+        )
 
     @property
     def ok(self) -> bool | None:
@@ -71,7 +73,10 @@ class Quantity:
 
     def as_dict(self) -> dict[str, Any]:
         """The row as plain values, finite or None."""
-        numbers = {name: finite(getattr(self, name)) for name in (*SIDES, "relative_difference", "tolerance")}
+        numbers = {
+            name: finite(getattr(self, name))
+            for name in (*SIDES, "relative_difference", "tolerance")
+        }
         return {"name": self.name, "label": self.label, "unit": self.unit, **numbers, "ok": self.ok}
 
 
@@ -91,7 +96,14 @@ def rows(
     for name, declared in units.items():
         label, unit = ("", declared) if isinstance(declared, str) else declared
         row = Quantity(
-            name, unit, simulated.get(name), theory.get(name), reference.get(name), printed.get(name), None, label
+            name,
+            unit,
+            simulated.get(name),
+            theory.get(name),
+            reference.get(name),
+            printed.get(name),
+            None,
+            label,
         )
         if row.judge is not None:
             row = replace(row, tolerance=tolerance(name) if callable(tolerance) else tolerance)
@@ -152,7 +164,9 @@ class Report:
             object.__setattr__(self, "remarks", (*self.remarks, self.not_reached))
             object.__setattr__(self, "not_reached", "")
         if self.outcome == "no contact":
-            unjudged = tuple(replace(each, tolerance=None) if each.ok else each for each in self.quantities)
+            unjudged = tuple(
+                replace(each, tolerance=None) if each.ok else each for each in self.quantities
+            )
             object.__setattr__(self, "quantities", unjudged)
 
 
@@ -183,7 +197,18 @@ LAYOUTS = (
 
 PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
-LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "J": "k", "W": "k", "Pa": "G", "Hz": "k"}
+LARGEST_PREFIX = {
+    "s": "",
+    "m": "",
+    "N s": "",
+    "g": "k",
+    "N": "k",
+    "N m": "k",
+    "J": "k",
+    "W": "k",
+    "Pa": "G",
+    "Hz": "k",
+}
 """Units that are shown with a prefix, and the largest one that is customary."""
 
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
@@ -204,35 +229,54 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     return "\n".join([head, "-" * needed, *lines])
 
 
-def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
+def cells(
+    quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()
+) -> list[list[str]]:
     """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
     head = ["quantity", "unit", *SIDES, "difference from", "within", "ok"]
     lines = [head]
     for each in quantities:
         values = [getattr(each, side) for side in SIDES]
         unit, factor = readable_unit(each.unit, values)
-        numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
+        numbers = [
+            "-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values
+        ]
         difference = _relative(each.relative_difference, "+")
         difference += "" if difference == "-" else f" {each.judge_name}"
-        tail = (difference, _relative(each.tolerance), {True: "yes", False: "NO", None: "-"}[each.ok])
+        tail = (
+            difference,
+            _relative(each.tolerance),
+            {True: "yes", False: "NO", None: "-"}[each.ok],
+        )
         lines.append([each.label, "-" if unit == "1" else unit, *numbers, *tail])
     columns = list(zip(*lines, strict=True))
-    kept = [each for each in columns if each[0] not in left_out and (each[0] in head[:3] or {*each[1:]} - {"-"})]
+    kept = [
+        each
+        for each in columns
+        if each[0] not in left_out and (each[0] in head[:3] or {*each[1:]} - {"-"})
+    ]
     return list(map(list, zip(*kept, strict=True)))
 
 
 def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
     """Return the rows of a table as text; its first columns stand at the left, the others at the right."""
     columns = list(zip(*lines, strict=True))
-    return side_by_side(columns, [max(map(len, column)) for column in columns], range(left, len(columns)))
+    return side_by_side(
+        columns, [max(map(len, column)) for column in columns], range(left, len(columns))
+    )
 
 
-def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()) -> list[str]:
+def side_by_side(
+    columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()
+) -> list[str]:
     """Join cells of several lines each into the lines of a row; those whose number is in ``right`` stand at the right."""
     lines = []
     for parts in zip_longest(*columns, fillvalue=""):
         padded = zip(parts, widths, strict=True)
-        shown = [part.rjust(width) if i in right else part.ljust(width) for i, (part, width) in enumerate(padded)]
+        shown = [
+            part.rjust(width) if i in right else part.ljust(width)
+            for i, (part, width) in enumerate(padded)
+        ]
         lines.append("  ".join(shown).rstrip())
     return lines
 
@@ -275,7 +319,8 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 
     Empty where no quantity has both values.
     """
-    farthest, shown = -1.0, ""
+    farthest = -1.0
+    shown = ""
     for each in quantities:
         one, other = each.simulated, getattr(each, side) or 0.0
         if one is not None and abs(other) > LEAST_SIZE and abs(one / other - 1.0) > farthest:
@@ -286,10 +331,8 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 
 def differences(quantities: Sequence[Quantity]) -> str:
     """Return a sentence on the largest differences from the formulas and from print; empty if there is nothing to compare."""
-    formula, printed = (
-        most_different(quantities, "theory", "by formula"),
-        most_different(quantities, "printed", "printed"),
-    )
+    formula = most_different(quantities, "theory", "by formula")
+    printed = most_different(quantities, "printed", "printed")
     found = "; ".join(filter(None, (formula, printed)))
     return f" Largest differences: {found}." if found else ""
 
@@ -302,4 +345,8 @@ def agreement(quantities: Sequence[Quantity]) -> str:
         worst = max(abs(each.relative_difference or 0.0) for each in judged)
         return f"Yes, to {worst:.0e}" if worst else "Yes, to the last digit"
     differing = most_different(missed or quantities, "theory", "by formula")
-    return f"{'No' if missed else 'Not exactly'} ({differing})" if differing else "There is no closed form"
+    return (
+        f"{'No' if missed else 'Not exactly'} ({differing})"
+        if differing
+        else "There is no closed form"
+    )

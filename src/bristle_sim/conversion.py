@@ -41,7 +41,9 @@ def conversion(unit: str, to: str) -> float | None:
 def likely_unit(unit: str, to: str) -> str:
     """Return advice: the convertible unit with the most similar name; empty if none is similar."""
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
-    closeness = 0.6 if conversion(unit, unit) is None else 1.0  # an existing unit matches only the same letters
+    closeness = (
+        0.6 if conversion(unit, unit) is None else 1.0
+    )  # an existing unit matches only the same letters
     likely = difflib.get_close_matches(_unspaced(unit), fitting, n=1, cutoff=closeness)
     return f"; did you mean {fitting[likely[0]]}?" if likely else ""
 

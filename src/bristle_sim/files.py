@@ -17,7 +17,9 @@ _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 """Names of the streams that the process has open: the first three by name, all by number."""
 
 
-def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False) -> Path:
+def checked_target(
+    path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False
+) -> Path:
     """Return the path of a file (or folder) that can be written; its name has one of the suffixes, if any are given.
 
     Raises ValueError in one line that begins with the option, if one names the path, or with the path itself.
@@ -29,7 +31,9 @@ def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: 
     if target.is_dir() != folder and target.exists():
         raise ValueError(f"{named}: must be {'a folder' if folder else 'a file, not a folder'}")
     place = Path(os.path.realpath(target))
-    writable = target if is_special(target) else place if folder and place.is_dir() else place.parent
+    writable = (
+        target if is_special(target) else place if folder and place.is_dir() else place.parent
+    )
     if not (writable.is_dir() or is_special(writable)) or not os.access(writable, os.W_OK):
         raise ValueError(f"{named}: must be in an existing, writable folder")
     return target
@@ -67,7 +71,9 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 def is_special(path: Path) -> bool:
     """Return whether a path names an open stream, a device, a pipe or a socket."""
-    return _descriptor(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
+    return _descriptor(path) is not None or (
+        path.exists() and not path.is_file() and not path.is_dir()
+    )
 
 
 def _descriptor(path: Path) -> int | None:

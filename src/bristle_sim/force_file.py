@@ -64,11 +64,17 @@ def read_force_csv(
 
     Raises ValueError in one line that names the file, and the line where there is one, for anything else.
     """
-    lines = [(number, line) for number, line in enumerate(_lines(path), 1) if line.strip() and line.lstrip()[0] != "#"]
+    lines = [
+        (number, line)
+        for number, line in enumerate(_lines(path), 1)
+        if line.strip() and line.lstrip()[0] != "#"
+    ]
     if not lines:
         raise ValueError(f"{path}: must have columns of time and force")
     sample = lines[len(lines) // 2][1].strip()
-    by_blanks = "\t" not in sample and ";" not in sample and re.search(r"[^,]\s", sample) is not None
+    by_blanks = (
+        "\t" not in sample and ";" not in sample and re.search(r"[^,]\s", sample) is not None
+    )
     separator = None if by_blanks else next((sign for sign in "\t;," if sign in sample), None)
     decimal = "." if separator == "," else ","
     rows = [(number, _cells(path, number, line, separator)) for number, line in lines]
@@ -76,18 +82,27 @@ def read_force_csv(
     headings = rows.pop(0)[1] if headed else [""] * len(rows[0][1])
     columns = [_column(*each) for each in enumerate(headings, 1)]
     time = _chosen(path, "time", time_column, columns, TIME)
-    force = _chosen(path, "force", force_column, [each for each in columns if each is not time], FORCE)
+    force = _chosen(
+        path, "force", force_column, [each for each in columns if each is not time], FORCE
+    )
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
-    values = np.array([[_value(path, *row, decimal, each) for each in (time, force)] for row in rows]).T
+    values = np.array(
+        [[_value(path, *row, decimal, each) for each in (time, force)] for row in rows]
+    ).T
     for i in np.flatnonzero(np.diff(values[0]) <= 0.0)[:1] + 1:
         must = f"must be more than the time before, {values[0][i - 1]:g}"
         raise ValueError(f"{path}, line {rows[i][0]}: time = {values[0][i]:g}: {must}")
     assumed = "s", "N" if force_per_volt is None else "V"
-    units = [each.unit or f"no unit: taken as {unit}" for each, unit in zip((time, force), assumed, strict=True)]
+    units = [
+        each.unit or f"no unit: taken as {unit}"
+        for each, unit in zip((time, force), assumed, strict=True)
+    ]
     reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
     if time.unit and time.unit not in TIME:
-        raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
+        raise ValueError(
+            f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}"
+        )
     scales = TIME.get(time.unit, 1.0), _newtons(path, force, force_per_volt)
     for column, numbers, scale in zip((time, force), values, scales, strict=True):
         for i in np.flatnonzero(np.abs(numbers) > MOST / max(abs(scale), 1.0))[:1]:
@@ -105,13 +120,19 @@ def _lines(path: str | Path) -> list[str]:
         raise ValueError(f"{path}: must be a text file (UTF-8)") from None
     except (OSError, TypeError, ValueError) as error:
         why = getattr(error, "strerror", None) or "no name of a file"
-        raise ValueError(f"{' '.join(str(path).split())[-100:]}: must be a readable file ({why})") from None
+        raise ValueError(
+            f"{' '.join(str(path).split())[-100:]}: must be a readable file ({why})"
+        ) from None
 
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
     """Return a line's cells, without blanks and quotes around them."""
     try:
-        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) if separator else line.split()
+        row = (
+            next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+            if separator
+            else line.split()
+        )
     except csv.Error as error:
         raise ValueError(f"{path}, line {number}: must be columns of numbers ({error})") from None
     return [cell.strip() for cell in row]
@@ -131,7 +152,9 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
     value = _number(cell, decimal)
     if value is None or not math.isfinite(value):
         shown = cell if len(cell) <= 40 else f"{cell[:40]}..."
-        raise ValueError(f"{path}, line {number}: {shown!r} in column {column.number}: must be a finite number")
+        raise ValueError(
+            f"{path}, line {number}: {shown!r} in column {column.number}: must be a finite number"
+        )
     return value
 
 
@@ -142,7 +165,9 @@ def _column(number: int, heading: str) -> Column:
     return Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u"))
 
 
-def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]) -> Column:
+def _chosen(
+    path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]
+) -> Column:
     """Return the column that the key names; by default the only one with a unit of its kind, or the only one left."""
     found = [each for each in columns if each.unit in units]
     if key is not None:
@@ -150,7 +175,11 @@ def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column],
     elif len(found) != 1:
         found = columns if kind == "force" else columns[:1]
     if len(found) != 1:
-        named = f"{kind}_column = {key!r}: must be the heading or number of one of " if key is not None else "columns "
+        named = (
+            f"{kind}_column = {key!r}: must be the heading or number of one of "
+            if key is not None
+            else "columns "
+        )
         must = "" if key is not None else f": {kind}_column must say which of them is the {kind}"
         raise ValueError(f"{path}: {named}{', '.join(map(str, columns))}{must}")
     return found[0]
@@ -162,9 +191,15 @@ def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> 
     if volts and force_per_volt is not None:
         return VOLTAGE.get(column.unit, 1.0) * force_per_volt
     if volts:
-        raise ValueError(f"{path}: column {column} in {column.unit}: force_per_volt must be given (in N/V)")
+        raise ValueError(
+            f"{path}: column {column} in {column.unit}: force_per_volt must be given (in N/V)"
+        )
     if column.unit and column.unit not in FORCE:
-        raise ValueError(f"{path}: column {column} in {column.unit!r}: a force must be in {', '.join(FORCE)} or V, mV")
+        raise ValueError(
+            f"{path}: column {column} in {column.unit!r}: a force must be in {', '.join(FORCE)} or V, mV"
+        )
     if force_per_volt is not None:
-        raise ValueError(f"{path}: column {column}: force_per_volt must not be given with a force in {column.unit}")
+        raise ValueError(
+            f"{path}: column {column}: force_per_volt must not be given with a force in {column.unit}"
+        )
     return FORCE.get(column.unit, 1.0)

@@ -16,7 +16,8 @@ wire that bends 12 to 20 s."""
 
 MOST_SAMPLES = 1_000_000_000  # more than a run could hold
 
-LEAST_NEEDED, MOST_NEEDED = 8, 24
+LEAST_NEEDED = 8
+MOST_NEEDED = 24
 """Default samples in a period. Fewer make a poor picture; more are not worth their time, although the cubic through 24 is
 accurate to 1e-5 only."""
 
@@ -54,7 +55,9 @@ class Settings(Declared):
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise ValueError(f"{name} = {shown(value)}: must be a whole number of at least 1")
         if self.samples > MOST_SAMPLES:
-            raise ValueError(f"samples_per_period = {shown(self.samples_per_period)}: must be at most {MOST_SAMPLES:g}")
+            raise ValueError(
+                f"samples_per_period = {shown(self.samples_per_period)}: must be at most {MOST_SAMPLES:g}"
+            )
 
     @property
     def samples(self) -> int:
@@ -71,7 +74,9 @@ EVENTS = (
 )  # fmt: skip
 """Events that a run records and that can end it, by name."""
 
-LARGEST_RETRACTION = "largest retraction"  # an event: where the first link lags the hub most, before the strike
+LARGEST_RETRACTION = (
+    "largest retraction"  # an event: where the first link lags the hub most, before the strike
+)
 
 OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
 
@@ -94,7 +99,8 @@ class StopReason(StrEnum):
         """Build a member from its wording, remedy and kind."""
         member = str.__new__(cls, wording)
         member._value_ = wording
-        member.remedy, member.gives_up = remedy, gives_up
+        member.remedy = remedy
+        member.gives_up = gives_up
         return member
 
     END = "end of the planned time", "a larger hub_turn makes the run longer"
@@ -109,7 +115,11 @@ class StopReason(StrEnum):
         "a shorter hub_turn or a larger accuracy takes fewer steps",
         True,
     )
-    ACCURACY = "no step is short enough for the requested accuracy", "a larger accuracy is easier", True
+    ACCURACY = (
+        "no step is short enough for the requested accuracy",
+        "a larger accuracy is easier",
+        True,
+    )
     NO_GRIP = (
         "no grip for the engine's contact",
         "a softer belt, or a bar that the wire does not leave over its end, gives grip",

@@ -38,10 +38,13 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
     """
     content = Path(path).read_bytes()
     try:
-        found = tomllib.loads(content.decode("utf-8-sig"))  # editors may begin it with a byte order mark
+        found = tomllib.loads(
+            content.decode("utf-8-sig")
+        )  # editors may begin it with a byte order mark
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
-    known, typed = tool_keys(), dict[str, str]()
+    known = tool_keys()
+    typed = dict[str, str]()
     every = {key for keys in known.values() for key in keys} | {*further}
     for name, value in found.items():
         if isinstance(value, dict):
@@ -49,7 +52,9 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
                 raise ValueError(f"{path}: unknown table [{name}]; {likely_key(name, PARTS)}")
             for key, each in value.items():
                 if not isinstance(found.get(key, {}), dict):
-                    raise ValueError(f"{path}: {shown(key)}: must stand once, either in the table [{name}] or outside")
+                    raise ValueError(
+                        f"{path}: {shown(key)}: must stand once, either in the table [{name}] or outside"
+                    )
                 typed[key] = _text(path, key, each, known[name], f"[{name}] ")
         elif value is False and name in MAY_BE_ABSENT:
             typed[name] = ABSENT
@@ -65,7 +70,9 @@ def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: s
     if key not in known:
         raise ValueError(f"{path}: {where}unknown key {shown(key)}; {likely_key(key, known)}")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"{path}: {where}{key} = {shown(value)}: must be a number or a text with a unit")
+        raise ValueError(
+            f"{path}: {where}{key} = {shown(value)}: must be a number or a text with a unit"
+        )
     return value if isinstance(value, str) else repr(value)
 
 
@@ -80,7 +87,9 @@ def read_tool(path: str | Path) -> Tool:
     absent = {part: None for part in MAY_BE_ABSENT if typed.get(part) == ABSENT}
     idle = {*absent, *(key for part in absent for key in tool_keys()[part])}
     try:
-        return Tool().replace(**absent, **{key: text for key, text in typed.items() if key not in idle})
+        return Tool().replace(
+            **absent, **{key: text for key, text in typed.items() if key not in idle}
+        )
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
@@ -94,7 +103,9 @@ def write_tool(tool: Tool, path: str | Path) -> None:
     """
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
-    lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
+    lines = [
+        '# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".'
+    ]
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool
         lines += ["", f"# The {part}."] if part else []

@@ -60,7 +60,9 @@ class Range:
         """The range in words, for messages and listings."""
         if self.whole:
             return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
-        return f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
+        return (
+            f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
+        )
 
     def parse(self, text: str) -> float:
         """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
@@ -89,7 +91,12 @@ class Range:
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        if not (above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())):
+        if not (
+            above
+            and number <= self.highest
+            and math.isfinite(number)
+            and (not self.whole or number.is_integer())
+        ):
             raise self.refusal(number if typed is None else typed)
         return int(number) if self.whole else number + 0.0
 
@@ -97,7 +104,9 @@ class Range:
         """Return the error for a value that is refused; ``why`` may repeat a typed number with its unit."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
-        return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})")
+        return ValueError(
+            f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})"
+        )
 
 
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
@@ -108,11 +117,21 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     if not isinstance(declared, Range) or value is None:
         return ""
     least, most = declared.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
-    if value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12):  # but for rounding
+    if (
+        value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)
+    ):  # but for rounding
         return ""
     unit = "" if declared.unit == "1" else f" {declared.unit}"
-    ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
-    meant = _meant_unit(declared, given if isinstance(given, str) else f"{given:g}", default or math.sqrt(least * most))
+    ratio = (
+        f" is {value / default:.3g} times the default, {default:.6g}{unit}"
+        if default
+        else " is unusual"
+    )
+    meant = _meant_unit(
+        declared,
+        given if isinstance(given, str) else f"{given:g}",
+        default or math.sqrt(least * most),
+    )
     return f"{declared.key} = {value:.6g}{unit}{ratio}{meant}"
 
 
@@ -173,7 +192,11 @@ def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
-    return f"did you mean {likely[0]}?" if likely else otherwise or f"must be one of {', '.join(known)}"
+    return (
+        f"did you mean {likely[0]}?"
+        if likely
+        else otherwise or f"must be one of {', '.join(known)}"
+    )
 
 
 RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
@@ -196,7 +219,9 @@ def quantity(
     assert found is not None, rule
     lowest, sign, key, highest, unit, meaning, source = found.groups("")
     words = (source, default is None, meaning, usual, needs, whole)
-    return declared_field(default, Range(key, unit or "1", float(lowest), float(highest), sign == "<=", *words))
+    return declared_field(
+        default, Range(key, unit or "1", float(lowest), float(highest), sign == "<=", *words)
+    )
 
 
 count = functools.partial(quantity, usual=ANY, whole=True)
@@ -228,7 +253,9 @@ def declared_field(default: Any, declared: Any) -> Any:
 def declared_fields(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
     """Return declaration and default of each declared field of a parameter class, by the field's name."""
     return {
-        each.name: (each.metadata["declaration"], each.default) for each in dataclasses.fields(kind) if each.metadata
+        each.name: (each.metadata["declaration"], each.default)
+        for each in dataclasses.fields(kind)
+        if each.metadata
     }
 
 
@@ -276,7 +303,9 @@ class Declared:
 
     def __init_subclass__(cls) -> None:
         """Document the fields, before the decorator for dataclasses replaces them."""
-        own = {name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)}
+        own = {
+            name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)
+        }
         if not own:  # the decorator makes the class a second time, for its slots
             return
         lines = [inspect.cleandoc(cls.__doc__ or ""), "", "Attributes:"]
@@ -284,9 +313,13 @@ class Declared:
             if (declared := each.metadata.get("declaration")) is not None:
                 key = "" if name == declared.key else f" Key {declared.key}."
                 unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
-                default = each.default if isinstance(each.default, str | None) else f"{each.default:.9g}"
+                default = (
+                    each.default if isinstance(each.default, str | None) else f"{each.default:.9g}"
+                )
                 words = f"{name}: {declared.meaning}{unit}.{key} Must be {declared.allowed}. Default {default} ({declared.source})."
-                lines += textwrap.wrap(words, 100, initial_indent="    ", subsequent_indent="        ")
+                lines += textwrap.wrap(
+                    words, 100, initial_indent="    ", subsequent_indent="        "
+                )
         cls.__doc__ = "\n".join(lines)
 
     def __post_init__(self) -> None:

@@ -13,16 +13,28 @@ def commit() -> str:
     The commit of a modified checkout ends in ``-dirty``.
     """
     package = Path(__file__).parent
-    built, checkout = package / "commit.txt", package.parents[1]
+    built = package / "commit.txt"
+    checkout = package.parents[1]
     if built.is_file():
         return built.read_text(encoding="utf-8").strip()
     if not (checkout / ".git").exists():
         return ""
     import subprocess
 
-    describe = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    describe = [
+        "git",
+        "-C",
+        str(checkout),
+        "describe",
+        "--always",
+        "--dirty",
+        "--abbrev=12",
+        "--exclude=*",
+    ]
     try:
-        return subprocess.run(describe, capture_output=True, text=True, check=True, timeout=10.0).stdout.strip()
+        return subprocess.run(
+            describe, capture_output=True, text=True, check=True, timeout=10.0
+        ).stdout.strip()
     except (OSError, subprocess.SubprocessError):  # without git, or not its owner
         return ""
 

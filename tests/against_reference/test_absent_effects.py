@@ -28,7 +28,8 @@ class Census:
 @pytest.fixture
 def census(monkeypatch: pytest.MonkeyPatch) -> Census:
     """Listens to ``Space.add`` and to every way of having pymunk call back."""
-    found, true_add = Census(), pymunk.Space.add
+    found = Census()
+    true_add = pymunk.Space.add
 
     def add(space: pymunk.Space, *parts: object) -> None:
         found.added += parts
@@ -52,9 +53,13 @@ def census(monkeypatch: pytest.MonkeyPatch) -> Census:
 
 @pytest.mark.parametrize(("bar", "workpart"), list(itertools.product([False, True], repeat=2)))
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.2])
-def test_a_run_builds_only_what_its_tool_has(census: Census, bar: bool, workpart: bool, damping_ratio: float) -> None:
+def test_a_run_builds_only_what_its_tool_has(
+    census: Census, bar: bool, workpart: bool, damping_ratio: float
+) -> None:
     tool = Tool(
-        belt=Belt(damping_ratio=damping_ratio), bar=Bar() if bar else None, workpart=Workpart() if workpart else None
+        belt=Belt(damping_ratio=damping_ratio),
+        bar=Bar() if bar else None,
+        workpart=Workpart() if workpart else None,
     )
     simulate(tool, stop_after="strike")
     assert census.count(pymunk.Body) == 2
@@ -68,7 +73,9 @@ def test_a_run_builds_only_what_its_tool_has(census: Census, bar: bool, workpart
 
 
 def test_a_free_rod_is_one_body_and_one_joint(census: Census) -> None:
-    bare = Tool(hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bar=None, workpart=None, gravity=9.81)
+    bare = Tool(
+        hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bar=None, workpart=None, gravity=9.81
+    )
     simulate(bare, start_relative_angle=0.3)
     assert [type(each) for each in census.added] == [pymunk.Body, pymunk.PivotJoint]
     assert census.callbacks == []
@@ -86,7 +93,10 @@ def test_zero_values_are_absent_effects() -> None:
     """Gravity, damping and friction of exactly zero give the digits of a run that never heard of them."""
     plain = Tool(bar=None, workpart=None)
     named = Tool(belt=Belt(damping_ratio=0.0), bar=None, workpart=None, gravity=0.0)
-    assert same_motion(simulate(plain, start_relative_angle=RETRACTED), simulate(named, start_relative_angle=RETRACTED))
+    assert same_motion(
+        simulate(plain, start_relative_angle=RETRACTED),
+        simulate(named, start_relative_angle=RETRACTED),
+    )
 
 
 @pytest.mark.parametrize(

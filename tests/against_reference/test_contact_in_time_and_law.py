@@ -12,15 +12,15 @@ from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 
-LONG, SHORT = 1e-4, 1e-5  # durations over the time in which the fastest rod turns by a radian
+# durations over the time in which the fastest rod turns by a radian
+LONG = 1e-4
+SHORT = 1e-5
 
 ACCURACY = 1e-8
 
 FLOOR = 2e-7  # twenty times the accuracy: two to a dozen phases, each located and integrated to it
 
-LARGEST = (
-    1e-3  # hundred times the angle that the rods turn by in the short contact; K varies by as much times their number
-)
+LARGEST = 1e-3  # hundred times the angle that the rods turn by in the short contact; K varies by as much times their number
 
 SWINGING = 5e-3
 """Bound where the tangential force swings to and fro between two frictions at the deepest point, up to a thousand times a contact.
@@ -32,24 +32,33 @@ def random_strike(number: int) -> tuple[Chain, Surface, float]:
     random = np.random.default_rng([7, number])
     size = int(random.integers(2, 7))
     masses, lengths, angles, rates = (
-        random.uniform(*bounds, size) for bounds in ((0.5, 3.0), (0.5, 1.5), (-0.9, 0.9), (-1.5, 1.5))
+        random.uniform(*bounds, size)
+        for bounds in ((0.5, 3.0), (0.5, 1.5), (-0.9, 0.9), (-1.5, 1.5))
     )
     if (lengths * np.sin(angles)) @ rates > 0.0:
         rates = -rates
     first = float(random.choice([0.0, random.uniform()], p=[0.1, 0.9]))
     later = first if random.random() < 0.3 else float(random.uniform())
     restitution = float(random.choice([0.0, 1.0, random.uniform(0.05, 1.0)], p=[0.1, 0.2, 0.7]))
-    squared = float(random.choice([0.0, 1.5, 10.0 ** random.uniform(-3.0, 0.17)], p=[0.35, 0.05, 0.6]))
+    squared = float(
+        random.choice([0.0, 1.5, 10.0 ** random.uniform(-3.0, 0.17)], p=[0.35, 0.05, 0.6])
+    )
     columns = (tuple(each.tolist()) for each in (masses, lengths, angles, rates))
     return Chain(*columns), Surface(first, later, restitution), squared
 
 
 def inverse_mass(chain: Chain) -> np.ndarray:
     """K of the tip, (normal, tangential), from the mass matrix of slender rods."""
-    masses, lengths, angles = (np.array(each) for each in (chain.masses, chain.lengths, chain.angles))
+    masses, lengths, angles = (
+        np.array(each) for each in (chain.masses, chain.lengths, chain.angles)
+    )
     beyond = np.cumsum(masses[::-1])[::-1] - masses
     last = np.maximum.outer(np.arange(masses.size), np.arange(masses.size))
-    matrix = np.outer(lengths, lengths) * np.cos(np.subtract.outer(angles, angles)) * (0.5 * masses + beyond)[last]
+    matrix = (
+        np.outer(lengths, lengths)
+        * np.cos(np.subtract.outer(angles, angles))
+        * (0.5 * masses + beyond)[last]
+    )
     np.fill_diagonal(matrix, lengths**2 * (masses / 3.0 + beyond))
     rows = np.array([lengths * np.sin(angles), lengths * np.cos(angles)])
     return np.asarray(rows @ np.linalg.solve(matrix, rows.T))
@@ -58,11 +67,15 @@ def inverse_mass(chain: Chain) -> np.ndarray:
 def may_swing(chain: Chain, surface: Surface) -> bool:
     """Whether slip in either sense parts the point with the friction of compression, and presses it on with that of restitution."""
     (normal, coupling), _ = inverse_mass(chain).tolist()
-    return surface.friction_in_restitution * abs(coupling) > normal > surface.friction * abs(coupling)
+    return (
+        surface.friction_in_restitution * abs(coupling) > normal > surface.friction * abs(coupling)
+    )
 
 
 @pytest.mark.parametrize(
-    "numbers", [range(8), pytest.param(range(8, 500), marks=pytest.mark.nightly)], ids=["few", "many"]
+    "numbers",
+    [range(8), pytest.param(range(8, 500), marks=pytest.mark.nightly)],
+    ids=["few", "many"],
 )
 def test_chains_tend_to_the_law_in_proportion_to_the_duration(numbers: range) -> None:
     """A tenth of the duration leaves a tenth of the difference, with a third of it for the square of the duration."""
@@ -73,7 +86,12 @@ def test_chains_tend_to_the_law_in_proportion_to_the_duration(numbers: range) ->
         longer, shorter = (
             np.abs(np.subtract(found.contact.rates_after, law.rates_after)).max() * unit
             for found in (
-                strike(chain, surface, Contact("compliant", duration * unit, squared), Settings(accuracy=ACCURACY))
+                strike(
+                    chain,
+                    surface,
+                    Contact("compliant", duration * unit, squared),
+                    Settings(accuracy=ACCURACY),
+                )
                 for duration in (LONG, SHORT)
             )
         )
@@ -93,12 +111,16 @@ def random_wire(number: int) -> bs.Tool:
         bristle=bs.Bristle(links=int(random.integers(2, 13))),
         bar=None,
         workpart=bs.Workpart(friction=first, restitution_friction=later, restitution=restitution),
-        contact=bs.Contact("compliant", float(10.0 ** random.uniform(-4.5, -3.5)), float(random.uniform(0.0, 1.5))),
+        contact=bs.Contact(
+            "compliant", float(10.0 ** random.uniform(-4.5, -3.5)), float(random.uniform(0.0, 1.5))
+        ),
     )
 
 
 @pytest.mark.parametrize(
-    "numbers", [range(2), pytest.param(range(2, 300), marks=pytest.mark.nightly)], ids=["few", "many"]
+    "numbers",
+    [range(2), pytest.param(range(2, 300), marks=pytest.mark.nightly)],
+    ids=["few", "many"],
 )
 def test_strikes_of_wires_that_bend_end_and_gain_no_energy(numbers: range) -> None:
     """Thrown from 0.7 rad behind: the first contact is over, and the surface has done no work on the wire but took some."""

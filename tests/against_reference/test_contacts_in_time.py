@@ -20,7 +20,9 @@ from bristle_sim.reference import simulate_reference, simulate_row_reference
 ACCURACY = 1e-6
 
 
-def timed(duration: float, friction: float = 0.31, restitution: float = 0.42, compliance: float = 0.0) -> bs.Tool:
+def timed(
+    duration: float, friction: float = 0.31, restitution: float = 0.42, compliance: float = 0.0
+) -> bs.Tool:
     part = bs.Workpart(friction=friction, restitution=restitution)
     return bs.Tool(contact=bs.Contact("compliant", duration, compliance), workpart=part)
 
@@ -38,7 +40,9 @@ def touches(run: bs.Trajectory) -> list[float]:
         (1e-4, 1.0, 0.0, 0.0),
     ],
 )
-def test_a_whole_pass(duration: float, friction: float, restitution: float, compliance: float) -> None:
+def test_a_whole_pass(
+    duration: float, friction: float, restitution: float, compliance: float
+) -> None:
     """Also elastic along the surface, eta^2 = 1.21 for steel; and with e* = 0 pressed in deeper and deeper by the belt."""
     tool = timed(duration, friction, restitution, compliance)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY))
@@ -49,9 +53,12 @@ def test_a_whole_pass(duration: float, friction: float, restitution: float, comp
 
 
 @pytest.mark.parametrize(
-    ("duration", "friction", "followed", "hub_turn"), [(1e-4, 0.6, 7, 1.575), (1e-5, 0.31, 9, 1.878)]
+    ("duration", "friction", "followed", "hub_turn"),
+    [(1e-4, 0.6, 7, 1.575), (1e-5, 0.31, 9, 1.878)],
 )
-def test_the_hops_of_a_pass(duration: float, friction: float, followed: int, hub_turn: float) -> None:
+def test_the_hops_of_a_pass(
+    duration: float, friction: float, followed: int, hub_turn: float
+) -> None:
     """Up to those so low, 1e-10 of the wire's length, that an error of the accuracy decides how many there are."""
     tool = timed(duration, friction)
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=hub_turn))
@@ -65,28 +72,45 @@ def test_of_a_wire() -> None:
     tool = replace(wire(3, modulus=5e10, damping=0.1), contact=bs.Contact("compliant", 7.1e-5))
     run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=1.27, maximum_steps=5_000_000))
     exact = simulate_reference(tool, hub_turn=1.27, accuracy=1e-8)
-    found, expected = ([each for each in one.contacts if each.obstacle == "workpart"][:3] for one in (run, exact))
-    assert [each.time for each in found] == pytest.approx([each.time for each in expected], rel=10.0 * ACCURACY)
-    assert [each.impulse[0] for each in found] == pytest.approx([each.impulse[0] for each in expected], rel=1e-6)
+    found, expected = (
+        [each for each in one.contacts if each.obstacle == "workpart"][:3] for one in (run, exact)
+    )
+    assert [each.time for each in found] == pytest.approx(
+        [each.time for each in expected], rel=10.0 * ACCURACY
+    )
+    assert [each.impulse[0] for each in found] == pytest.approx(
+        [each.impulse[0] for each in expected], rel=1e-6
+    )
     for each in (*found, *expected):
-        assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
+        assert each.restitutive_work[0] == pytest.approx(
+            -(0.42**2) * each.compressive_work[0], rel=1e-5
+        )
 
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
 def test_a_slip_that_hardly_begins(accuracy: float) -> None:
     """The tip of two links at 2600 rpm slides back for 0.2 us at no more than 23 nm/s, sticks, and slides forward again."""
     bristle = replace(bs.Tool().bristle, links=2)
-    tool = replace(timed(1e-4), bristle=bristle, hub=bs.Hub(speed=272.27), belt=bs.Belt(damping_ratio=0.05))
+    tool = replace(
+        timed(1e-4), bristle=bristle, hub=bs.Hub(speed=272.27), belt=bs.Belt(damping_ratio=0.05)
+    )
     run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release")
     exact = simulate_reference(tool, accuracy=1e-10, stop_after="workpart release")
     found, expected = (each.first_contact("workpart") for each in (run, exact))
-    assert found.time + found.duration == pytest.approx(expected.time + expected.duration, abs=accuracy * 1e-3)
+    assert found.time + found.duration == pytest.approx(
+        expected.time + expected.duration, abs=accuracy * 1e-3
+    )
     assert found.impulse == pytest.approx(expected.impulse, rel=accuracy)
 
 
 def test_in_a_row() -> None:
     """Each wire has springs of its own, and their neighbours are struck by it or not."""
-    row = {"bristles": 2, "pitch": math.radians(25.0), "neighbour_friction": 0.2, "neighbour_restitution": 0.5}
+    row = {
+        "bristles": 2,
+        "pitch": math.radians(25.0),
+        "neighbour_friction": 0.2,
+        "neighbour_restitution": 0.5,
+    }
     runs = bs.simulate_row(timed(1e-4), bs.Settings(hub_turn=1.6), **row)
     exact = simulate_row_reference(timed(1e-4), hub_turn=1.6, accuracy=1e-9, **row)
     for run, other in zip(runs, exact, strict=True):
@@ -98,11 +122,17 @@ def test_beside_a_bar() -> None:
     """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
     full = bs.simulate(timed(1e-3))
     strike = full.first_contact("workpart")
-    at, before = full.at(strike.time), full.at(strike.time - 2e-5)
-    root, tip = at.centre_line[0], at.centre_line[-1]
+    at = full.at(strike.time)
+    before = full.at(strike.time - 2e-5)
+    root = at.centre_line[0]
+    tip = at.centre_line[-1]
     along = (tip - root) / np.linalg.norm(tip - root)
-    centre = root + 0.8 * (tip - root) + np.array([-along[1], along[0]]) * (1e-3 + 0.355e-3 + 0.3e-3)
-    bar = bs.Bar(radius=1e-3, horizontal=float(-centre[0]), vertical=float(-centre[1]), restitution=0.2)
+    centre = (
+        root + 0.8 * (tip - root) + np.array([-along[1], along[0]]) * (1e-3 + 0.355e-3 + 0.3e-3)
+    )
+    bar = bs.Bar(
+        radius=1e-3, horizontal=float(-centre[0]), vertical=float(-centre[1]), restitution=0.2
+    )
     start = {
         "start_hub_angle": float(before.hub_angle),
         "start_relative_angle": float(before.relative_angle),
@@ -112,7 +142,9 @@ def test_beside_a_bar() -> None:
     run = bs.simulate(tool, **start)
     exact = simulate_reference(tool, accuracy=1e-9, **start)
     for name in ("strike", "bar touch", "workpart release"):
-        assert run.event_time(name) == pytest.approx(exact.event_time(name), abs=10.0 * ACCURACY * 1e-3)
+        assert run.event_time(name) == pytest.approx(
+            exact.event_time(name), abs=10.0 * ACCURACY * 1e-3
+        )
     first, second = (each.contacts[0] for each in (run, exact))
     assert first.impulse == pytest.approx(second.impulse, rel=1e-5)
 
@@ -135,7 +167,9 @@ def test_a_history_stays_within_the_friction_cone() -> None:
     for knee, friction, penetration in ((20.0, 0.31, 0.0045), (40.0, 0.7, 0.007)):
         part = bs.Workpart(friction=friction, restitution=0.0, penetration=penetration)
         contact = bs.Contact("compliant", 2e-4)
-        run = bs.simulate(bs.Tool(bristle=bs.Bristle(knee_angle_deg=knee), workpart=part, contact=contact))
+        run = bs.simulate(
+            bs.Tool(bristle=bs.Bristle(knee_angle_deg=knee), workpart=part, contact=contact)
+        )
         for history in (each.history for each in run.contacts if each.history is not None):
             excess = np.abs(history.tangential_force) - friction * history.normal_force
             assert excess.max() <= 1e-12 * history.normal_force.max()

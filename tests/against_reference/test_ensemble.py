@@ -69,7 +69,9 @@ def measured(tool: bs.Tool, run: Trajectory) -> dict[str, tuple[float, float]]:
     if strike is None:
         return {}
     assert strike.compressive_impulse is not None
-    releases = [c.time + c.duration for c in run.contacts if c.obstacle == "bar" and c.time <= strike.time]
+    releases = [
+        c.time + c.duration for c in run.contacts if c.obstacle == "bar" and c.time <= strike.time
+    ]
     release = max(releases, default=math.nan)
     retraction = run.retraction[int(np.abs(run.time - release).argmin())] if releases else math.nan
     own = math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
@@ -92,13 +94,17 @@ def measured(tool: bs.Tool, run: Trajectory) -> dict[str, tuple[float, float]]:
     }
 
 
-def faults(count: int, seed: int, accuracy: float, *, reference: bool = False) -> tuple[list[str], int]:
+def faults(
+    count: int, seed: int, accuracy: float, *, reference: bool = False
+) -> tuple[list[str], int]:
     """Return the differences of more than ten times the accuracy, and the number of passes whose outcome is uncertain."""
     values = random_tools(count, seed)
     many = bs.ensemble(accuracy=accuracy, **values)
     uncertain = many.error_estimate >= 1.0
     # A pass near the jam magnifies a relative change of the input; ten times what the accuracy makes of it is granted.
-    beside = bs.ensemble(accuracy=accuracy, **{key: each * (1.0 + accuracy) for key, each in values.items()})
+    beside = bs.ensemble(
+        accuracy=accuracy, **{key: each * (1.0 + accuracy) for key, each in values.items()}
+    )
     found = []
     for number in np.flatnonzero(~uncertain):
         tool = bs.Tool().replace(**{key: float(each[number]) for key, each in values.items()})
@@ -120,7 +126,9 @@ def faults(count: int, seed: int, accuracy: float, *, reference: bool = False) -
             own, other = (float(getattr(each, name)[number]) for each in (many, beside))
             if math.isnan(expected) and math.isnan(own):
                 continue
-            granted = 10.0 * max(accuracy * scale * ILL_CONDITIONED.get(name, 1.0), abs(other - own))
+            granted = 10.0 * max(
+                accuracy * scale * ILL_CONDITIONED.get(name, 1.0), abs(other - own)
+            )
             if not abs(own - expected) <= granted:
                 found.append(f"{number}: {name} {own}, {expected}")
     return found, int(np.count_nonzero(uncertain))

@@ -22,9 +22,12 @@ def faults(seed: int, bar: bool, accuracy: float) -> Iterator[str]:
     """Compare angles and rates, in the scene's units, at the end of a pass and at two instants on the way."""
     tool = tool_of(seed, bar)
     for turn in (1.5 * math.pi, *np.random.default_rng([seed, bar]).uniform(1.3, 4.0, 2).tolist()):
-        run, fine = (simulate(tool, Settings(accuracy=each, hub_turn=turn)) for each in (accuracy, FINE))
+        run, fine = (
+            simulate(tool, Settings(accuracy=each, hub_turn=turn)) for each in (accuracy, FINE)
+        )
         rates = np.abs(run.rates[-1] - fine.rates[-1]).max() * tool_units(tool).time
-        error, estimate = max(rates, np.abs(run.angles[-1] - fine.angles[-1]).max()), run.cost.error_estimate
+        error = max(rates, np.abs(run.angles[-1] - fine.angles[-1]).max())
+        estimate = run.cost.error_estimate
         assert estimate is not None
         if run.cost.holds_until is None and not (error <= estimate < math.inf):
             yield f"{seed}, {bar}, {accuracy:g}, turn {turn:.3f}: {error:.1e} instead of {estimate:.1e}"
@@ -32,7 +35,14 @@ def faults(seed: int, bar: bool, accuracy: float) -> Iterator[str]:
 
 @pytest.mark.parametrize(
     ("seed", "bar", "accuracy"),
-    [(0, False, 1e-3), (40, False, 1e-3), (47, False, 1e-6), (1, False, 1e-6), (3, True, 1e-6), (4, True, 1e-4)],
+    [
+        (0, False, 1e-3),
+        (40, False, 1e-3),
+        (47, False, 1e-6),
+        (1, False, 1e-6),
+        (3, True, 1e-6),
+        (4, True, 1e-4),
+    ],
 )
 def test_a_tool(seed: int, bar: bool, accuracy: float) -> None:
     """Slip and approach that end together, within 1e-3; a release that is located beyond the last step that can push."""
@@ -42,13 +52,16 @@ def test_a_tool(seed: int, bar: bool, accuracy: float) -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
 def test_sixty_tools(accuracy: float) -> None:
-    assert [each for seed in range(30) for bar in (False, True) for each in faults(seed, bar, accuracy)] == []
+    assert [
+        each for seed in range(30) for bar in (False, True) for each in faults(seed, bar, accuracy)
+    ] == []
 
 
 def test_it_holds_for_the_strike_and_ends_with_the_chatter() -> None:
     """Hops on the workpart, each lower than the last, end within a finite time: no accuracy resolves the last of them."""
     run = simulate(Tool())
-    strike, end = run.event_time("strike"), run.cost.holds_until
+    strike = run.event_time("strike")
+    end = run.cost.holds_until
     assert strike is not None
     assert end is not None
     assert strike < end < run.event_time("workpart release", last=True)  # type: ignore[operator]

@@ -19,18 +19,24 @@ def drawn(seed: int) -> tuple[Tool, dict[str, float]]:
     """A tool whose bar stands on the incoming side, and whose bristle starts near bar and workpart."""
     rng = np.random.default_rng(seed)
     while True:
-        hub_angle, angle = float(rng.uniform(-1.2, 0.4)), float(rng.uniform(-0.9, 0.7))
+        hub_angle = float(rng.uniform(-1.2, 0.4))
+        angle = float(rng.uniform(-0.9, 0.7))
         belt = Belt(Tool().belt.stiffness * float(rng.choice([0.3, 1.0, 10.0])))
-        rub, slide, restitution = (float(rng.choice(each)) for each in ([0.0, 0.3], [0.0, 0.31], [0.0, 0.42]))
+        rub, slide, restitution = (
+            float(rng.choice(each)) for each in ([0.0, 0.3], [0.0, 0.31], [0.0, 0.42])
+        )
         if abs(angle - hub_angle) > 1.3:
             continue
         try:
-            tool = between(hub_angle, angle, at=float(rng.uniform(0.4, 0.95)), bar_gap=2e-4, gap=3e-4)
+            tool = between(
+                hub_angle, angle, at=float(rng.uniform(0.4, 0.95)), bar_gap=2e-4, gap=3e-4
+            )
         except ValueError:
             continue
         assert tool.bar is not None
         assert tool.workpart is not None
-        bar, part = replace(tool.bar, friction=rub), replace(tool.workpart, friction=slide, restitution=restitution)
+        bar = replace(tool.bar, friction=rub)
+        part = replace(tool.workpart, friction=slide, restitution=restitution)
         start = {"start_hub_angle": hub_angle, "start_relative_angle": angle - hub_angle}
         return replace(tool, belt=belt, bar=bar, workpart=part), start
 
@@ -43,9 +49,13 @@ def test_starts_at_random_as_in_the_reference(seed: int) -> None:
     referred = simulate_reference(tool, accuracy=1e-9, hub_turn=1.5, **start)
     assert run.stop_reason is referred.stop_reason
     # Ten times the requested accuracy, for what impacts magnify.
-    assert run.time[-1] / tool_units(tool).time == pytest.approx(referred.time[-1] / tool_units(tool).time, abs=1e-5)
+    assert run.time[-1] / tool_units(tool).time == pytest.approx(
+        referred.time[-1] / tool_units(tool).time, abs=1e-5
+    )
     assert run.relative_angle[-1] == pytest.approx(referred.relative_angle[-1], abs=1e-5)
     assert (run.tip[:, 1] + tool.workpart_depth).min() >= -1e-6 * tool.bristle.length
     # Rounding, of the largest energy around.
-    works = [(*(each.compressive_work or ()), *(each.restitutive_work or ())) for each in run.contacts]
+    works = [
+        (*(each.compressive_work or ()), *(each.restitutive_work or ())) for each in run.contacts
+    ]
     assert max(map(sum, works), default=0.0) <= 1e-12 * run.total_energy.max()

@@ -20,32 +20,54 @@ SHORT = Settings(accuracy=ACCURACY, hub_turn=1.6)
 ELASTIC = {"neighbour_friction": 0.0, "neighbour_restitution": 1.0}
 
 
-def row(bristles: int, pitch_deg: float, tool: Tool | None = None, **changes: float) -> tuple[Trajectory, ...]:
+def row(
+    bristles: int, pitch_deg: float, tool: Tool | None = None, **changes: float
+) -> tuple[Trajectory, ...]:
     surface = ELASTIC | changes
-    return simulate_row(tool or Tool(), SHORT, bristles=bristles, pitch=math.radians(pitch_deg), **surface)
+    return simulate_row(
+        tool or Tool(), SHORT, bristles=bristles, pitch=math.radians(pitch_deg), **surface
+    )
 
 
 @pytest.mark.parametrize(
     ("bristles", "pitch_deg", "friction", "restitution"),
-    [(2, 50.0, 0.0, 1.0), (2, 17.0, 0.31, 0.42), (2, 10.0, 0.0, 1.0), (2, 10.0, 0.3, 0.5), (3, 16.0, 0.3, 0.2)],
+    [
+        (2, 50.0, 0.0, 1.0),
+        (2, 17.0, 0.31, 0.42),
+        (2, 10.0, 0.0, 1.0),
+        (2, 10.0, 0.3, 0.5),
+        (3, 16.0, 0.3, 0.2),
+    ],
 )
-def test_a_row_moves_as_in_the_reference(bristles: int, pitch_deg: float, friction: float, restitution: float) -> None:
+def test_a_row_moves_as_in_the_reference(
+    bristles: int, pitch_deg: float, friction: float, restitution: float
+) -> None:
     """Touches of neighbours up to the first bristle's strike: instants, equal impulses, and all states there."""
     given = {"bristles": bristles, "pitch": math.radians(pitch_deg)}
-    given |= {"neighbour_friction": friction, "neighbour_restitution": restitution, "stop_after": "strike"}
+    given |= {
+        "neighbour_friction": friction,
+        "neighbour_restitution": restitution,
+        "stop_after": "strike",
+    }
     runs = simulate_row(Tool(), replace(SHORT, accuracy=1e-7), **given)
     exact = simulate_row_reference(Tool(), accuracy=1e-9, hub_turn=1.6, **given)
     for run, other in zip(runs, exact, strict=True):
         assert run.stop_reason is other.stop_reason
         hits, expected = (
-            [each for each in one.contacts if each.law == "energetic" and each.velocity_before[0] < -0.1]
+            [
+                each
+                for each in one.contacts
+                if each.law == "energetic" and each.velocity_before[0] < -0.1
+            ]
             for one in (run, other)
         )
         assert [each.obstacle for each in hits] == [each.obstacle for each in expected]
         for hit, wanted in zip(hits, expected, strict=True):
             # A hundred times the accuracy: touches follow each other, and magnify what the one before has left.
             assert hit.time == pytest.approx(wanted.time, rel=1e-5)
-            assert hit.impulse == pytest.approx(wanted.impulse, abs=1e-5 * max(map(abs, wanted.impulse)))
+            assert hit.impulse == pytest.approx(
+                wanted.impulse, abs=1e-5 * max(map(abs, wanted.impulse))
+            )
         assert run.angles[-1] == pytest.approx(other.angles[-1], abs=1e-5)
 
 
@@ -53,26 +75,33 @@ def test_a_row_moves_as_in_the_reference(bristles: int, pitch_deg: float, fricti
 def test_wide_apart_each_pass_is_the_lone_one(links: int) -> None:
     """The lone pass, a pitch of the hub's turn later; ten times the requested accuracy."""
     tool = Tool(bristle=Bristle(links=links))
-    lone, pitch_deg = simulate(tool, SHORT), 25.3 if links == 2 else 50.0
+    single_link = simulate(tool, SHORT)
+    pitch_deg = 25.3 if links == 2 else 50.0
     for number, run in enumerate(row(2, pitch_deg, tool)):
         later = number * math.radians(pitch_deg) / 261.8
-        assert run.event_time("bar touch") - later == pytest.approx(lone.event_time("bar touch"), rel=10.0 * ACCURACY)
-        strike, expected = run.first_contact("workpart"), lone.first_contact("workpart")
+        assert run.event_time("bar touch") - later == pytest.approx(
+            single_link.event_time("bar touch"), rel=10.0 * ACCURACY
+        )
+        strike = run.first_contact("workpart")
+        expected = single_link.first_contact("workpart")
         assert strike.time - later == pytest.approx(expected.time, rel=10.0 * ACCURACY)
         assert strike.impulse == pytest.approx(expected.impulse, rel=100.0 * ACCURACY)
 
 
 def test_one_bristle_is_the_lone_one_to_the_last_digit() -> None:
-    (run,), lone = row(1, 0.0), simulate(Tool(), SHORT)
-    assert np.array_equal(run.angles, lone.angles)
-    assert run.events == lone.events
+    (run,), single_link = row(1, 0.0), simulate(Tool(), SHORT)
+    assert np.array_equal(run.angles, single_link.angles)
+    assert run.events == single_link.events
 
 
 def test_wires_that_stay_in_contact() -> None:
     """Inelastic neighbours press on each other for a while; their impulses on each other are equal and they do not overlap."""
     damped = replace(Tool(), belt=replace(Tool().belt, damping_ratio=0.05))
     runs = row(2, 10.0, damped, neighbour_friction=0.3, neighbour_restitution=0.0)
-    lasting = [[each for each in run.contacts if (each.obstacle, each.law) == ("wire", "sustained")] for run in runs]
+    lasting = [
+        [each for each in run.contacts if (each.obstacle, each.law) == ("wire", "sustained")]
+        for run in runs
+    ]
     assert lasting[0]
     for first, second in zip(*lasting, strict=True):
         assert first.impulse == second.impulse
@@ -84,8 +113,16 @@ def test_wires_that_stay_in_contact() -> None:
 @pytest.mark.parametrize("accuracy", [1e-7, 1e-11])
 def test_wires_that_the_bar_folds_flat_on_each_other_jam(accuracy: float) -> None:
     """Parallel, the wires would touch at their roots, where no force turns them, and the hub turns on."""
-    row = {"bristles": 2, "pitch": math.radians(1.6), "neighbour_friction": 0.31, "neighbour_restitution": 0.42}
-    scene, reference = simulate_row(Tool(), SHORT, **row), simulate_row_reference(Tool(), accuracy=accuracy, **row)
+    row = {
+        "bristles": 2,
+        "pitch": math.radians(1.6),
+        "neighbour_friction": 0.31,
+        "neighbour_restitution": 0.42,
+    }
+    scene, reference = (
+        simulate_row(Tool(), SHORT, **row),
+        simulate_row_reference(Tool(), accuracy=accuracy, **row),
+    )
     for runs in (scene, reference):
         assert [run.stop_reason for run in runs] == [StopReason.JAM] * 2
         assert runs[0].angles[-1] == pytest.approx(runs[1].angles[-1], abs=10.0 * ACCURACY)
@@ -98,7 +135,9 @@ def test_records_are_of_the_bristles_that_take_part() -> None:
     """Three in a row: the foremost and the last do not touch each other."""
     runs = row(3, 12.0)
     assert all(len(each.angles) == 1 for run in runs for each in run.contacts)
-    partners = [{each.neighbour for each in run.contacts if each.obstacle == "wire"} for run in runs]
+    partners = [
+        {each.neighbour for each in run.contacts if each.obstacle == "wire"} for run in runs
+    ]
     assert partners == [{2}, {1, 3}, {2}]
     times = [{each.time for each in run.events if each.name == "wire touch"} for run in runs]
     assert times[0] | times[2] == times[1]
@@ -108,7 +147,8 @@ def test_records_are_of_the_bristles_that_take_part() -> None:
 def test_wires_in_each_other_at_the_start_are_refused(pitch: float) -> None:
     """Also where they coincide, and no direction is the normal's."""
     with pytest.raises(
-        ValueError, match=r"^pitch = .*must be one at which bristles are clear of each other at the start"
+        ValueError,
+        match=r"^pitch = .*must be one at which bristles are clear of each other at the start",
     ):
         simulate_row(Tool(), bristles=2, pitch=pitch, **ELASTIC)
 

@@ -22,11 +22,17 @@ def drags(tool: bs.Tool, accuracy: float) -> tuple[bs.Trajectory, list[tuple[flo
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_a_drag_that_begins_without_slip_is_rubbed_against_its_acceleration(accuracy: float):
     """e* = 0, a critically damped wire that no bar has touched: model, drag impulse (3.349, -1.038) mN s, to its digits."""
-    tool = bs.Tool(bar=None, belt=bs.Belt(damping_ratio=1.0), workpart=bs.Workpart(friction=0.31, restitution=0.0))
+    tool = bs.Tool(
+        bar=None,
+        belt=bs.Belt(damping_ratio=1.0),
+        workpart=bs.Workpart(friction=0.31, restitution=0.0),
+    )
     run, ((normal, tangential),) = drags(tool, accuracy)
     assert run.stop_reason == "end of the planned time"
     # The printed digits, and the errors of the drag's ten intervals or so.
-    assert (1e3 * normal, 1e3 * tangential) == pytest.approx((3.349, -1.038), rel=2e-4 + 10.0 * accuracy)
+    assert (1e3 * normal, 1e3 * tangential) == pytest.approx(
+        (3.349, -1.038), rel=2e-4 + 10.0 * accuracy
+    )
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
@@ -36,24 +42,32 @@ def test_stiction_of_a_radial_strike_is_no_jam(accuracy: float):
     run, ((normal, tangential),) = drags(tool, accuracy)
     assert run.stop_reason == "end of the planned time"
     # The reference's impulse, integrated at 1e-10; the scene's sum over the drag has the error of its last interval, 1e-4.
-    assert (normal, tangential) == pytest.approx((1.0516e-3, -6.3096e-4), rel=2e-4 + 10.0 * accuracy)
+    assert (normal, tangential) == pytest.approx(
+        (1.0516e-3, -6.3096e-4), rel=2e-4 + 10.0 * accuracy
+    )
 
 
 def test_a_release_over_the_wires_end_is_where_the_contact_passes_it():
     """The force jumps below zero where the bar passes from the flank to the wire's end: 2.722468766417335 ms, in closed form."""
     bristle = bs.Bristle(0.032889167757901405, 0.00029612070505255847, 0.001215294931018804)
-    bar = bs.Bar(0.0020542860355168184, 0.0747134429170983, 0.011478158629806539, 0.26996925711305286, 0.0)
+    bar = bs.Bar(
+        0.0020542860355168184, 0.0747134429170983, 0.011478158629806539, 0.26996925711305286, 0.0
+    )
     tool = bs.Tool(
         hub=bs.Hub(142.81187342154342, 0.045641125392908044),
         belt=bs.Belt(0.012111023738675635),
         bristle=bristle,
         bar=bar,
-        workpart=bs.Workpart(penetration=0.0036757717105358285, friction=0.4054280176822556, restitution=0.0),
+        workpart=bs.Workpart(
+            penetration=0.0036757717105358285, friction=0.4054280176822556, restitution=0.0
+        ),
     )
     for accuracy in (1e-7, 3e-9, 1.5e-9, 1e-9):
         run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="bar release")
         # An angle is right to the accuracy at 394.82 rad/s.
-        assert run.event_time("bar release") == pytest.approx(0.002722468766417335, abs=accuracy / 394.82)
+        assert run.event_time("bar release") == pytest.approx(
+            0.002722468766417335, abs=accuracy / 394.82
+        )
 
 
 def test_the_largest_retraction_is_the_only_event_of_its_name():
@@ -68,7 +82,9 @@ def test_the_largest_retraction_is_the_only_event_of_its_name():
 @pytest.mark.parametrize("restitution", [0.0, 0.4])
 def test_friction_beyond_the_engines_reach_is_solved_for(restitution: float):
     """At mu = 2.7 the engine's iterations would not converge; the contacts are solved for with the joint instead."""
-    tool = bs.Tool(bar=None, belt=bs.Belt(damping_ratio=0.1), workpart=bs.Workpart(2.7, None, restitution))
+    tool = bs.Tool(
+        bar=None, belt=bs.Belt(damping_ratio=0.1), workpart=bs.Workpart(2.7, None, restitution)
+    )
     run, impulses = drags(tool, 1e-6)
     reference = bs.simulate_reference(tool)
     lasting = [each.impulse for each in reference.contacts if each.law == "sustained"]
@@ -83,15 +99,24 @@ def test_friction_beyond_the_engines_reach_is_solved_for(restitution: float):
 @pytest.mark.parametrize("accuracy", ACCURACIES[2:])
 def test_slip_of_an_undeflected_wire_ends_with_its_approach(accuracy: float):
     """mu_2 < tan gamma < mu_1: the strike rebounds. An error of the slip, let alone, would end it in stiction: a false jam."""
-    tool = bs.Tool(bar=None, workpart=bs.Workpart(friction=0.6, restitution_friction=0.1, restitution=0.3))
-    strike = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="strike").first_contact("workpart")
+    tool = bs.Tool(
+        bar=None, workpart=bs.Workpart(friction=0.6, restitution_friction=0.1, restitution=0.3)
+    )
+    strike = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="strike").first_contact(
+        "workpart"
+    )
     # (2.48) for a radial wire that turns with the hub, R = 1.
     reach = tool.hub.radius + tool.bristle.length
     cosine = 1.0 - tool.workpart.penetration / reach
     sine = math.sqrt(1.0 - cosine**2)
     compression, restitution = sine + 0.6 * cosine, sine - 0.1 * cosine
-    bristle, hub = tool.bristle, tool.hub
+    bristle = tool.bristle
+    hub = tool.hub
     speed = (1.0 + hub.radius / bristle.length) * hub.speed * bristle.mass * bristle.length / 3.0
-    impulse = speed * (restitution + 0.3 * math.sqrt(compression * restitution)) / (compression * restitution)
+    impulse = (
+        speed
+        * (restitution + 0.3 * math.sqrt(compression * restitution))
+        / (compression * restitution)
+    )
     assert strike.outcome == "rebound"
     assert strike.impulse[0] == pytest.approx(impulse, rel=10.0 * accuracy)

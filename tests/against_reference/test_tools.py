@@ -24,10 +24,18 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 
 def changed(**parts: dict[str, float]) -> Tool:
     tool = Tool()
-    return replace(tool, **{part: replace(getattr(tool, part), **values) for part, values in parts.items()})
+    return replace(
+        tool, **{part: replace(getattr(tool, part), **values) for part, values in parts.items()}
+    )
 
 
-def tool(nearness: float = 1.0, speed: float = 261.8, damping: float = 0.0, gravity: float = 0.0, **bar: float) -> Tool:
+def tool(
+    nearness: float = 1.0,
+    speed: float = 261.8,
+    damping: float = 0.0,
+    gravity: float = 0.0,
+    **bar: float,
+) -> Tool:
     """The operating point with its bar nearer to the hub, or farther."""
     made = Bar(horizontal=0.05037 * nearness, vertical=0.0225 * nearness, **bar)
     return Tool(hub=Hub(speed=speed), belt=Belt(damping_ratio=damping), bar=made, gravity=gravity)
@@ -38,8 +46,12 @@ def bent(knee: float, position: float, nearness: float, **given: float) -> Tool:
     return replace(made, bristle=Bristle(knee_position=position, knee_angle_deg=knee))
 
 
-def wire(links: int, modulus: float = 2e11, damping: float = 0.0, knee: float = 0.0, **given: float) -> Tool:
-    bristle = Bristle(links=links, modulus=modulus, bending_damping_ratio=damping, knee_angle_deg=knee)
+def wire(
+    links: int, modulus: float = 2e11, damping: float = 0.0, knee: float = 0.0, **given: float
+) -> Tool:
+    bristle = Bristle(
+        links=links, modulus=modulus, bending_damping_ratio=damping, knee_angle_deg=knee
+    )
     return replace(tool(damping=damping, **given), bristle=bristle)
 
 
@@ -90,7 +102,9 @@ WIRES = {
     "three links, damped": wire(3, damping=0.05),
     "three links, knee": wire(3, modulus=5e10, knee=-25.0, damping=0.05),
     "slip that turns back and stops": wire(3, modulus=2.1e10, nearness=0.82, friction=0.44),
-    "four links, over joints with friction": wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395),
+    "four links, over joints with friction": wire(
+        4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395
+    ),
 }
 
 MAGNIFIED = {"bar's restitution 1": 10.0, "slip that turns back and stops": 10.0}
@@ -100,9 +114,18 @@ ROWS = [
     *((name, 1e-6) for name in (*RIGID, *BENT, *list(WIRES)[:-1])),
     *(
         (name, 1e-9)
-        for name in ("as is", "damping 0.3", "bar's restitution 0.42", "bar's friction 0.8", "held at its end")
+        for name in (
+            "as is",
+            "damping 0.3",
+            "bar's restitution 0.42",
+            "bar's friction 0.8",
+            "held at its end",
+        )
     ),
-    *((name, 1e-4) for name in ("as is", "bar's restitution 0.42", "held at its shank", "two links")),
+    *(
+        (name, 1e-4)
+        for name in ("as is", "bar's restitution 0.42", "held at its shank", "two links")
+    ),
 ]
 
 NIGHTLY = [
@@ -125,7 +148,11 @@ def test_strike(name: str, accuracy: float) -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize(("name", "accuracy"), NIGHTLY, ids=lambda value: f"{value}")
 def test_strike_at_other_accuracies(name: str, accuracy: float) -> None:
-    compare(TOOLS[name], accuracy, 100.0 if name == "bar that throws a wire back" else MAGNIFIED.get(name, 1.0))
+    compare(
+        TOOLS[name],
+        accuracy,
+        100.0 if name == "bar that throws a wire back" else MAGNIFIED.get(name, 1.0),
+    )
 
 
 def compare(tool: Tool, accuracy: float, magnified: float) -> None:
@@ -143,15 +170,21 @@ def compare(tool: Tool, accuracy: float, magnified: float) -> None:
 
 def assert_same_impacts(scene: Trajectory, reference: Trajectory, tolerance: float) -> None:
     """Impacts one by one while they are faster than a hundredth of the fastest: each side ends a chatter at its own smallness."""
-    hits = [[each for each in run.contacts if each.law == "energetic"] for run in (scene, reference)]
+    hits = [
+        [each for each in run.contacts if each.law == "energetic"] for run in (scene, reference)
+    ]
     speed = max((abs(each.velocity_before[0]) for each in hits[1]), default=0.0)
-    first, second = ([each for each in side if -each.velocity_before[0] > 1e-2 * speed] for side in hits)
+    first, second = (
+        [each for each in side if -each.velocity_before[0] > 1e-2 * speed] for side in hits
+    )
     assert [each.obstacle for each in first] == [each.obstacle for each in second]
     for one, other in zip(first, second, strict=True):
         assert_same_impact(one, other, tolerance, speed)
 
 
-def assert_same_impact(one: ContactRecord, other: ContactRecord, tolerance: float, speed: float) -> None:
+def assert_same_impact(
+    one: ContactRecord, other: ContactRecord, tolerance: float, speed: float
+) -> None:
     """Compared on the scale of the larger component; a slow tap has as many digits fewer as it is slower than the fastest."""
     assert one.outcome == other.outcome
     assert one.time == pytest.approx(other.time, rel=tolerance)
@@ -161,7 +194,10 @@ def assert_same_impact(one: ContactRecord, other: ContactRecord, tolerance: floa
     for name, scale in (
         ("rates_before", rates),
         ("rates_after", rates),
-        *((name, 2.0 * fraction * max(map(abs, other.impulse))) for name in ("impulse", "compressive_impulse")),
+        *(
+            (name, 2.0 * fraction * max(map(abs, other.impulse)))
+            for name in ("impulse", "compressive_impulse")
+        ),
         *(
             (name, 2.0 * fraction * max(map(abs, other.compressive_work or ())))
             for name in ("compressive_work", "restitutive_work")
@@ -176,7 +212,10 @@ def assert_same_sums(scene: Trajectory, reference: Trajectory, tolerance: float)
     """All impulse that each obstacle gave; up to that of the last tap is missing where a chatter ends."""
     scale = max((abs(each.impulse[0]) for each in reference.contacts), default=0.0)
     for obstacle in ("bar", "workpart"):
-        own = [[each for each in run.contacts if each.obstacle == obstacle] for run in (scene, reference)]
+        own = [
+            [each for each in run.contacts if each.obstacle == obstacle]
+            for run in (scene, reference)
+        ]
         sums = [np.sum([each.impulse for each in side], axis=0) for side in own]
         taps = [[each.impulse[0] for each in side if each.law == "energetic"] for side in own]
         cut = sum(side[-1] for side in taps if len(side) > 2)
@@ -191,13 +230,19 @@ def assert_same_end(scene: Trajectory, reference: Trajectory, tolerance: float) 
     fastest = float(np.abs(reference.rates).max())
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=tolerance)
     assert scene.rates[-1] == pytest.approx(reference.rates[-1], abs=tolerance * fastest)
-    np.testing.assert_allclose(scene.tip[-1], reference.tip[-1], rtol=0.0, atol=tolerance * np.abs(reference.tip).max())
+    np.testing.assert_allclose(
+        scene.tip[-1], reference.tip[-1], rtol=0.0, atol=tolerance * np.abs(reference.tip).max()
+    )
     size = np.abs(reference.kinetic_energy).max() + np.ptp(reference.potential_energy)
     for energy in ("kinetic_energy", "potential_energy"):
         found, expected = getattr(scene, energy)[-1], getattr(reference, energy)[-1]
         assert found == pytest.approx(expected, abs=2.0 * tolerance * size), energy
     releases = [
-        [each.time + each.duration for each in run.contacts if each.law == "sustained" and each.obstacle == "bar"]
+        [
+            each.time + each.duration
+            for each in run.contacts
+            if each.law == "sustained" and each.obstacle == "bar"
+        ]
         for run in (scene, reference)
     ]
     assert releases[0][:1] == pytest.approx(releases[1][:1], rel=1e3 * tolerance)

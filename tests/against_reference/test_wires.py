@@ -22,7 +22,9 @@ ACCURACY = 1e-6
 
 
 def touches(run: Trajectory) -> list[float]:
-    return [each.time for each in run.events if each.name.endswith(" touch") or each.name == "strike"]
+    return [
+        each.time for each in run.events if each.name.endswith(" touch") or each.name == "strike"
+    ]
 
 
 def overlapping(run: Trajectory) -> set[bool]:
@@ -62,11 +64,15 @@ CASES = {
 }  # fmt: skip
 """Tool, hub's turn, contacts at a time, and by how much rebounds magnify the error at the end."""
 
-LONG = ("a bar over the workpart meets the last link while the tip drags", "stick breaks away as the wire bends")
+LONG = (
+    "a bar over the workpart meets the last link while the tip drags",
+    "stick breaks away as the wire bends",
+)
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.nightly] if name in LONG else []) for name in CASES]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.nightly] if name in LONG else []) for name in CASES],
 )
 def test_a_wire_in_lasting_contacts(name: str) -> None:
     tool, turn, together, magnified = CASES[name]
@@ -77,7 +83,9 @@ def test_a_wire_in_lasting_contacts(name: str) -> None:
     assert touches(scene)[:5] == pytest.approx(touches(reference)[:5], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * magnified * ACCURACY)
     assert all(together <= overlapping(run) for run in (scene, reference))
-    first, second = (next((c for c in run.contacts if c.duration > 1e-5), None) for run in (scene, reference))
+    first, second = (
+        next((c for c in run.contacts if c.duration > 1e-5), None) for run in (scene, reference)
+    )
     # The impulse of a sustained contact ends with a force that vanishes at a small slope.
     assert first.impulse == pytest.approx(second.impulse, rel=1e3 * ACCURACY)
 
@@ -91,10 +99,13 @@ def test_no_jump_out_of_a_dent(knee: float, friction: float) -> None:
     tool = Tool(bristle=Bristle(knee_angle_deg=knee), contact=Contact("compliant", 1e-4))
     run = simulate(replace(tool, workpart=Workpart(friction=friction)))
     assert run.tip[:, 1].min() < -run.tool.workpart_depth - 1e-4
-    way, time = np.linalg.norm(np.diff(run.tip, axis=0), axis=1), np.diff(run.time)
+    way = np.linalg.norm(np.diff(run.tip, axis=0), axis=1)
+    time = np.diff(run.time)
     speed = np.linalg.norm(run.tip_velocity, axis=1)
     # An interval of sustained contact turns a belt's radian at most: the speed between its ends is less than twice theirs.
-    assert (way <= 2.0 * np.maximum(speed[1:], speed[:-1]) * time + 1e-12 * np.hypot(*run.tip[0])).all()
+    assert (
+        way <= 2.0 * np.maximum(speed[1:], speed[:-1]) * time + 1e-12 * np.hypot(*run.tip[0])
+    ).all()
 
 
 SPEEDS = [Tool().hub.speed * (1.0 + 1e-3 * share) for share in range(14)]
@@ -103,7 +114,11 @@ SPEEDS = [Tool().hub.speed * (1.0 + 1e-3 * share) for share in range(14)]
 @pytest.mark.parametrize(
     ("links", "accuracy", "speeds"),
     [(4, 1e-3, SPEEDS[:1])]
-    + [pytest.param(links, each, SPEEDS, marks=pytest.mark.nightly) for links in (2, 4, 6, 8) for each in (1e-2, 1e-3)],
+    + [
+        pytest.param(links, each, SPEEDS, marks=pytest.mark.nightly)
+        for links in (2, 4, 6, 8)
+        for each in (1e-2, 1e-3)
+    ],
 )
 def test_a_wire_does_not_stutter(links: int, accuracy: float, speeds: list[float]) -> None:
     """It slips before it is released from stick. A stutter of release and touch takes any number of steps at one instant.

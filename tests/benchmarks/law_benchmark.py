@@ -26,15 +26,21 @@ SURFACE = Surface(0.3, None, 0.5)
 def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
     """Return CPU seconds of one impact or step by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
     rng = np.random.default_rng(0)
-    roots, velocity = rng.normal(size=(size, 2, 2)), rng.normal(size=(size, 2))
+    roots = rng.normal(size=(size, 2, 2))
+    velocity = rng.normal(size=(size, 2))
     masses = roots @ roots.transpose(0, 2, 1)
     velocity[:, 0] = -np.abs(velocity[:, 0])
-    friction, restitution = rng.uniform(0.0, 2.0, size), rng.uniform(0.0, 1.0, size)
+    friction = rng.uniform(0.0, 2.0, size)
+    restitution = rng.uniform(0.0, 1.0, size)
     one = (masses[0], velocity[0], 0.3, 0.5)
     arrays = (masses, velocity, friction, restitution)
     ways: dict[str, tuple[Callable[[], object], int, int]] = {
         "law, arrays": (lambda: energetic_impact(*arrays), 1, size),
-        "law, arrays, eta^2 = 1": (lambda: energetic_impact(*arrays, tangential_compliance=1.0), 1, size),
+        "law, arrays, eta^2 = 1": (
+            lambda: energetic_impact(*arrays, tangential_compliance=1.0),
+            1,
+            size,
+        ),
         "law, one impact": (lambda: energetic_impact(*one), 500, 1),
         "scene, one rod": (_through_scene(SINGLE), 200, 1),
         "scene, two rods": (_through_scene(DOUBLE), 200, 1),
@@ -74,7 +80,9 @@ def _step_at_rest(balls: int, contact: bool) -> Callable[[], object]:
         shape = pymunk.Circle(body, 0.1)
         shape.collision_type = 2
         space.add(body, shape)
-    step = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5).step if contact else space.step
+    step = (
+        EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5).step if contact else space.step
+    )
     for _ in range(10):
         step(1e-6)
     return lambda: step(1e-6)

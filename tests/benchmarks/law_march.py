@@ -19,15 +19,20 @@ from scipy.integrate._ivp.dop853_coefficients import A, B
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 STAGES = 12
-STEP, FIRST_STEP, GROWTH = 0.15, 1e-6, 4.0
+STEP = 0.15
+FIRST_STEP = 1e-6
+GROWTH = 4.0
 """Longest and first step of a phase over the fastest time scale, and their growth: stick may leave an edge of the cone for a moment."""
 
-MOST_PHASES, MOST_STEPS = 40, 4_000
+MOST_PHASES = 40
+MOST_STEPS = 4_000
 """Limits of a march: with mu_2 > mu_1 some points are pressed on and released again and again."""
 
 CHUNK = 50_000  # impacts that are marched together
 
-DONE, PHASES, STEPS = "marched", "too many phases", "too many steps"
+DONE = "marched"
+PHASES = "too many phases"
+STEPS = "too many steps"
 
 
 class March(NamedTuple):
@@ -64,18 +69,26 @@ class March(NamedTuple):
 
     @property
     def longest_step(self) -> np.ndarray:
-        half, mean = 0.5 * (self.matrix[0] - self.matrix[2]), 0.5 * (self.matrix[0] + self.matrix[2])
+        half = 0.5 * (self.matrix[0] - self.matrix[2])
+        mean = 0.5 * (self.matrix[0] + self.matrix[2])
         stiffest = np.maximum(self.kappa, 1.0 / self.squared)
         return STEP / np.sqrt((mean + np.hypot(half, self.matrix[1])) * stiffest)
 
     def push(self, state: np.ndarray) -> np.ndarray:
-        return np.where(self.loading, state[0], self.deepest - (self.deepest - state[0]) * self.kappa)
+        return np.where(
+            self.loading, state[0], self.deepest - (self.deepest - state[0]) * self.kappa
+        )
 
     def rub(self, state: np.ndarray) -> np.ndarray:
-        return np.where(self.slip == 0.0, -state[1] / self.squared, -self.slip * self.friction * self.push(state))
+        return np.where(
+            self.slip == 0.0,
+            -state[1] / self.squared,
+            -self.slip * self.friction * self.push(state),
+        )
 
     def rates(self, state: np.ndarray) -> np.ndarray:
-        normal, along = self.push(state), self.rub(state)
+        normal = self.push(state)
+        along = self.rub(state)
         k_nn, k_nt, k_tt = self.matrix
         speeds = (k_nn * normal + k_nt * along, k_nt * normal + k_tt * along)
         return np.array([-state[2], state[3], *speeds, normal, along])
@@ -93,13 +106,18 @@ class March(NamedTuple):
         """Return functions that become positive where the phase ends, and their rates: line, apart, and two edges or the foot's stop."""
         _, _, normal_rate, tangential_rate, push, _ = self.rates(state)
         _, _, v_n, v_t, *_ = state
-        mu, kappa, slips = self.friction, self.stiffness, self.slip != 0.0
+        mu = self.friction
+        kappa = self.stiffness
+        slips = self.slip != 0.0
         line = np.where(self.loading, v_n, state[0] - self.deepest)
         line_rate = np.where(self.loading, normal_rate, -v_n)
-        apart, apart_rate = np.where(self.loading, -1.0, -push), np.where(self.loading, 0.0, kappa * v_n)
+        apart = np.where(self.loading, -1.0, -push)
+        apart_rate = np.where(self.loading, 0.0, kappa * v_n)
         growth = mu * self.squared * kappa
-        foot, foot_rate = self.slip * v_t + growth * v_n, self.slip * tangential_rate + growth * normal_rate
-        rub, rub_rate = -state[1] / self.squared, -v_t / self.squared
+        foot = self.slip * v_t + growth * v_n
+        foot_rate = self.slip * tangential_rate + growth * normal_rate
+        rub = -state[1] / self.squared
+        rub_rate = -v_t / self.squared
         edges = [np.where(slips, -foot, rub - mu * push), np.where(slips, -1.0, -rub - mu * push)]
         edge_rates = [np.where(slips, -foot_rate, rub_rate + mu * kappa * v_n)]
         edge_rates.append(np.where(slips, 0.0, -rub_rate + mu * kappa * v_n))
@@ -117,9 +135,11 @@ def first_event(march: March, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     chosen = march.take(at)
     over = chosen.events(chosen.advanced(highest))[0][which, np.arange(at.size)] > 1e-12
     beyond, crossing = np.nonzero(crosses)
-    which, at = np.concatenate([beyond, which[over]]), np.concatenate([crossing, at[over]])
+    which = np.concatenate([beyond, which[over]])
+    at = np.concatenate([crossing, at[over]])
     times = root(march.take(at), which, np.concatenate([march.step[crossing], highest[over]]))
-    event, when = np.full(march.number.size, -1), np.full(march.number.size, np.inf)
+    event = np.full(march.number.size, -1)
+    when = np.full(march.number.size, np.inf)
     for index in range(len(values)):
         mine = which == index
         sooner = times[mine] < when[at[mine]]
@@ -132,21 +152,26 @@ def root(march: March, which: np.ndarray, ends: np.ndarray, *, crest: bool = Fal
 
     Newton's method, or Illinois' for the crest, within a bracket that is halved where they leave it.
     """
-    each, tolerance = np.arange(ends.size), 1e-8 if crest else 2e-16
+    each = np.arange(ends.size)
+    tolerance = 1e-8 if crest else 2e-16
 
     def function(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values, rates = (part[which, each] for part in march.events(state))
         return (-rates, np.zeros(ends.size)) if crest else (values, rates)
 
-    low, high, tried = np.zeros(ends.size), ends.copy(), ends
+    low = np.zeros(ends.size)
+    high = ends.copy()
+    tried = ends
     below, (above, rate) = function(march.state)[0], function(march.advanced(ends))
-    value, done = above, np.zeros(ends.size, dtype=bool)
+    value = above
+    done = np.zeros(ends.size, dtype=bool)
     for _ in range(60):
         with np.errstate(invalid="ignore", divide="ignore"):
             change = above * (high - low) / (above - below) if crest else value / rate
         best = (high if crest else tried) - change
         best = np.where((best > low) & (best < high), best, 0.5 * (low + high))
-        moved, tried = abs(best - tried), np.where(done, tried, best)
+        moved = abs(best - tried)
+        tried = np.where(done, tried, best)
         value, rate = function(march.advanced(tried))
         up = value > 0.0
         low, high = np.where(up, low, tried), np.where(up, tried, high)
@@ -159,8 +184,11 @@ def root(march: March, which: np.ndarray, ends: np.ndarray, *, crest: bool = Fal
 
 def turned(march: March, event: np.ndarray) -> March:
     """Return the impacts at the beginning of the phase after an event."""
-    state, push, rub = march.state.copy(), march.push(march.state), march.rub(march.state)
-    line, slips = event == 0, march.slip != 0.0
+    state = march.state.copy()
+    push = march.push(march.state)
+    rub = march.rub(march.state)
+    line = event == 0
+    slips = march.slip != 0.0
     deepest = line & march.loading
     state[2, deepest] = 0.0
     after = march._replace(
@@ -174,17 +202,26 @@ def turned(march: March, event: np.ndarray) -> March:
     edge = ~line | (abs(clipped) >= limit * (1.0 - 1e-12))
     side = np.where(edge & ~stops, -np.sign(clipped), 0.0)
     # Rounding leaves the cone too, where the foot's velocity does not.
-    slip = np.where(side * state[3] + after.friction * march.squared * after.stiffness * state[2] > 0.0, side, 0.0)
+    slip = np.where(
+        side * state[3] + after.friction * march.squared * after.stiffness * state[2] > 0.0,
+        side,
+        0.0,
+    )
     # Within the cone after slip, so that rounding does not leave it at once.
     force = np.where(line, clipped, np.where(slip == 0.0, rub * (1.0 - 1e-13), rub))
     state[1] = -force * march.squared
-    return after._replace(slip=slip, step=march.longest_step * FIRST_STEP / STEP, phases=march.phases + 1)
+    return after._replace(
+        slip=slip, step=march.longest_step * FIRST_STEP / STEP, phases=march.phases + 1
+    )
 
 
 def begun(impacts: dict[str, np.ndarray]) -> March:
     """Return impacts at their first touch."""
-    matrix, velocity, mu = impacts["inverse_mass"], impacts["velocity"].T, impacts["friction"]
-    size, none = mu.size, np.zeros(mu.size)
+    matrix = impacts["inverse_mass"]
+    velocity = impacts["velocity"].T
+    mu = impacts["friction"]
+    size = mu.size
+    none = np.zeros(mu.size)
     foot = abs(velocity[1]) + mu * impacts["tangential_compliance"] * velocity[0]
     march = March(
         number=np.arange(size),
@@ -208,7 +245,8 @@ def marched(
     impacts: dict[str, np.ndarray], most_steps: int = MOST_STEPS, most_phases: int = MOST_PHASES
 ) -> tuple[np.ndarray, Counter[str]]:
     """Return impulses and velocities, (n, 4), NaN where an impact is skipped, and how many were for which reason."""
-    size, reasons = impacts["friction"].size, Counter[str]()
+    size = impacts["friction"].size
+    reasons = Counter[str]()
     found = np.full((size, 4), np.nan)
     for begin in range(0, size, CHUNK):
         march = begun({key: value[begin : begin + CHUNK] for key, value in impacts.items()})
@@ -216,14 +254,22 @@ def marched(
             ends = march.advanced(march.step)
             event, when = first_event(march, ends)
             at = np.flatnonzero(event >= 0)
-            chosen, step = march.take(at), np.minimum(GROWTH * march.step, march.longest_step)
+            chosen = march.take(at)
+            step = np.minimum(GROWTH * march.step, march.longest_step)
             march = march._replace(state=ends, steps=march.steps + 1, step=step)
             if at.size:
                 march.put(at, turned(chosen._replace(state=chosen.advanced(when[at])), event[at]))
             over = event == 1
             found[begin + march.number[over]] = march.state[[4, 5, 2, 3]][:, over].T
-            phases, steps = ~over & (march.phases > most_phases), ~over & (march.steps > most_steps)
-            reasons += Counter({DONE: int(over.sum()), PHASES: int(phases.sum()), STEPS: int((steps & ~phases).sum())})
+            phases = ~over & (march.phases > most_phases)
+            steps = ~over & (march.steps > most_steps)
+            reasons += Counter(
+                {
+                    DONE: int(over.sum()),
+                    PHASES: int(phases.sum()),
+                    STEPS: int((steps & ~phases).sum()),
+                }
+            )
             if (over | phases | steps).any():
                 march = march.take(~(over | phases | steps))
     return found, reasons
@@ -232,7 +278,8 @@ def marched(
 def random_impacts(seed: int, size: int, reach: float = 0.95) -> dict[str, np.ndarray]:
     """Approaching points with eta^2 from 0.01 to 10; mu_2 is mu_1 in half of them."""
     rng = np.random.default_rng(seed)
-    diagonal, correlation = 10.0 ** rng.uniform(-1, 1, (2, size)), rng.uniform(-reach, reach, size)
+    diagonal = 10.0 ** rng.uniform(-1, 1, (2, size))
+    correlation = rng.uniform(-reach, reach, size)
     coupling = correlation * np.sqrt(diagonal.prod(axis=0))
     matrix = np.array([[diagonal[0], coupling], [coupling, diagonal[1]]]).transpose(2, 0, 1)
     velocity = rng.normal(size=(size, 2))
@@ -243,7 +290,9 @@ def random_impacts(seed: int, size: int, reach: float = 0.95) -> dict[str, np.nd
         "velocity": velocity,
         "friction": friction,
         "restitution": rng.uniform(0.05, 1.0, size),
-        "restitution_friction": np.where(rng.random(size) < 0.5, friction, rng.uniform(0.02, 2.0, size)),
+        "restitution_friction": np.where(
+            rng.random(size) < 0.5, friction, rng.uniform(0.02, 2.0, size)
+        ),
         "tangential_compliance": 10.0 ** rng.uniform(-2, 1, size),
     }
 
@@ -253,7 +302,9 @@ def nearly_singular_impacts(seed: int, size: int) -> dict[str, np.ndarray]:
     rng = np.random.default_rng(seed)
     impacts = random_impacts(seed, size)
     matrix = impacts["inverse_mass"]
-    coupling = np.sqrt(matrix[:, 0, 0] * matrix[:, 1, 1] * (1.0 - 10.0 ** rng.uniform(-5, -2, size)))
+    coupling = np.sqrt(
+        matrix[:, 0, 0] * matrix[:, 1, 1] * (1.0 - 10.0 ** rng.uniform(-5, -2, size))
+    )
     matrix[:, 0, 1] = matrix[:, 1, 0] = rng.choice([-1.0, 1.0], size) * coupling
     same = {"restitution_friction": impacts["friction"], "restitution": rng.uniform(0.3, 1.0, size)}
     return impacts | same
@@ -261,7 +312,13 @@ def nearly_singular_impacts(seed: int, size: int) -> dict[str, np.ndarray]:
 
 def impulse_and_velocity(found: Impact) -> np.ndarray:
     return np.stack(
-        [found.impulse_normal, found.impulse_tangential, found.velocity_normal, found.velocity_tangential], axis=-1
+        [
+            found.impulse_normal,
+            found.impulse_tangential,
+            found.velocity_normal,
+            found.velocity_tangential,
+        ],
+        axis=-1,
     )
 
 
@@ -273,7 +330,8 @@ def differences(law: np.ndarray, march: np.ndarray) -> np.ndarray:
 
 def main(size: int, seed: int = 1) -> None:
     """Print how far the law is from the march, and how many impacts were skipped and why."""
-    begin, impacts = time.process_time(), random_impacts(seed, size)
+    begin = time.process_time()
+    impacts = random_impacts(seed, size)
     found, reasons = marched(impacts)
     apart = differences(impulse_and_velocity(energetic_impact(**impacts)), found)
     compared = np.sort(apart[np.isfinite(apart)])
@@ -284,7 +342,12 @@ def main(size: int, seed: int = 1) -> None:
     print(
         f"differences, median {np.median(compared):.1e}, one in a thousand above {compared[-len(compared) // 1000]:.1e}"
     )
-    print("largest:", " ".join(f"{each:.1e} (no. {np.flatnonzero(apart == each)[0]})" for each in compared[:-6:-1]))
+    print(
+        "largest:",
+        " ".join(
+            f"{each:.1e} (no. {np.flatnonzero(apart == each)[0]})" for each in compared[:-6:-1]
+        ),
+    )
     print(f"command: python tests/benchmarks/law_march.py {size} {seed}")
 
 

@@ -38,7 +38,8 @@ class Case:
 
 def floor() -> pymunk.Space:
     space = pymunk.Space()
-    space.gravity, space.collision_slop = (0.0, -GRAVITY), 1e-4
+    space.gravity = (0.0, -GRAVITY)
+    space.collision_slop = 1e-4
     space.add(pymunk.Segment(space.static_body, (-1e3, -1.0), (1e3, -1.0), 1.0))
     return space
 
@@ -57,10 +58,13 @@ def state(bodies: Bodies, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return masses, places, velocities + np.array([0.0, 0.5 * GRAVITY * step, 0.0])
 
 
-def energy_and_rise(masses: np.ndarray, places: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
+def energy_and_rise(
+    masses: np.ndarray, places: np.ndarray, velocities: np.ndarray
+) -> tuple[float, float]:
     """Energy, and the height to which the common centre of mass rises."""
     weights = masses[:, 1] / masses[:, 1].sum()
-    height, speed = weights @ places[:, 1], weights @ velocities[:, 1]
+    height = weights @ places[:, 1]
+    speed = weights @ velocities[:, 1]
     energy = 0.5 * (masses * velocities**2).sum() + GRAVITY * (masses[:, 1] @ places[:, 1])
     return float(energy), float(height + speed * abs(speed) / (2.0 * GRAVITY))
 
@@ -71,22 +75,33 @@ def measured(bodies: Bodies, step: float) -> tuple[float, float]:
 
 def drop(kind: str, chance: np.random.Generator) -> Case:
     """A circle, box or jointed pair that falls and rises without touching again for two steps; pairs do not turn before."""
-    tilt, spin = chance.uniform(0.2, 0.6), 0.0 if kind == "pair" else chance.uniform(-4.0, 4.0)
-    height, slide = chance.uniform(1.3, 2.0), chance.uniform(-1.0, 1.0)
-    friction, restitution = float(chance.uniform(0.0, 0.6)), float(chance.choice([0.3, 0.6, 0.9, 1.0]))
+    tilt = chance.uniform(0.2, 0.6)
+    spin = 0.0 if kind == "pair" else chance.uniform(-4.0, 4.0)
+    height = chance.uniform(1.3, 2.0)
+    slide = chance.uniform(-1.0, 1.0)
+    friction = float(chance.uniform(0.0, 0.6))
+    restitution = float(chance.choice([0.3, 0.6, 0.9, 1.0]))
 
     def make() -> tuple[pymunk.Space, Bodies]:
         space = floor()
         if kind == "circle":
             bodies = [add(space, body := pymunk.Body(1.0, 0.004), pymunk.Circle(body, 0.1))]
         elif kind == "box":
-            bodies = [add(space, body := pymunk.Body(1.0, 0.13 / 12.0), pymunk.Poly.create_box(body, (0.2, 0.3)))]
+            bodies = [
+                add(
+                    space,
+                    body := pymunk.Body(1.0, 0.13 / 12.0),
+                    pymunk.Poly.create_box(body, (0.2, 0.3)),
+                )
+            ]
         else:
             bodies = [pymunk.Body(1.0, 1.0 / 12.0) for _ in range(2)]
             for body in bodies:
                 add(space, body, pymunk.Poly(body, [(0, 0.5), (0.001, 0.0), (0, -0.5)]))
         for number, body in enumerate(bodies):
-            body.angle, body.angular_velocity, body.velocity = tilt, spin, (slide, 0.0)
+            body.angle = tilt
+            body.angular_velocity = spin
+            body.velocity = (slide, 0.0)
             body.position = (number * math.sin(tilt), height + 1.0 - number * math.cos(tilt))
         if kind == "pair":
             hinge = pymunk.PivotJoint(*bodies, (0.0, -0.5), (0.0, 0.5))
@@ -97,9 +112,16 @@ def drop(kind: str, chance: np.random.Generator) -> Case:
         x, y, angle = places[-1]
         if kind == "circle":
             return np.array([x, y - 0.1])
-        corners = [(0.1, 0.15), (0.1, -0.15), (-0.1, 0.15), (-0.1, -0.15)] if kind == "box" else [(0.0, -0.5)]
+        corners = (
+            [(0.1, 0.15), (0.1, -0.15), (-0.1, 0.15), (-0.1, -0.15)]
+            if kind == "box"
+            else [(0.0, -0.5)]
+        )
         turned = [
-            (x + a * math.cos(angle) - b * math.sin(angle), y + a * math.sin(angle) + b * math.cos(angle))
+            (
+                x + a * math.cos(angle) - b * math.sin(angle),
+                y + a * math.sin(angle) + b * math.cos(angle),
+            )
             for a, b in corners
         ]
         return np.array(min(turned, key=lambda each: each[1]))
@@ -125,44 +147,66 @@ def drop(kind: str, chance: np.random.Generator) -> Case:
         inverse = joint / masses.reshape(-1)
         response = response - response @ joint.T @ np.linalg.solve(inverse @ joint.T, inverse)
     contact = rows.reshape(2, -1)
-    impact = energetic_impact(response @ contact.T, contact @ before.reshape(-1), friction, restitution)
+    impact = energetic_impact(
+        response @ contact.T, contact @ before.reshape(-1), friction, restitution
+    )
     change = np.array([impact.impulse_normal, impact.impulse_tangential]) @ response
     after = before + change.reshape(before.shape)
-    later = [at + time * after + 0.5 * time**2 * np.array([0.0, -GRAVITY, 0.0]) for time in np.linspace(1e-3, 0.04, 40)]
+    later = [
+        at + time * after + 0.5 * time**2 * np.array([0.0, -GRAVITY, 0.0])
+        for time in np.linspace(1e-3, 0.04, 40)
+    ]
     if min(lowest(each)[1] for each in later) < 1e-4:
         return drop(kind, chance)
-    return Case(make, friction, restitution, touch + 0.02, energy_and_rise(masses, at, after), measured)
+    return Case(
+        make, friction, restitution, touch + 0.02, energy_and_rise(masses, at, after), measured
+    )
 
 
 def slide(_: str, chance: np.random.Generator) -> Case:
     """A box that slides to rest: where it stops, and its height."""
-    speed, friction = float(chance.uniform(0.5, 3.0)), float(chance.uniform(0.1, 0.6))
+    speed = float(chance.uniform(0.5, 3.0))
+    friction = float(chance.uniform(0.1, 0.6))
 
     def make() -> tuple[pymunk.Space, Bodies]:
         space = floor()
-        body = add(space, each := pymunk.Body(1.0, 0.13 / 12.0), pymunk.Poly.create_box(each, (0.3, 0.2)))
-        body.position, body.velocity = (0.0, 0.1), (speed, 0.0)
+        body = add(
+            space, each := pymunk.Body(1.0, 0.13 / 12.0), pymunk.Poly.create_box(each, (0.3, 0.2))
+        )
+        body.position = (0.0, 0.1)
+        body.velocity = (speed, 0.0)
         return space, [body]
 
     end = speed**2 / (2.0 * friction * GRAVITY)
-    return Case(make, friction, 0.5, speed / friction / GRAVITY + 0.2, (end, 0.1), lambda b, _: tuple(b[0].position))
+    return Case(
+        make,
+        friction,
+        0.5,
+        speed / friction / GRAVITY + 0.2,
+        (end, 0.1),
+        lambda b, _: tuple(b[0].position),
+    )
 
 
 def roll(_: str, chance: np.random.Generator) -> Case:
     """A disc that slides, then rolls: its energy of motion, and its height."""
-    speed, friction = float(chance.uniform(0.5, 3.0)), float(chance.uniform(0.1, 0.6))
+    speed = float(chance.uniform(0.5, 3.0))
+    friction = float(chance.uniform(0.1, 0.6))
 
     def make() -> tuple[pymunk.Space, Bodies]:
         space = floor()
         body = add(space, each := pymunk.Body(1.0, 0.005), pymunk.Circle(each, 0.1))
-        body.position, body.velocity = (0.0, 0.1), (speed, 0.0)
+        body.position = (0.0, 0.1)
+        body.velocity = (speed, 0.0)
         return space, [body]
 
     def measure(bodies: Bodies, _: float) -> tuple[float, float]:
         (body,) = bodies
         return 0.5 * body.velocity.x**2 + 0.0025 * body.angular_velocity**2, body.position.y
 
-    return Case(make, friction, 0.5, speed / friction / GRAVITY + 0.2, (speed**2 / 3.0, 0.1), measure)
+    return Case(
+        make, friction, 0.5, speed / friction / GRAVITY + 0.2, (speed**2 / 3.0, 0.1), measure
+    )
 
 
 KINDS: dict[str, Callable[[str, np.random.Generator], Case]] = {
@@ -179,12 +223,15 @@ def errors(case: Case, frequency: int, energetic: bool) -> tuple[float, float]:
     space, bodies = case.make()
     step = 1.0 / frequency
     for shape in space.shapes:
-        shape.friction, shape.elasticity = math.sqrt(case.friction), math.sqrt(case.restitution)
+        shape.friction = math.sqrt(case.friction)
+        shape.elasticity = math.sqrt(case.restitution)
     for body in bodies if case.measure is measured else ():
         body.velocity -= (0.0, 0.5 * GRAVITY * step)
     take = space.step
     if energetic:
-        take = EnergeticContact(space, 0, 0, friction=case.friction, restitution=case.restitution).step
+        take = EnergeticContact(
+            space, 0, 0, friction=case.friction, restitution=case.restitution
+        ).step
     for _ in range(math.ceil(case.time / step)):
         take(step)
     found = np.array(case.measure(bodies, step))
@@ -207,7 +254,9 @@ def table(cases: int = CASES) -> list[tuple[str, int, str, np.ndarray]]:
 
 def main() -> None:
     """Print the table, on what it was measured, and how to measure it again."""
-    print("relative errors: energy (of a slide: way), median and largest; height, median and largest")
+    print(
+        "relative errors: energy (of a slide: way), median and largest; height, median and largest"
+    )
     for name, frequency, method, values in table():
         (energy, height), (most_energy, most_height) = np.median(values, axis=0), values.max(axis=0)
         print(

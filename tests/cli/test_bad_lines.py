@@ -72,13 +72,25 @@ REFUSED = [
 
 REFUSED_BY_THE_RUN = [
     ("force_history --set force_csv=points.csv", "force_csv = points.csv: "),
-    ("force_history --set force_csv=tool.toml", "force_csv = tool.toml: must have columns of time and force"),
+    (
+        "force_history --set force_csv=tool.toml",
+        "force_csv = tool.toml: must have columns of time and force",
+    ),
     ("measured_impacts --set data=points.csv", "data = points.csv: must"),
     ("measured_impacts --set data=none.mat", "data = 'none.mat': must be a readable file"),
-    ("single_pendulum --set contact=compliant --set restitution=5e-4", "restitution = 0.0005: must be 0, or at least"),
+    (
+        "single_pendulum --set contact=compliant --set restitution=5e-4",
+        "restitution = 0.0005: must be 0, or at least",
+    ),
     ("oblique_impact --csv a.csv", "contact = energetic: must be compliant"),
-    ("crater_depth --set hub_radius=4e-5 --plot a.png", "compression_time = 5e-05: must be shorter"),
-    ("cue_and_impact --sweep penetration=0.03:0.04:2 --plot a.png", "--plot: must have results to draw"),
+    (
+        "crater_depth --set hub_radius=4e-5 --plot a.png",
+        "compression_time = 5e-05: must be shorter",
+    ),
+    (
+        "cue_and_impact --sweep penetration=0.03:0.04:2 --plot a.png",
+        "--plot: must have results to draw",
+    ),
 ]
 
 
@@ -94,7 +106,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(("line", "words"), REFUSED + REFUSED_BY_THE_RUN)
-def test_a_line_is_refused_in_one_line(line: str, words: str, folder: Path, capsys, monkeypatch: pytest.MonkeyPatch):
+def test_a_line_is_refused_in_one_line(
+    line: str, words: str, folder: Path, capsys, monkeypatch: pytest.MonkeyPatch
+):
     """Before anything is computed, if the line alone says that it is wrong."""
     if (line, words) in REFUSED:
         monkeypatch.setattr(Scenario, "answer", lambda *_: pytest.fail("ran"))
@@ -115,7 +129,9 @@ def test_a_line_is_refused_in_one_line(line: str, words: str, folder: Path, caps
         ("explore", "cli.explore.server", "pip install 'bristle-sim[explore]' brings it"),
     ],
 )
-def test_a_missing_extra_is_named(line: str, module: str, words: str, monkeypatch: pytest.MonkeyPatch, capsys):
+def test_a_missing_extra_is_named(
+    line: str, module: str, words: str, monkeypatch: pytest.MonkeyPatch, capsys
+):
     monkeypatch.setitem(sys.modules, f"bristle_sim.{module}", None)
     assert command.main(shlex.split(line)) == 2
     assert words in capsys.readouterr().err

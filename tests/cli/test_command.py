@@ -30,7 +30,9 @@ def test_alone_it_lists_every_scenario_with_its_question(capsys: pytest.CaptureF
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("usage: bristle-sim SCENARIO")
     listed = lines[2 : lines.index("", 2)]
-    assert [line.split()[0] for line in listed] == sorted(path.stem for path in (ROOT / "scenarios").glob("*.py"))
+    assert [line.split()[0] for line in listed] == sorted(
+        path.stem for path in (ROOT / "scenarios").glob("*.py")
+    )
     assert all(line.endswith("?") for line in listed)
 
 
@@ -57,11 +59,16 @@ def test_help_and_version(capsys: pytest.CaptureFixture[str]):
         ("bristle-sim single_pendulum --list", ["--list-keys"]),
     ],
 )
-def test_a_shell_completes_scenarios_options_and_keys(line: str, completed: list[str], tmp_path: Path, monkeypatch):
+def test_a_shell_completes_scenarios_options_and_keys(
+    line: str, completed: list[str], tmp_path: Path, monkeypatch
+):
     """As the shell asks: the line in the environment, the answer in the file that the environment names."""
     pytest.importorskip("argcomplete")
     asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
-    asked |= {f"_ARGCOMPLETE_{name}": value for name, value in {"IFS": "\n", "COMP_WORDBREAKS": " =:"}.items()}
+    asked |= {
+        f"_ARGCOMPLETE_{name}": value
+        for name, value in {"IFS": "\n", "COMP_WORDBREAKS": " =:"}.items()
+    }
     asked["_ARGCOMPLETE_STDOUT_FILENAME"] = str(tmp_path / "answer")
     for name, value in asked.items():
         monkeypatch.setenv(name, value)
@@ -81,12 +88,16 @@ def test_a_distribution_carries_its_commit(tmp_path: Path, monkeypatch: pytest.M
     assert versions.commit.__wrapped__() == "0123456789ab"
 
 
-def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+def test_the_module_does_what_the_script_does(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
     script = partial(runpy.run_path, str(ROOT / "scenarios" / "oblique_impact.py"))
     module = partial(runpy.run_module, "bristle_sim")
     found = []
     for started, words in ((script, []), (module, ["oblique_impact"])):
-        monkeypatch.setattr(sys, "argv", ["started", *words, "--set", "friction=0.2", "--json", "-"])
+        monkeypatch.setattr(
+            sys, "argv", ["started", *words, "--set", "friction=0.2", "--json", "-"]
+        )
         with pytest.raises(SystemExit) as ended:
             started(run_name="__main__")
         assert ended.value.code == 0
@@ -97,11 +108,14 @@ def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, c
 
 def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
     """A wheel unpacked: the package with the scripts in it, and no work tree beside."""
-    site, empty = tmp_path / "site", tmp_path / "empty"
+    site = tmp_path / "site"
+    empty = tmp_path / "empty"
     empty.mkdir()
     with zipfile.ZipFile(tmp_path / "package.zip", "w") as archive:
         package = Path(bristle_sim.__file__).parent
-        scripts = next(iter(script_paths().values())).parent  # in the package already, if this is installed
+        scripts = next(
+            iter(script_paths().values())
+        ).parent  # in the package already, if this is installed
         for folder, place in {package: "bristle_sim", scripts: "bristle_sim/scenarios"}.items():
             for path in folder.rglob("*"):
                 if (folder == scripts or scripts not in path.parents) and path.suffix in (
@@ -115,25 +129,41 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
                 ):
                     archive.write(path, f"{place}/{path.relative_to(folder).as_posix()}")
         archive.extractall(site)
-    arguments = [sys.executable, "-m", "bristle_sim", "single_pendulum", "--report", "page.html", "--json", "-"]
+    arguments = [
+        sys.executable,
+        "-m",
+        "bristle_sim",
+        "single_pendulum",
+        "--report",
+        "page.html",
+        "--json",
+        "-",
+    ]
     environment = {**os.environ, "PYTHONPATH": str(site)}
-    found = subprocess.run(arguments, capture_output=True, text=True, check=True, cwd=empty, env=environment)
+    found = subprocess.run(
+        arguments, capture_output=True, text=True, check=True, cwd=empty, env=environment
+    )
     assert json.loads(found.stdout)["parameters"]["friction"] > 0.0
     assert [path.name for path in empty.iterdir()] == ["page.html"]
     page = (empty / "page.html").read_text(encoding="utf-8")
     assert "bristle-sim single_pendulum --report page.html" in page
 
 
-def test_a_tool_file_gives_parameters_and_set_overrides_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_tool_file_gives_parameters_and_set_overrides_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     """A value that has no effect on the scenario is named."""
-    path, warning = tmp_path / "tool.toml", "bar_friction = 0.1 has no effect on oblique_impact\n"
+    path = tmp_path / "tool.toml"
+    warning = "bar_friction = 0.1 has no effect on oblique_impact\n"
     for bar, more, speed in (
         (None, [], 300.0),
         (None, ["--set", "hub_speed=280"], 280.0),
         (Bar(friction=0.1), [], 300.0),
     ):
         write_tool(Tool(hub=Hub(speed=300.0), bar=bar), path)
-        assert command.main(["oblique_impact", "--parameters", str(path), *more, "--json", "-"]) == 0
+        assert (
+            command.main(["oblique_impact", "--parameters", str(path), *more, "--json", "-"]) == 0
+        )
         out, err = capsys.readouterr()
         assert json.loads(out)["parameters"]["hub_speed"] == speed
         assert err == (f"bristle-sim oblique_impact: warning: {path}: {warning}" if bar else "")
@@ -147,7 +177,9 @@ def test_a_tool_file_gives_parameters_and_set_overrides_them(tmp_path: Path, cap
         ("cue_map --set reference=no --set map_points=3", (-0.05120, -0.02054)),
     ],
 )
-def test_the_tool_that_was_run_or_found_is_written(line: str, bar: tuple[float, float], tmp_path: Path):
+def test_the_tool_that_was_run_or_found_is_written(
+    line: str, bar: tuple[float, float], tmp_path: Path
+):
     path = tmp_path / "tool.toml"
     assert command.main([*line.split(), "--write-tool", str(path)]) == 0
     found = read_tool(path)

@@ -64,7 +64,10 @@ def run(body: Body, _law: Law) -> Report:
         wall_s=np.float64(0.125),
         steps=np.int64(7),
         remarks=("a remark",),
-        extra={"rows": [{"case": "a", "ok": np.bool_(True), "reached": math.nan}], "curve": np.array([1.0, np.inf])},
+        extra={
+            "rows": [{"case": "a", "ok": np.bool_(True), "reached": math.nan}],
+            "curve": np.array([1.0, np.inf]),
+        },
         subject=body,
         answer="Momentum is mass times speed.",
     )
@@ -91,7 +94,9 @@ class Film:
 
 
 QUESTION = "Is momentum mass times speed? 100% of it?"
-SCENARIO = Scenario(name="fake", question=QUESTION, run=run, plot=Picture, film=Film, without=("unused",))
+SCENARIO = Scenario(
+    name="fake", question=QUESTION, run=run, plot=Picture, film=Film, without=("unused",)
+)
 
 
 def doing(answer: Callable[[], Report]) -> Scenario:
@@ -103,7 +108,9 @@ def doing(answer: Callable[[], Report]) -> Scenario:
     return dataclasses.replace(SCENARIO, run=other)
 
 
-def refusal(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scenario = SCENARIO) -> str:
+def refusal(
+    capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scenario = SCENARIO
+) -> str:
     """The one line that refuses some arguments."""
     assert main(scenario, arguments) == 2
     out, err = capsys.readouterr()
@@ -112,7 +119,9 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scena
     return err.removeprefix("fake.py: error: ").rstrip("\n")
 
 
-def document(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scenario = SCENARIO) -> dict[str, Any]:
+def document(
+    capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scenario = SCENARIO
+) -> dict[str, Any]:
     main(scenario, ["--json", "-", *arguments])
     out, err = capsys.readouterr()
     assert err == ""
@@ -121,7 +130,9 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scen
     return found
 
 
-def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+def test_answer_table_and_exit_status(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
     assert main(SCENARIO, []) == 0
     out, err = capsys.readouterr()
     assert err == ""
@@ -140,7 +151,8 @@ def test_answer_table_and_exit_status(capsys: pytest.CaptureFixture[str], monkey
 
 def test_remarks_alone(capsys: pytest.CaptureFixture[str]):
     """No outcome where no impact is asked about; prose is wrapped, and columns are not."""
-    prose, columns = "word " * 40, "a  b  " * 40
+    prose = "word " * 40
+    columns = "a  b  " * 40
     silent = doing(lambda: Report(None, (), remarks=(prose, columns)))
     assert main(silent, []) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -152,7 +164,16 @@ def test_remarks_alone(capsys: pytest.CaptureFixture[str]):
 
 
 def test_settings_are_read_and_the_last_one_counts(capsys: pytest.CaptureFixture[str], monkeypatch):
-    found = document(capsys, "--set", "mass=4", "--set=speed=-1e1", "--set", "law=plastic", "--set", "mass=5000 g")
+    found = document(
+        capsys,
+        "--set",
+        "mass=4",
+        "--set=speed=-1e1",
+        "--set",
+        "law=plastic",
+        "--set",
+        "mass=5000 g",
+    )
     assert found["parameters"] == {"mass": 5.0, "speed": -10.0, "drag": None, "law": "plastic"}
     assert found["quantities"][0]["simulated"] == -50.0
     monkeypatch.setattr(sys, "argv", ["fake.py", "--set", "mass=x"])
@@ -161,7 +182,9 @@ def test_settings_are_read_and_the_last_one_counts(capsys: pytest.CaptureFixture
 
 
 def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str], tmp_path: Path):
-    nothing = dict.fromkeys(("simulated", "theory", "reference", "printed", "relative_difference", "tolerance", "ok"))
+    nothing = dict.fromkeys(
+        ("simulated", "theory", "reference", "printed", "relative_difference", "tolerance", "ok")
+    )
     assert document(capsys) == {
         "scenario": "fake",
         "answer": "Momentum is mass times speed.",
@@ -171,7 +194,13 @@ def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str], t
         "outcome": "rebound",
         "quantities": [
             nothing
-            | {"name": "momentum", "label": "momentum", "unit": "N s", "simulated": 1.0, "theory": 1.0}
+            | {
+                "name": "momentum",
+                "label": "momentum",
+                "unit": "N s",
+                "simulated": 1.0,
+                "theory": 1.0,
+            }
             | {"relative_difference": 0.0, "tolerance": 1e-9, "ok": True},
             nothing | {"name": "nothing", "label": "nothing", "unit": "1"},
         ],
@@ -215,9 +244,23 @@ def test_values_too_extreme_for_arithmetic_are_refused(
         main(doing(fail), [])
 
 
-def test_pictures_and_videos_are_drawn_when_asked_for(capsys: pytest.CaptureFixture[str], tmp_path: Path):
-    plot, video = tmp_path / "plot.SVG", tmp_path / "film.gif"
-    arguments = ["--plot", str(plot), "--video", str(video), "--size", "64x48", "--fps", "12", "--json", "-"]
+def test_pictures_and_videos_are_drawn_when_asked_for(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+):
+    plot = tmp_path / "plot.SVG"
+    video = tmp_path / "film.gif"
+    arguments = [
+        "--plot",
+        str(plot),
+        "--video",
+        str(video),
+        "--size",
+        "64x48",
+        "--fps",
+        "12",
+        "--json",
+        "-",
+    ]
     assert main(SCENARIO, arguments) == 0
     out, err = capsys.readouterr()
     assert json.loads(out)["scenario"] == "fake"
@@ -225,7 +268,9 @@ def test_pictures_and_videos_are_drawn_when_asked_for(capsys: pytest.CaptureFixt
     assert (plot.read_text(), video.read_text()) == ("drawn 2.0", "drawn 2.0 64x48 12")
 
 
-@pytest.mark.parametrize("error", [ValueError("too long"), OSError(errno.ENOSPC, "No space left on device")])
+@pytest.mark.parametrize(
+    "error", [ValueError("too long"), OSError(errno.ENOSPC, "No space left on device")]
+)
 @pytest.mark.parametrize("part", ["plot", "series"])
 def test_a_file_that_fails_is_named_and_leaves_no_output(
     part: str, error: Exception, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -236,21 +281,34 @@ def test_a_file_that_fails_is_named_and_leaves_no_output(
     moving = dataclasses.replace(SCENARIO, series=lambda _: {"n": [1]})
     scenario = dataclasses.replace(moving, **{part: fail})
     targets = {
-        option: str(tmp_path / f"a.{kind}") for option, kind in (("csv", "csv"), ("plot", "png"), ("json", "json"))
+        option: str(tmp_path / f"a.{kind}")
+        for option, kind in (("csv", "csv"), ("plot", "png"), ("json", "json"))
     }
     line = refusal(
-        capsys, *(word for option, path in targets.items() for word in (f"--{option}", path)), scenario=scenario
+        capsys,
+        *(word for option, path in targets.items() for word in (f"--{option}", path)),
+        scenario=scenario,
     )
     assert line.endswith("too long" if isinstance(error, ValueError) else "No space left on device")
-    assert part != "plot" or isinstance(error, ValueError) or line.startswith(f"--plot = {targets['plot']!r}: ")
+    assert (
+        part != "plot"
+        or isinstance(error, ValueError)
+        or line.startswith(f"--plot = {targets['plot']!r}: ")
+    )
     assert not list(tmp_path.iterdir())
 
 
-COLUMNS = {"shape": ["a", "b"], "time (s)": np.array([1.0 / 3.0, 0.5]), "n": [math.nextafter(1.0, 2.0), math.nan]}
+COLUMNS = {
+    "shape": ["a", "b"],
+    "time (s)": np.array([1.0 / 3.0, 0.5]),
+    "n": [math.nextafter(1.0, 2.0), math.nan],
+}
 MOVING = dataclasses.replace(SCENARIO, series=lambda _: COLUMNS)
 
 
-def test_a_time_series_is_written_one_row_a_sample(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+def test_a_time_series_is_written_one_row_a_sample(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+):
     """At full precision: a third and the smallest number above one survive."""
     target = tmp_path / "run.csv"
     text = "shape,time (s),n\na,0.3333333333333333,1.0000000000000002\nb,0.5,\n"
@@ -275,7 +333,8 @@ def test_ctrl_c_ends_with_one_line_and_keeps_what_is_finished(
             raise Unfinished(Report(None, (Quantity("first", "1", 1.0),), extra={"rows": [1]}))
         raise KeyboardInterrupt
 
-    target, picture = tmp_path / "a.json", tmp_path / "a.png"
+    target = tmp_path / "a.json"
+    picture = tmp_path / "a.png"
     assert main(doing(interrupt), ["--json", str(target), "--plot", str(picture)]) == 130
     out, err = capsys.readouterr()
     assert err == "fake.py: interrupted\n"
@@ -290,7 +349,9 @@ def test_ctrl_c_ends_with_one_line_and_keeps_what_is_finished(
 
 
 @pytest.mark.parametrize(("terminal", "bar"), [(True, False), (False, False), (False, True)])
-def test_progress_is_shown_at_once_on_a_terminal_and_now_and_then_elsewhere(terminal: bool, bar: bool, monkeypatch):
+def test_progress_is_shown_at_once_on_a_terminal_and_now_and_then_elsewhere(
+    terminal: bool, bar: bool, monkeypatch
+):
     """Where a bar counts, nothing else does."""
 
     def work() -> Report:
@@ -308,7 +369,9 @@ def test_progress_is_shown_at_once_on_a_terminal_and_now_and_then_elsewhere(term
     assert main(doing(work), []) == 0
     shown = stderr.getvalue().removeprefix("fake.py: warning: take care\n")
     shown_at_once = "\r\x1b[Kfake.py: part 1 of 2"
-    assert shown.startswith(shown_at_once if terminal else "" if bar else "fake.py: 0 s: part 1 of 2\n")
+    assert shown.startswith(
+        shown_at_once if terminal else "" if bar else "fake.py: 0 s: part 1 of 2\n"
+    )
     assert (shown == "") is bar
     assert shown.endswith("\r\x1b[K") is terminal  # the line is cleared at the end
     assert not logging.getLogger("bristle_sim").handlers
@@ -332,7 +395,8 @@ def started(name: str, *arguments: str) -> list[str]:
 
 @posix
 @pytest.mark.parametrize(
-    ("number", "status", "line"), [("SIGINT", 130, "interrupted\n"), ("SIGTERM", 143, ""), ("SIGHUP", 129, "")]
+    ("number", "status", "line"),
+    [("SIGINT", 130, "interrupted\n"), ("SIGTERM", 143, ""), ("SIGHUP", 129, "")],
 )
 def test_a_signal_leaves_no_partial_file(number: str, status: int, line: str, tmp_path: Path):
     """It is sent as soon as a film of some seconds has its partial file."""
@@ -384,7 +448,8 @@ def in_destructor(action: Callable[[], object]) -> None:
 
 
 def in_callback(action: Callable[[], object]) -> None:
-    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
+    space = pymunk.Space()
+    body = pymunk.Body(1.0, 1.0)
     space.add(body)
     body.velocity_func = lambda *_: action()
     space.step(0.1)
@@ -392,9 +457,13 @@ def in_callback(action: Callable[[], object]) -> None:
 
 @posix
 @pytest.mark.usefixtures("usual_handlers")
-@pytest.mark.parametrize(("number", "ended"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)])
+@pytest.mark.parametrize(
+    ("number", "ended"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)]
+)
 @pytest.mark.parametrize("where", [in_destructor, in_callback])
-def test_an_end_is_not_lost_where_an_exception_is_printed_and_ignored(where, number: int, ended: type, monkeypatch):
+def test_an_end_is_not_lost_where_an_exception_is_printed_and_ignored(
+    where, number: int, ended: type, monkeypatch
+):
     """In a destructor or a callback of the engine; another exception is printed there as ever."""
     reported: list[type] = []
     monkeypatch.setattr(sys, "__unraisablehook__", lambda lost: reported.append(lost.exc_type))
@@ -426,7 +495,9 @@ def test_a_closed_stream(closed: str, status: int, tmp_path: Path):
         assert not list(tmp_path.iterdir())
 
 
-def test_a_reader_that_leaves_early_is_no_error(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+def test_a_reader_that_leaves_early_is_no_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
     """As of ``scenario.py | head -1``: no complaint when the stream is closed either."""
     read, write = os.pipe()
     os.close(read)
@@ -442,4 +513,6 @@ def test_a_full_disk_is_an_error_in_one_line(capsys: pytest.CaptureFixture[str],
         monkeypatch.setattr(sys, "stdout", out)
         assert main(SCENARIO, []) == 2
         out.flush()
-    assert capsys.readouterr().err == f"fake.py: error: standard output: {os.strerror(errno.ENOSPC)}\n"
+    assert (
+        capsys.readouterr().err == f"fake.py: error: standard output: {os.strerror(errno.ENOSPC)}\n"
+    )

@@ -34,14 +34,20 @@ def test_every_row_of_the_audit_has_a_verdict_that_the_counts_and_the_page_in_me
     counts = Counter(row["status"] for row in rows)
     assert set(counts) == {"reproduced", "differs", "not computable"}
     reported = {row["name"]: row["simulated"] for row in found["quantities"]}
-    assert (reported["rows_reproduced"], reported["rows_that_differ"]) == (counts["reproduced"], counts["differs"])
+    assert (reported["rows_reproduced"], reported["rows_that_differ"]) == (
+        counts["reproduced"],
+        counts["differs"],
+    )
     for row in rows:
         assert isinstance(row["printed"], float | str)
         assert (row["computed"] is None) == (row["status"] == "not computable")
         assert row["why"] or row["status"] != "differs"
     made = runpy.run_path(str(MEDIA / "make.py"))["audit_page"](audit_rows())
     kept = (MEDIA / "audit.md").read_text(encoding="utf-8")
-    places = [[line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")] for text in (made, kept)]
+    places = [
+        [line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")]
+        for text in (made, kept)
+    ]
     assert places[0] == places[1]
     assert len(places[0]) > 150
     assert all(line.count(" | ") in (4, 5) for line in made.splitlines() if line.startswith("|"))
@@ -59,38 +65,62 @@ def test_the_audit_fits_a_terminal(show: str, capsys):
 
 def test_one_figure_alone(tmp_path: Path, capsys):
     """``--only`` is short for its key. A name that ends in .pdf is a file like in every script, replaced if it exists."""
-    by_option = document(capsys, "dissertation_figures", "--only", "4.6", "--plot", str(tmp_path / "figures"))
-    by_key = document(capsys, "dissertation_figures", "--set", "only=4.6", "--plot", str(tmp_path / "figures.pdf"))
+    by_option = document(
+        capsys, "dissertation_figures", "--only", "4.6", "--plot", str(tmp_path / "figures")
+    )
+    by_key = document(
+        capsys, "dissertation_figures", "--set", "only=4.6", "--plot", str(tmp_path / "figures.pdf")
+    )
     assert by_option["quantities"] == by_key["quantities"]
     assert (by_option["parameters"], by_option["outcome"]) == ({"only": "4.6"}, None)
     assert [path.name for path in (tmp_path / "figures").iterdir()] == ["figure_4.6.png"]
-    assert command.main(["dissertation_figures", "--only", "4.6", "--plot", str(tmp_path / "figures.pdf")]) == 0
+    assert (
+        command.main(
+            ["dissertation_figures", "--only", "4.6", "--plot", str(tmp_path / "figures.pdf")]
+        )
+        == 0
+    )
     assert (tmp_path / "figures.pdf").read_bytes().startswith(b"%PDF")
     assert {path.name for path in tmp_path.iterdir()} == {"figures", "figures.pdf"}
 
 
 def test_every_figure(tmp_path: Path, capsys):
     found = document(capsys, "dissertation_figures", "--plot", str(tmp_path))
-    computed = " ".join([f"2.{i}" for i in range(7, 25)]) + " 2.26 2.28 2.29 2.30 3.1 3.2 3.3 table_3.1"
+    computed = (
+        " ".join([f"2.{i}" for i in range(7, 25)]) + " 2.26 2.28 2.29 2.30 3.1 3.2 3.3 table_3.1"
+    )
     assert " ".join(NUMBERS) == f"{computed} 4.2 4.3 4.6 4.13 4.14 4.15 4.16 4.17 4.19"
     names = [number if number.startswith("table") else f"figure_{number}" for number in NUMBERS]
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"{name}.png" for name in names)
-    assert all(path.stat().st_size > 20_000 for path in tmp_path.iterdir())  # an empty page takes less
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        f"{name}.png" for name in names
+    )
+    assert all(
+        path.stat().st_size > 20_000 for path in tmp_path.iterdir()
+    )  # an empty page takes less
     rows = found["quantities"]
-    assert {row["name"].rpartition("_")[0] for row in rows} == {name for name in names if name != "table_3.1"}
+    assert {row["name"].rpartition("_")[0] for row in rows} == {
+        name for name in names if name != "table_3.1"
+    }
 
 
 def test_points_of_a_file_are_fitted_and_drawn(tmp_path: Path, capsys):
     """A ball's impact: a bristle on a turning hub has no such contact, so that there is nothing to compare."""
-    points, picture = tmp_path / "ball.csv", tmp_path / "picture.png"
+    points = tmp_path / "ball.csv"
+    picture = tmp_path / "picture.png"
     time = np.linspace(0.0, 5e-3, 51)
     lines = [f"{t:.9g};{f:.9g}" for t, f in zip(time, BALL(time), strict=True)]
     points.write_text("\n".join(["time (s);force (N)", *lines]))
-    found = document(capsys, "force_history", "--set", f"force_csv={points}", "--plot", str(picture))
+    found = document(
+        capsys, "force_history", "--set", f"force_csv={points}", "--plot", str(picture)
+    )
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert (found["parameters"]["force_csv"], found["outcome"]) == (str(points), None)
     assert all(row["simulated"] is None and row["ok"] is None for row in found["quantities"][:3])
     # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
     fitted = {row["name"]: row["theory"] for row in found["quantities"]}
-    for name, value in {"peak_force": 340.75, "compression_time": 2.329e-3, "compressive_impulse": 0.46288}.items():
+    for name, value in {
+        "peak_force": 340.75,
+        "compression_time": 2.329e-3,
+        "compressive_impulse": 0.46288,
+    }.items():
         assert fitted[name] == pytest.approx(value, rel=1e-3)

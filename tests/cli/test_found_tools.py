@@ -16,7 +16,9 @@ EVERYDAY = [(2500.0, 40.0, 1.0), (3400.0, 30.0, 1.0)]
 """Hub speed, rpm, length, mm, and belt stiffness over the default; the bar stands at 112 and 89 degrees."""
 
 RNG = np.random.default_rng(1)
-RANDOM = [(RNG.uniform(1800.0, 3800.0), RNG.uniform(25.0, 40.0), RNG.uniform(0.8, 2.0)) for _ in range(18)]
+RANDOM = [
+    (RNG.uniform(1800.0, 3800.0), RNG.uniform(25.0, 40.0), RNG.uniform(0.8, 2.0)) for _ in range(18)
+]
 
 OTHERS = {
     "cue_and_impact": ["--set", "reference=yes"],
@@ -28,13 +30,23 @@ OTHERS = {
 
 
 @pytest.mark.parametrize(
-    ("speed", "length", "stiffness"), [*EVERYDAY, *(pytest.param(*each, marks=pytest.mark.nightly) for each in RANDOM)]
+    ("speed", "length", "stiffness"),
+    [*EVERYDAY, *(pytest.param(*each, marks=pytest.mark.nightly) for each in RANDOM)],
 )
 def test_a_tool_that_was_found_runs_everywhere(
-    speed: float, length: float, stiffness: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    speed: float,
+    length: float,
+    stiffness: float,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    file, page = str(tmp_path / "found.toml"), tmp_path / "page.html"
-    keys = (f"hub_speed={speed}rpm", f"bristle_length={length}mm", f"belt_stiffness={stiffness * 0.0234913}")
+    file = str(tmp_path / "found.toml")
+    page = tmp_path / "page.html"
+    keys = (
+        f"hub_speed={speed}rpm",
+        f"bristle_length={length}mm",
+        f"belt_stiffness={stiffness * 0.0234913}",
+    )
     wanted = [word for key in (*keys, "reference=no", "accuracy=1e-7") for word in ("--set", key)]
     assert command.main(["cue_map", *wanted, "--write-tool", file]) == 0
     capsys.readouterr()

@@ -46,9 +46,13 @@ SMALL = {
 PROGRESS = re.compile(r"\s*\d+%\|")
 """A progress bar, which long work may show before it is refused."""
 
-SCENARIOS = {name: load_scenario(path) for name, path in script_paths().items() if name not in FIXED_WORK}
+SCENARIOS = {
+    name: load_scenario(path) for name, path in script_paths().items() if name not in FIXED_WORK
+}
 
-needs_timer = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by")
+needs_timer = pytest.mark.skipif(
+    not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by"
+)
 
 
 class Answer(NamedTuple):
@@ -73,7 +77,9 @@ def value(chance: random.Random, declared: Range | Choice, default: object) -> s
     elif kind == "end":
         found = chance.choice((low, high))
     elif kind == "decade":
-        size = 10.0 ** chance.uniform(math.log10(max(abs(low), 1e-12)), math.log10(max(abs(high), 1e-12)))
+        size = 10.0 ** chance.uniform(
+            math.log10(max(abs(low), 1e-12)), math.log10(max(abs(high), 1e-12))
+        )
         found = size * (chance.choice((-1.0, 1.0)) if low < 0.0 else 1.0)
     else:
         found = chance.uniform(low, high)
@@ -85,9 +91,17 @@ def command_line(scenario: Scenario, number: int) -> list[str]:
     """One to four keys with random values; the same for the same number."""
     chance = random.Random(f"{SEED} {scenario.name} {number}")
     small = SMALL.get(scenario.name, ())
-    keys = {key: each for key, each in scenario.keys().items() if not any(one.startswith(f"{key}=") for one in small)}
+    keys = {
+        key: each
+        for key, each in scenario.keys().items()
+        if not any(one.startswith(f"{key}=") for one in small)
+    }
     chosen = chance.sample(sorted(keys), min(chance.choice((1, 1, 2, 3, 4)), len(keys)))
-    drawn = (f"{key}={value(chance, *keys[key])}" for key in chosen if not key.endswith(("_csv", "store")))
+    drawn = (
+        f"{key}={value(chance, *keys[key])}"
+        for key in chosen
+        if not key.endswith(("_csv", "store"))
+    )
     return ["--json", "-", *(f"--set={setting}" for setting in (*small, *drawn))]
 
 
@@ -125,8 +139,11 @@ class Forecast(logging.Handler):
 
 def answer(scenario: Scenario, arguments: list[str]) -> Answer:
     """Run a command line in this process, listening to its progress as a terminal does."""
-    out, err, forecast = io.StringIO(), io.StringIO(), Forecast()
-    log, status = logging.getLogger("bristle_sim"), None
+    out = io.StringIO()
+    err = io.StringIO()
+    forecast = Forecast()
+    log = logging.getLogger("bristle_sim")
+    status = None
     log.addHandler(forecast)
     log.setLevel(logging.INFO)
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
@@ -145,11 +162,19 @@ def answer(scenario: Scenario, arguments: list[str]) -> Answer:
 def fault(given: Answer) -> str:
     """The fault of an answer; empty if it keeps to the contract."""
     if given.status is None:
-        return "" if given.err.endswith("too long") and given.forecast else f"no exit status: {given.err[-600:]}"
+        return (
+            ""
+            if given.err.endswith("too long") and given.forecast
+            else f"no exit status: {given.err[-600:]}"
+        )
     if given.status == 2:
         said = [line for line in given.err.splitlines() if line and not PROGRESS.match(line)]
         one_line = not given.out and len(said) == 1 and given.err.endswith("\n")
-        return "" if one_line and "Traceback" not in given.err else f"not one line: {given.out[:200]} {given.err[:600]}"
+        return (
+            ""
+            if one_line and "Traceback" not in given.err
+            else f"not one line: {given.out[:200]} {given.err[:600]}"
+        )
     if given.status not in (0, 1) or "Traceback" in given.err:
         return f"exit status {given.status}: {given.err[:600]}"
 

@@ -82,7 +82,9 @@ PROMISES = {
         integrates=True,
     ),
     "oblique_impact": Promise(
-        IMPACT, f"{RIGID_TOOL} speed_ratio impact_angle_deg {RUBBING} {LAW} tangential_compliance", film=IMPACT_FILM
+        IMPACT,
+        f"{RIGID_TOOL} speed_ratio impact_angle_deg {RUBBING} {LAW} tangential_compliance",
+        film=IMPACT_FILM,
     ),
     "single_pendulum": Promise(
         "rebound_ratio normal_compressive_impulse normal_final_impulse",
@@ -140,7 +142,10 @@ PROMISES = {
     "film": Promise(
         "nearest_contact_duration nearest_wire_damping_ratio touches compression_time crater_depth",
         f"{PASS} {RUBBING} accuracy wire_links wire_modulus frame_rate exposure store",
-        lists={"frames": "time tip_height", "variants": "variant touches compression_time crater_depth"},
+        lists={
+            "frames": "time tip_height",
+            "variants": "variant touches compression_time crater_depth",
+        },
         quick="wire_links=1 map_durations=2 map_dampings=2 workers=1 accuracy=1e-2",
         slow=True,
         strikes=False,
@@ -159,7 +164,9 @@ PROMISES = {
         strikes=False,
     ),
     "dissertation_figures": Promise(keys="only", quick="only=2.24", strikes=False),
-    "dissertation_audit": Promise(lists={"rows": "where printed computed status why"}, slow=True, strikes=False),
+    "dissertation_audit": Promise(
+        lists={"rows": "where printed computed status why"}, slow=True, strikes=False
+    ),
     "cue_map": Promise(
         "bar_direction_for_radial_strike_deg bar_horizontal bar_vertical relative_speed_at_contact"
         " bar_direction_for_highest_tip_speed_deg",
@@ -184,7 +191,8 @@ PROMISES = {
         strikes=False,
     ),
     "tolerances": Promise(
-        keys=f"{PASS} {RUBBING} samples " + " ".join(f"spread_{key}" for key in f"{RIGID_TOOL} {BELT} {BAR}".split()),
+        keys=f"{PASS} {RUBBING} samples "
+        + " ".join(f"spread_{key}" for key in f"{RIGID_TOOL} {BELT} {BAR}".split()),
         lists={"rows": "output mean std low high indices"},
         quick="samples=2 accuracy=1e-2",
         slow=True,
@@ -231,7 +239,11 @@ def asked(name: str, *arguments: str) -> tuple[int, str, dict[str, Any]]:
 def untimed(value: Any) -> Any:
     """The same without the clock's readings."""
     if isinstance(value, dict):
-        return {key: untimed(each) for key, each in value.items() if not key.startswith(("wall_s", "cpu_s"))}
+        return {
+            key: untimed(each)
+            for key, each in value.items()
+            if not key.startswith(("wall_s", "cpu_s"))
+        }
     return [untimed(each) for each in value] if isinstance(value, list) else value
 
 
@@ -242,14 +254,17 @@ def test_scripts_load_engine_and_solvers_only_to_run() -> None:
     late -= {"dissertation_audit", "dissertation_figures"}
     code = "import runpy, sys\nfor path in sys.argv[1:]: runpy.run_path(path)\nprint(*{'pymunk', 'scipy'} & {*sys.modules})"
     paths = [str(SCRIPTS[name]) for name in sorted(late)]
-    done = subprocess.run([sys.executable, "-c", code, *paths], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *paths], capture_output=True, text=True, check=True
+    )
     assert done.stdout.split() == []
 
 
 @each_script
 def test_declared_names_and_keys(name: str, capsys: pytest.CaptureFixture[str]):
     """Each key is listed with meaning, unit, default, range and the source of the default that this script uses."""
-    declared, promise = scenario(name), PROMISES[name]
+    declared = scenario(name)
+    promise = PROMISES[name]
     assert declared.name == name
     assert declared.question.endswith("?")
     assert {*promise.keys.split(), *declared.defaults} <= set(declared.keys())
@@ -270,10 +285,19 @@ def test_declared_names_and_keys(name: str, capsys: pytest.CaptureFixture[str]):
     for key, (found, default) in declared.keys().items():
         assert (default is None and found.optional) or found.check(default) == default
         assert default == of_class[key][0] or found.source != of_class[key][1], key
-        shown = default if isinstance(default, str) else "none" if default is None else f"{default:.9g}"
+        shown = (
+            default if isinstance(default, str) else "none" if default is None else f"{default:.9g}"
+        )
         unit = "" if found.unit in ("1", "word") else found.unit
         needs = f"only with {found.needs}" if found.needs else ""
-        for expected in (shown, unit, found.allowed, found.meaning, needs, f"(default: {found.source})"):
+        for expected in (
+            shown,
+            unit,
+            found.allowed,
+            found.meaning,
+            needs,
+            f"(default: {found.source})",
+        ):
             assert expected in listed[key]
 
 
@@ -297,17 +321,25 @@ def test_a_run_keeps_the_contract(name: str, tmp_path: Path, capsys: pytest.Capt
     The two differ by their hash seed; and here each parameter is set to its default, which must give the same numbers as
     none set. A slow script runs here alone. Without assertions: tests/promises/test_repeatability.py.
     """
-    promise, target, picture = PROMISES[name], tmp_path / "results.json", tmp_path / "picture.png"
+    promise = PROMISES[name]
+    target = tmp_path / "results.json"
+    picture = tmp_path / "picture.png"
     quick = settings(promise.quick)
     defaults = {key: default for key, (_, default) in scenario(name).keys().items()}
     named = [f"--set={key}={default}" for key, default in defaults.items() if default is not None]
     plot = ["--plot", str(picture)] if scenario(name).plot is not None else []
     assert main(scenario(name), [*named, *quick, "--json", str(target), *plot]) == 0
-    printed, found = capsys.readouterr().out, parsed(target.read_text())
+    printed = capsys.readouterr().out
+    found = parsed(target.read_text())
     if not promise.slow:
         own = [sys.executable, "-c", IMPORTED, str(SCRIPTS[name]), *quick, "--json", str(target)]
         typed = subprocess.run(
-            own, cwd=ROOT.parent, env=os.environ | {"PYTHONHASHSEED": "0"}, capture_output=True, text=True, check=False
+            own,
+            cwd=ROOT.parent,
+            env=os.environ | {"PYTHONHASHSEED": "0"},
+            capture_output=True,
+            text=True,
+            check=False,
         )
         messages, _, imported = typed.stderr.partition("imported ")
         messages = re.sub(r".*\d+ s: .*\n", "", messages)  # progress, on a busy machine
@@ -320,27 +352,43 @@ def test_a_run_keeps_the_contract(name: str, tmp_path: Path, capsys: pytest.Capt
     if plot:
         assert picture.read_bytes().startswith(SIGNATURES[".png"])
         assert picture.stat().st_size > 10_000  # an empty picture of that size takes less
-    assert {path.name for path in tmp_path.iterdir()} == {"results.json", *(["picture.png"] if plot else [])}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "results.json",
+        *(["picture.png"] if plot else []),
+    }
 
 
 def check_imports(name: str, modules: set[str]) -> None:
     """A run imports nothing that it does not need."""
     assert "bristle_sim.cli" in modules
     assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "bristle_sim.render"}
-    assert ("scipy.integrate" in modules) is ("bristle_sim.reference" in modules) is PROMISES[name].integrates
+    assert (
+        ("scipy.integrate" in modules)
+        is ("bristle_sim.reference" in modules)
+        is PROMISES[name].integrates
+    )
     if name == "cue_and_impact":
-        assert "scipy" not in modules  # a rigid bristle's pass, whose libraries would take longer than it
+        assert (
+            "scipy" not in modules
+        )  # a rigid bristle's pass, whose libraries would take longer than it
 
 
 def check_table(name: str, printed: str, quantities: list[dict[str, Any]]) -> None:
     """The table comes after the answer, fits a terminal, names every promised quantity and has no empty column."""
-    head, rule, *lines = printed[printed.index("quantity  ") :].split("\n\n", maxsplit=1)[0].splitlines()
+    head, rule, *lines = (
+        printed[printed.index("quantity  ") :].split("\n\n", maxsplit=1)[0].splitlines()
+    )
     assert max(map(len, [head, rule, *lines])) <= 100
-    titles, rows = re.split(r"\s{2,}", head), [re.split(r"\s{2,}", line) for line in lines]
+    titles = re.split(r"\s{2,}", head)
+    rows = [re.split(r"\s{2,}", line) for line in lines]
     assert {len(row) for row in rows} == {len(titles)}
     promised = PROMISES[name].quantities.split()
-    assert {row["label"] for row in quantities if row["name"] in promised} <= {row[0] for row in rows}
-    assert {title for title, *cells in zip(titles, *rows, strict=True) if set(cells) == {"-"}} <= {"unit"}
+    assert {row["label"] for row in quantities if row["name"] in promised} <= {
+        row[0] for row in rows
+    }
+    assert {title for title, *cells in zip(titles, *rows, strict=True) if set(cells) == {"-"}} <= {
+        "unit"
+    }
     everything = printed.splitlines()
     assert any(line.startswith("outcome: ") for line in everything) is PROMISES[name].strikes
     if name != "accuracy_cost":  # which has a column for each decade of error
@@ -351,7 +399,10 @@ def check_json(name: str, found: dict[str, Any]) -> None:
     """Every list and member that the contract names is there, of its type, in order of time."""
     promise = PROMISES[name]
     assert {"scenario", "version", "parameters", "phases", *promise.lists} <= set(found)
-    assert (found["scenario"], found["version"]) == (name, importlib.metadata.version("bristle-sim"))
+    assert (found["scenario"], found["version"]) == (
+        name,
+        importlib.metadata.version("bristle-sim"),
+    )
     assert found["outcome"] in OUTCOMES if promise.strikes else found["outcome"] is None
     assert all(isinstance(phase, str) for phase in found["phases"])
     assert set(found["cost"]) == {"wall_s", "steps"}
@@ -367,10 +418,20 @@ def check_json(name: str, found: dict[str, Any]) -> None:
     assert len(set(names)) == len(names)
     assert set(promise.quantities.split()) <= set(names)
     for row in found["quantities"]:
-        assert set(row) == {"name", "label", "unit", *SIDES, "relative_difference", "tolerance", "ok"}
+        assert set(row) == {
+            "name",
+            "label",
+            "unit",
+            *SIDES,
+            "relative_difference",
+            "tolerance",
+            "ok",
+        }
         assert row["unit"]
         assert row["label"]
-        assert all(row[side] is None or isinstance(row[side], float) for side in (*SIDES, "tolerance"))
+        assert all(
+            row[side] is None or isinstance(row[side], float) for side in (*SIDES, "tolerance")
+        )
 
 
 def other_values(found: Range | Choice, default: Any) -> list[str]:
@@ -380,7 +441,14 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
     if isinstance(found, Range) and found.whole and default is not None:
         return [f"{default + 1}"]
     if default is None:
-        values = {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"], "kg": ["1e-4"], "deg": ["-95"]}
+        values = {
+            "s": ["1e-5"],
+            "1": ["0.2"],
+            "column": ["1"],
+            "N/V": ["2.0"],
+            "kg": ["1e-4"],
+            "deg": ["-95"],
+        }
         return values[found.unit]
     if default == 0.0:
         return ["0.1", "30"]
@@ -388,7 +456,8 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in SCRIPTS if not PROMISES[name].quick and not name.startswith("dissertation")]
+    "name",
+    [name for name in SCRIPTS if not PROMISES[name].quick and not name.startswith("dissertation")],
 )
 def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.CaptureFixture[str]):
     """Alone, from the defaults: a key that changes nothing misleads whoever sets it.
@@ -396,12 +465,23 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
     The independent solution takes most of a run's time, and no key is its own but ``reference``, whose run has it.
     """
     keys = scenario(name).keys()
-    shorter = {"accuracy": "accuracy=1e-2", "reference": "reference=no"} if name != "cue_and_impact" else {}
+    shorter = (
+        {"accuracy": "accuracy=1e-2", "reference": "reference=no"}
+        if name != "cue_and_impact"
+        else {}
+    )
     cheap = settings(" ".join(setting for key, setting in shorter.items() if key in keys))
 
     def computed(found: dict[str, Any]) -> Any:
-        rows = [[row[side] for side in ("simulated", "theory", "reference")] for row in found["quantities"]]
-        return rows, {key: each for key, each in found.items() if key not in ("parameters", "quantities", "cost")}
+        rows = [
+            [row[side] for side in ("simulated", "theory", "reference")]
+            for row in found["quantities"]
+        ]
+        return rows, {
+            key: each
+            for key, each in found.items()
+            if key not in ("parameters", "quantities", "cost")
+        }
 
     base = computed(asked(name, *cheap)[2])
     for key, (found, default) in keys.items():
@@ -417,20 +497,27 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
 
 
 @pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).series])
-def test_a_time_series_has_one_row_a_sample(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    target, quick = tmp_path / "run.csv", settings(PROMISES[name].quick)
+def test_a_time_series_has_one_row_a_sample(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    target = tmp_path / "run.csv"
+    quick = settings(PROMISES[name].quick)
     law = ["--set", "contact=compliant"] if scenario(name).keys().get("contact") else []
     assert main(scenario(name), ["--csv", str(target), "--json", "-", *law, *quick]) == 0
     assert capsys.readouterr().err == f"--csv: wrote {target}\n"
     with target.open(newline="") as stream:
         head, *rows = csv.reader(stream)
     assert all(re.fullmatch(r"\w+ \([\w/]+\)", title) for title in head if title != "shape")
-    assert len(rows) > 5  # a release up to its highest speed is a quarter of a period, sampled 24 times a period
+    assert (
+        len(rows) > 5
+    )  # a release up to its highest speed is a quarter of a period, sampled 24 times a period
     shapes = dict.fromkeys(row[0] for row in rows) if head[0] == "shape" else [None]
     for shape in shapes:
         times = [float(row[head.index("time (s)")]) for row in rows if shape in (None, row[0])]
         assert times == sorted(times)
-    cells = [float(cell) for row in rows for title, cell in zip(head, row, strict=True) if "(" in title]
+    cells = [
+        float(cell) for row in rows for title, cell in zip(head, row, strict=True) if "(" in title
+    ]
     assert all(map(math.isfinite, cells))
 
 
@@ -465,14 +552,18 @@ def bad_texts(found: Range | Choice) -> Iterator[str]:
         return
     yield from NO_NUMBERS
     if isinstance(found, Range):
-        yield repr(math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest)
+        yield repr(
+            math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
+        )
         yield repr(math.nextafter(found.highest, math.inf))
 
 
 @each_script
 def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFixture[str]):
     """In one line with key, value and what it must be, before anything is computed."""
-    idle = dataclasses.replace(scenario(name), run=functools.wraps(scenario(name).run)(lambda **_: pytest.fail("ran")))
+    idle = dataclasses.replace(
+        scenario(name), run=functools.wraps(scenario(name).run)(lambda **_: pytest.fail("ran"))
+    )
     for key, (found, _) in idle.keys().items():
         for text in bad_texts(found):
             assert main(idle, ["--json", "-", "--set", f"{key}={text}"]) == 2
@@ -500,7 +591,9 @@ def test_the_independent_solution_agrees(name: str):
     harder = ["--set", "pitch_deg=10"] if name == "neighbours" else []  # wires that stay in contact
     status, _, found = asked(name, "--set", "reference=yes", *harder)
     assert status == 0
-    referred = [row for row in found["quantities"] if row["name"] in PROMISES[name].quantities.split()]
+    referred = [
+        row for row in found["quantities"] if row["name"] in PROMISES[name].quantities.split()
+    ]
     assert all(row["reference"] is not None and row["ok"] is True for row in referred)
     # The tolerance of a well-conditioned quantity is of the order of the accuracy, 1e-6.
     assert min(row["tolerance"] for row in referred) <= 1e-5
@@ -510,14 +603,25 @@ FILMED = [name for name in SCRIPTS if PROMISES[name].film]
 
 
 @pytest.mark.parametrize(("name", "suffix"), [*zip(FILMED, itertools.cycle((".gif", ".mp4")))])
-def test_a_video_is_rendered_when_asked_for(name: str, suffix: str, tmp_path: Path, capsys, monkeypatch):
+def test_a_video_is_rendered_when_asked_for(
+    name: str, suffix: str, tmp_path: Path, capsys, monkeypatch
+):
     place, _, function = PROMISES[name].film.rpartition(".")
     made = getattr(importlib.import_module(place), function)
     offered = inspect.signature(made).parameters
-    small = {option: each for option, each in (("width", 160), ("height", 120), ("duration", 0.2)) if option in offered}
+    small = {
+        option: each
+        for option, each in (("width", 160), ("height", 120), ("duration", 0.2))
+        if option in offered
+    }
     monkeypatch.setattr(PROMISES[name].film, functools.partial(made, **small))
     target = tmp_path / f"film{suffix}"
-    assert main(scenario(name), ["--video", str(target), "--json", "-", *settings(PROMISES[name].quick)]) == 0
+    assert (
+        main(
+            scenario(name), ["--video", str(target), "--json", "-", *settings(PROMISES[name].quick)]
+        )
+        == 0
+    )
     out, err = capsys.readouterr()
     assert parsed(out)["scenario"] == name
     assert err == f"--video: wrote {target}\n"

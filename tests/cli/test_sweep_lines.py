@@ -20,7 +20,9 @@ def called(*words: str) -> int:
     return command.main(["cue_and_impact", *words])
 
 
-def test_a_sweep_over_one_key_is_the_single_passes(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_sweep_over_one_key_is_the_single_passes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     """The bar at 60 mm is not touched: the point says why it has no release."""
     files = [f"--{kind}={tmp_path / f'sweep.{kind}'}" for kind in ("csv", "json")]
     store = f"--store={tmp_path / 'store'}"
@@ -30,10 +32,14 @@ def test_a_sweep_over_one_key_is_the_single_passes(tmp_path: Path, capsys: pytes
     assert "3 values of bar_horizontal: 3 points, 2 lack results" in shown.out
     assert all(len(line) <= 100 for line in shown.out.splitlines()[1:])
     rows = list(csv.DictReader((tmp_path / "sweep.csv").read_text(encoding="utf-8").splitlines()))
-    assert [float(row["bar_horizontal (m)"]) for row in rows] == pytest.approx([0.05, 0.055, 0.06], rel=1e-15)
+    assert [float(row["bar_horizontal (m)"]) for row in rows] == pytest.approx(
+        [0.05, 0.055, 0.06], rel=1e-15
+    )
     alone = strike_of_keys(bar_horizontal=0.05)
     # Two passes at 1e-5 and 1e-6.
-    assert float(rows[0]["tip_speed_at_contact (m/s)"]) == pytest.approx(alone["tip_speed_at_contact"], rel=1e-4)
+    assert float(rows[0]["tip_speed_at_contact (m/s)"]) == pytest.approx(
+        alone["tip_speed_at_contact"], rel=1e-4
+    )
     assert [bool(row["failure"]) for row in rows] == [False, True, True]
     assert [row["release_time (s)"] for row in rows][1:] == ["", ""]
     found = json.loads((tmp_path / "sweep.json").read_text(encoding="utf-8"))
@@ -48,14 +54,23 @@ def test_a_sweep_over_two_keys_is_a_map_and_more_rows_than_a_terminal_shows_are_
     tmp_path: Path, capsys, monkeypatch
 ):
     monkeypatch.setattr(sweep, "MOST_ROWS", 3)
-    keys = ("--sweep", "friction=0.1:0.3:2", "--sweep", "hub_speed=2400rpm:2600rpm:2", "--set", "accuracy=1e-3")
+    keys = (
+        "--sweep",
+        "friction=0.1:0.3:2",
+        "--sweep",
+        "hub_speed=2400rpm:2600rpm:2",
+        "--set",
+        "accuracy=1e-3",
+    )
     assert called(*keys, "--plot", str(tmp_path / "map.png")) == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert line == "2 values of friction and 2 values of hub_speed: 4 points, all with results."
     assert (tmp_path / "map.png").stat().st_size > 0
 
 
-def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(capsys: pytest.CaptureFixture[str]):
+def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(
+    capsys: pytest.CaptureFixture[str],
+):
     """The depth of endless plies does not depend on their number, and no point lacks a result."""
     assert command.main(["crater_depth", "--sweep", "plies=100:300:2", "--csv", "-"]) == 0
     rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))

@@ -38,7 +38,10 @@ class TestNothingElseIsMissed:
     def test_start_at_the_limit(self, outwards: float) -> None:
         """Released there, it swings back; thrown outwards, it ends at once."""
         angle = -math.pi / 2.0
-        assert simulate(self.STILL, start_relative_angle=angle).stop_reason == "end of the planned time"
+        assert (
+            simulate(self.STILL, start_relative_angle=angle).stop_reason
+            == "end of the planned time"
+        )
         run = simulate(self.STILL, start_relative_angle=angle, start_relative_rate=-outwards)
         assert run.stop_reason == "retraction limit"
         # Rates below 1e-10 of the scene's units have no sign, and the angle at which they do is as small.
@@ -47,7 +50,10 @@ class TestNothingElseIsMissed:
     @pytest.mark.parametrize("phase", np.linspace(-3.0, 3.0, 12).tolist())
     def test_extremes_in_the_first_interval(self, phase: float) -> None:
         """Rate A w cos: retraction is largest where the phase is -pi/2, one of three alike, the speed where it is 0, modulo 2 pi."""
-        start = {"start_relative_angle": math.sin(phase), "start_relative_rate": self.RATE * math.cos(phase)}
+        start = {
+            "start_relative_angle": math.sin(phase),
+            "start_relative_rate": self.RATE * math.cos(phase),
+        }
         run = simulate(self.STILL, Settings(samples_per_period=1), **start)
         for name, at in (("largest retraction", -math.pi / 2.0), ("highest relative speed", 0.0)):
             found = [event.time * self.RATE for event in run.events if event.name == name]
@@ -61,11 +67,16 @@ class TestNothingElseIsMissed:
         """Events are searched for by moving the bodies about; the energy in the hub's frame tells if they come back."""
         tool = replace(FREE, hub=Hub(speed=2618.0))
         step = 1e-3
-        length, settings = step * tool_units(tool).time, Settings(hub_turn=4.0)
-        run = simulate_in_steps(tool, length, settings, start_hub_angle=0.0, start_relative_angle=angle)
+        length = step * tool_units(tool).time
+        settings = Settings(hub_turn=4.0)
+        run = simulate_in_steps(
+            tool, length, settings, start_hub_angle=0.0, start_relative_angle=angle
+        )
         field = tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * tool.hub.speed**2
         energy = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
-        energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (1.0 - np.cos(run.relative_angle))
+        energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (
+            1.0 - np.cos(run.relative_angle)
+        )
         assert len(run.events) >= 1
         # First order: positions and velocities are half a step apart.
         assert np.abs(energy / energy[0] - 1.0).max() <= step

@@ -44,7 +44,8 @@ def rods(name: str, ratio: float) -> Chain:
 
 def sine_and_cosine(angle: float) -> tuple[Decimal, Decimal]:
     """By their series."""
-    sums, term = [Decimal(1), Decimal(0)], Decimal(1)
+    sums = [Decimal(1), Decimal(0)]
+    term = Decimal(1)
     for power in range(1, 100):
         term *= Decimal(angle) / power
         sums[power % 2] += term if power % 4 < 2 else -term
@@ -74,16 +75,26 @@ class Referee:
     def __post_init__(self) -> None:
         (s_1, c_1), (s_2, c_2) = map(sine_and_cosine, self.chain.angles)
         heavy, light = map(Decimal, self.chain.masses)
-        own, coupled, other = heavy / 3 + light, light * (c_1 * c_2 + s_1 * s_2) / 2, light / 3
+        own = heavy / 3 + light
+        coupled = light * (c_1 * c_2 + s_1 * s_2) / 2
+        other = light / 3
         determinant = own * other - coupled**2
-        self.normal, self.tangent = (s_1, s_2), (c_1, c_2)
+        self.normal = (s_1, s_2)
+        self.tangent = (c_1, c_2)
         self.push, self.rub = (
-            ((other * arm[0] - coupled * arm[1]) / determinant, (own * arm[1] - coupled * arm[0]) / determinant)
+            (
+                (other * arm[0] - coupled * arm[1]) / determinant,
+                (own * arm[1] - coupled * arm[0]) / determinant,
+            )
             for arm in (self.normal, self.tangent)
         )
         self.rates = (Decimal(self.chain.rates[0]), Decimal(self.chain.rates[1]))
         self.inertia = (own, coupled, other)
-        self.k = (dot(self.normal, self.push), dot(self.tangent, self.push), dot(self.tangent, self.rub))
+        self.k = (
+            dot(self.normal, self.push),
+            dot(self.tangent, self.push),
+            dot(self.tangent, self.rub),
+        )
         self.energy_before = self.energy()
         self.solve()
 
@@ -99,7 +110,8 @@ class Referee:
             # Compression, to its end or that of slip.
             slip, work = self.phase(slip, self.friction, None)
             done += work
-        e, later = Decimal(self.restitution), self.friction if self.later is None else self.later
+        e = Decimal(self.restitution)
+        later = self.friction if self.later is None else self.later
         left = -done * e * e
         slip = self.sign(dot(self.tangent, self.rates)) or self.driven(later)
         if self.restitution == 0.0:
@@ -112,13 +124,18 @@ class Referee:
         """Up to the end of slip, of compression, or (given the work that is left) of restitution."""
         normal, coupling, tangential = self.k
         ratio = -Decimal(mu) * slip if slip else -coupling / tangential
-        gain, drift = normal + ratio * coupling, coupling + ratio * tangential
+        gain = normal + ratio * coupling
+        drift = coupling + ratio * tangential
         if not slip:
-            self.sticks, drift = True, Decimal(0)
-        approach, rub = dot(self.normal, self.rates), dot(self.tangent, self.rates)
+            self.sticks = True
+            drift = Decimal(0)
+        approach = dot(self.normal, self.rates)
+        rub = dot(self.tangent, self.rates)
         if left is not None and gain <= 0:
             # It would press the tip on again as soon as it leaves: as much friction as keeps it there.
-            ratio, gain, drift = -normal / coupling, Decimal(0), coupling - normal * tangential / coupling
+            ratio = -normal / coupling
+            gain = Decimal(0)
+            drift = coupling - normal * tangential / coupling
         end = self.end(approach, gain, left)
         stop = -rub / drift if self.sign(rub) * drift < 0 else Decimal("inf")
         step = min(end, stop)
@@ -127,7 +144,9 @@ class Referee:
             rate + step * (one + ratio * other)
             for rate, one, other in zip(self.rates, self.push, self.rub, strict=True)
         )
-        return (slip if end < stop else self.driven(mu)), step * (approach + dot(self.normal, self.rates)) / 2
+        return (slip if end < stop else self.driven(mu)), step * (
+            approach + dot(self.normal, self.rates)
+        ) / 2
 
     def end(self, approach: Decimal, gain: Decimal, left: Decimal | None) -> Decimal:
         if left is None:
@@ -144,7 +163,9 @@ class Referee:
         return 0 if abs(value) < SAME else 1 if value > 0 else -1
 
 
-def hit(chain: Chain, friction: float, restitution: float, later: float | None = None) -> ChainStrike:
+def hit(
+    chain: Chain, friction: float, restitution: float, later: float | None = None
+) -> ChainStrike:
     return strike(chain, Surface(friction, later, restitution), Contact(), Settings())
 
 
@@ -152,7 +173,9 @@ def off(found: ChainStrike, exact: Referee) -> float:
     """Largest error of the rates, relative to the largest, and of the impulse."""
     rates = [float(rate) for rate in exact.rates]
     size = max(map(abs, (*rates, *found.contact.rates_before)))
-    errors = [abs(one - other) / size for one, other in zip(found.contact.rates_after, rates, strict=True)]
+    errors = [
+        abs(one - other) / size for one, other in zip(found.contact.rates_after, rates, strict=True)
+    ]
     return max(*errors, abs(found.contact.impulse[0] / float(exact.impulse) - 1.0))
 
 
@@ -162,7 +185,9 @@ class TestReferee:
     def test_printed_point(self) -> None:
         """Eight digits worked out apart: theta = 20, 30 deg, rates -0.1, -0.2 rad/s, e* = 0.5, mu = 0.7, 1 kg."""
         exact = Referee(rods("slip reverses", 1.0), 0.7, 0.5)
-        assert [float(rate) for rate in exact.rates] == pytest.approx([0.19260193, -0.20898534], abs=5.1e-9)
+        assert [float(rate) for rate in exact.rates] == pytest.approx(
+            [0.19260193, -0.20898534], abs=5.1e-9
+        )
         assert float(exact.impulse) == pytest.approx(0.51199185 / 5.0, abs=1.1e-9)
         assert exact.sticks
 
@@ -173,7 +198,8 @@ def test_chosen_motions_beside_the_referee(name: str, ratio: float) -> None:
     chain = rods(name, ratio)
     for friction in MOTIONS[name][1]:
         for restitution in (0.0, 0.5, 1.0):
-            exact, found = Referee(chain, friction, restitution), hit(chain, friction, restitution)
+            exact = Referee(chain, friction, restitution)
+            found = hit(chain, friction, restitution)
             assert found.contact.outcome == exact.outcome
             assert off(found, exact) <= ROUNDING
 
@@ -185,10 +211,12 @@ def test_drawn_rods_beside_the_referee(ratio: float) -> None:
     A way out of stick above a hundredth of the normal column is not given its digits back: two of sixteen may be lost. The
     nearer a slip's normal compliance is to none, the more its friction's rounding shows: K_nn over that compliance.
     """
-    rng, sticks = np.random.default_rng(int(math.log10(ratio)) + 20), 0
+    rng = np.random.default_rng(int(math.log10(ratio)) + 20)
+    sticks = 0
     for draw in range(24):
         chain = random_rods(rng, ratio, almost_sticks=draw % 2 == 0)
-        friction, restitution = rng.choice([0.0, 0.4, 1.0, 4.0]), rng.choice([0.0, 0.6, 1.0])
+        friction = rng.choice([0.0, 0.4, 1.0, 4.0])
+        restitution = rng.choice([0.0, 0.6, 1.0])
         exact = Referee(chain, friction, restitution)
         found, (normal, coupling, _) = hit(chain, friction, restitution), map(float, exact.k)
         near = normal / min(normal, abs(normal - friction * abs(coupling)))
@@ -213,7 +241,8 @@ def random_rods(rng: np.random.Generator, ratio: float, *, almost_sticks: bool) 
 def test_friction_larger_in_restitution(ratio: float) -> None:
     """Slip at rest, whose impulse is of the order of n, beside the referee."""
     chain = replace(rods("sticks", ratio), rates=(-1.0, 1.0))
-    exact, found = Referee(chain, 0.0, 0.5, 5.0), hit(chain, 0.0, 0.5, 5.0)
+    exact = Referee(chain, 0.0, 0.5, 5.0)
+    found = hit(chain, 0.0, 0.5, 5.0)
     assert exact.impulse > Decimal(ratio) / 100
     assert off(found, exact) <= 100.0 * ROUNDING
 
@@ -224,9 +253,12 @@ def test_longer_chains_gain_nothing(count: int) -> None:
     rng = np.random.default_rng(count)
     for draw in range(20):
         masses = 10.0 ** (4.0 * rng.integers(-1, 2, count))
-        angles, rates = rng.uniform(-1.2, 1.2, count), rng.normal(size=count)
+        angles = rng.uniform(-1.2, 1.2, count)
+        rates = rng.normal(size=count)
         rates = -rates if float(np.sum(np.sin(angles) * rates)) > 0.0 else rates
-        chain = Chain(*(tuple(map(float, each)) for each in (masses, np.ones(count), angles, rates)))
+        chain = Chain(
+            *(tuple(map(float, each)) for each in (masses, np.ones(count), angles, rates))
+        )
         found = hit(chain, float(draw % 4), 1.0)
         assert found.kinetic_energy_ratio is not None
         assert found.kinetic_energy_ratio <= 1.0 + 1e-12  # rounding

@@ -15,9 +15,13 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 
 
-def lever_contact(lever: np.ndarray, inertia: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def lever_contact(
+    lever: np.ndarray, inertia: np.ndarray, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """K = lever lever^T/inertia and v = lever speed of one degree of freedom; lever = dv/dq in (normal, tangential)."""
-    return lever[..., :, None] * lever[..., None, :] / inertia[..., None, None], lever * speed[..., None]
+    return lever[..., :, None] * lever[..., None, :] / inertia[..., None, None], lever * speed[
+        ..., None
+    ]
 
 
 def random_rods(seed: int, size: int) -> list[dict[str, float]]:
@@ -42,11 +46,14 @@ def random_rods(seed: int, size: int) -> list[dict[str, float]]:
 
 def rod_contact(rods: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """Mass matrix and contact Jacobian, rows (normal, tangential), in the rates of the rods (Zhang 2020, eqs. 2.91, 2.95)."""
-    light, length = rods["rod_mass"], rods["rod_length"]
+    light = rods["rod_mass"]
+    length = rods["rod_length"]
     first, second = rods["angle_1"], rods["angle_2"]
     coupled = math.cos(first - second) / 2
     mass = light * length**2 * np.array([[rods["mass_ratio"] / 3 + 1, coupled], [coupled, 1 / 3]])
-    jacobian = length * np.array([[math.sin(first), math.sin(second)], [-math.cos(first), -math.cos(second)]])
+    jacobian = length * np.array(
+        [[math.sin(first), math.sin(second)], [-math.cos(first), -math.cos(second)]]
+    )
     return mass, jacobian
 
 
@@ -67,7 +74,9 @@ def solve_by_law(pendulums: list[dict[str, float]]) -> tuple[Impact, np.ndarray,
         matrix, velocity, column["friction"], column["restitution"], column["restitution_friction"]
     )
     impulse = np.stack([result.impulse_normal, result.impulse_tangential], axis=-1)
-    rates = np.stack([column["rate_1"], column["rate_2"]], axis=-1) + np.einsum("kij,kj->ki", response, impulse)
+    rates = np.stack([column["rate_1"], column["rate_2"]], axis=-1) + np.einsum(
+        "kij,kj->ki", response, impulse
+    )
     return result, rates, matrix[:, 0, 0] * matrix[:, 1, 1] / np.linalg.det(matrix)
 
 
@@ -100,7 +109,9 @@ def test_double_pendulums_at_random():
     before = 0.5 * np.einsum("ki,kij,kj->k", start, masses, start)
     lost = (1.0 - np.array([each.kinetic_energy_ratio for each in closed])) * before
     # The ratio is a difference from one; works carry the condition of K.
-    assert np.all(np.abs(law.energy_change + lost) <= 1e-12 * before * np.maximum(1.0, 0.1 * condition))
+    assert np.all(
+        np.abs(law.energy_change + lost) <= 1e-12 * before * np.maximum(1.0, 0.1 * condition)
+    )
 
     assert [OUTCOMES[int(code)] for code in law.outcome] == [each.outcome for each in closed]
     # Every sequence of phases there is, each several times.
@@ -113,15 +124,22 @@ def test_double_pendulums_at_random():
 def test_monofilaments_at_random():
     rng = np.random.default_rng(5)
     size = 50_000
-    mass, length = 10.0 ** rng.uniform(-6, 2, size), 10.0 ** rng.uniform(-3, 1, size)
-    hub_radius, hub_speed = 10.0 ** rng.uniform(-3, 1, size), 10.0 ** rng.uniform(-1, 4, size)
-    ratio, angle = rng.uniform(0.1, 10, size), rng.uniform(0.02, math.pi / 2, size)
-    mu_1, mu_2, e = rng.exponential(0.5, size), rng.exponential(0.5, size), rng.uniform(0, 1, size)
+    mass = 10.0 ** rng.uniform(-6, 2, size)
+    length = 10.0 ** rng.uniform(-3, 1, size)
+    hub_radius = 10.0 ** rng.uniform(-3, 1, size)
+    hub_speed = 10.0 ** rng.uniform(-1, 4, size)
+    ratio = rng.uniform(0.1, 10, size)
+    angle = rng.uniform(0.02, math.pi / 2, size)
+    mu_1 = rng.exponential(0.5, size)
+    mu_2 = rng.exponential(0.5, size)
+    e = rng.uniform(0, 1, size)
     e = np.where(rng.random(size) < 0.1, 0.0, e)
     closed = monofilament_impact(mass, length, hub_radius, hub_speed, ratio, angle, mu_1, e, mu_2)
 
     lever = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
-    law = energetic_impact(*lever_contact(lever, mass / 3, (ratio * length + hub_radius) * hub_speed), mu_1, e, mu_2)
+    law = energetic_impact(
+        *lever_contact(lever, mass / 3, (ratio * length + hub_radius) * hub_speed), mu_1, e, mu_2
+    )
     np.testing.assert_array_equal(law.outcome, closed.outcome)
     # s_2 = sin gamma - mu_2 cos gamma cancels towards stiction.
     near = np.sin(angle) / np.abs(np.sin(angle) - mu_2 * np.cos(angle))

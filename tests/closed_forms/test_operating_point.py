@@ -65,7 +65,9 @@ def check_strike_ledger(run: Trajectory) -> None:
     kick = 3.0 * (math.sin(angle) * normal + math.cos(angle) * tangential) / (0.027 * 8.387e-5)
     # Rounding of a dozen operations.
     assert strike.rates_after[0] - strike.rates_before[0] == pytest.approx(kick, rel=1e-12)
-    assert strike.restitutive_work[0] == pytest.approx(-(0.42**2) * strike.compressive_work[0], rel=1e-11)
+    assert strike.restitutive_work[0] == pytest.approx(
+        -(0.42**2) * strike.compressive_work[0], rel=1e-11
+    )
     # The lagging bristle slides forward all through compression, then back.
     assert strike.phases[0] == "compression slip"
     assert strike.velocity_before[1] > 0.0 > strike.velocity_after[1]
@@ -111,7 +113,9 @@ def largest_after(release: float, angle: float, rate: float) -> tuple[float, flo
 
     def squared(at: float) -> float:
         """Return the part of alpha'^2 that the potential energy takes, rad^2/s^2."""
-        return (tool.belt.stiffness * at**2 + field * (1.0 - math.cos(at))) / tool.bristle.inertia_about_root
+        return (
+            tool.belt.stiffness * at**2 + field * (1.0 - math.cos(at))
+        ) / tool.bristle.inertia_about_root
 
     total = rate**2 + squared(angle)
     largest = brentq(lambda at: squared(at) - total, angle, -0.5 * math.pi, xtol=1e-15)
@@ -132,7 +136,10 @@ def test_a_run_ends_where_retraction_is_largest(
 
     monkeypatch.setattr(Chain, "forces", rounded)
     run = solve(Tool(), stop_after="largest retraction")
-    assert (run.stop_reason, run.time[-1]) == ("requested event", run.event_time("largest retraction"))
+    assert (run.stop_reason, run.time[-1]) == (
+        "requested event",
+        run.event_time("largest retraction"),
+    )
     release = run.at(run.contacts[-1].time + run.contacts[-1].duration, side="after")
     time, angle = largest_after(release.time, release.relative_angle, release.relative_rate)
     # The scene's accuracy, 1e-6; the rate there is that times the highest one, 1e3 rad/s.
@@ -145,13 +152,17 @@ def test_a_run_ends_where_retraction_is_largest(
 
 def test_first_touch_is_where_geometry_puts_it(cued: Trajectory) -> None:
     """Triangle of hub, tip and bar's centre with sides R, S and reach (law of cosines)."""
-    bar, tip, reach = Tool().bar, 0.0545, Tool().bar_reach
+    bar = Tool().bar
+    tip = 0.0545
+    reach = Tool().bar_reach
     assert bar is not None
     distance = math.hypot(bar.horizontal, bar.vertical)
     between = math.acos((distance**2 + tip**2 - reach**2) / (2.0 * distance * tip))
     direction = math.atan2(bar.horizontal, bar.vertical)
     # The scene's accuracy, 1e-6.
-    assert cued.event_time("bar touch") == pytest.approx((math.pi / 2.0 - direction - between) / 261.8, rel=1e-6)
+    assert cued.event_time("bar touch") == pytest.approx(
+        (math.pi / 2.0 - direction - between) / 261.8, rel=1e-6
+    )
 
 
 def test_restitution_of_the_bar_gives_two_taps(solve: Callable[..., Trajectory]) -> None:
@@ -194,8 +205,12 @@ class TestReturn:
         left = run.event_time("workpart release", last=True)
         assert left is not None
         free = run.time > left
-        inertia, centrifugal = 8.387e-5 * 0.027**2 / 3.0, 0.5 * 8.387e-5 * 0.0275 * 0.027 * 261.8**2
-        jacobi = 0.5 * inertia * run.relative_rate**2 + 0.5 * math.degrees(0.00041) * run.relative_angle**2
+        inertia = 8.387e-5 * 0.027**2 / 3.0
+        centrifugal = 0.5 * 8.387e-5 * 0.0275 * 0.027 * 261.8**2
+        jacobi = (
+            0.5 * inertia * run.relative_rate**2
+            + 0.5 * math.degrees(0.00041) * run.relative_angle**2
+        )
         jacobi -= centrifugal * (np.cos(run.relative_angle) - 1.0)
         # The scene's accuracy, relative to the angle and rate of the largest swing.
         assert np.ptp(jacobi[free]) < 1e-5 * jacobi.max()
@@ -203,10 +218,14 @@ class TestReturn:
 
 def test_accuracy_converges_on_one_answer() -> None:
     """Relative speed at the strike: each requested accuracy is met, against the reference at 1e-12."""
-    reference = simulate_reference(Tool(), stop_after="strike", accuracy=1e-12).first_contact("workpart")
+    reference = simulate_reference(Tool(), stop_after="strike", accuracy=1e-12).first_contact(
+        "workpart"
+    )
     assert reference is not None
     for accuracy in (1e-3, 1e-5, 1e-7, 1e-9):
-        strike = simulate(Tool(), Settings(accuracy=accuracy), stop_after="strike").first_contact("workpart")
+        strike = simulate(Tool(), Settings(accuracy=accuracy), stop_after="strike").first_contact(
+            "workpart"
+        )
         assert strike is not None
         assert strike.rates_before[0] == pytest.approx(reference.rates_before[0], rel=accuracy)
         assert strike.time == pytest.approx(reference.time, rel=accuracy)

@@ -22,7 +22,9 @@ def double_pendulum(angle_1: float, angle_2: float, rate_1: float, rate_2: float
     """Identical rods of unit mass and length: mass matrix, contact Jacobian (normal, tangential) and rates."""
     coupled = math.cos(angle_1 - angle_2) / 2
     mass = np.array([[4 / 3, coupled], [coupled, 1 / 3]])
-    jacobian = np.array([[math.sin(angle_1), math.sin(angle_2)], [-math.cos(angle_1), -math.cos(angle_2)]])
+    jacobian = np.array(
+        [[math.sin(angle_1), math.sin(angle_2)], [-math.cos(angle_1), -math.cos(angle_2)]]
+    )
     return mass, jacobian, np.array([rate_1, rate_2])
 
 
@@ -64,7 +66,8 @@ def test_newtons_law_makes_energy_on_the_double_pendulum():
 def test_all_three_laws_lose_the_same_without_friction():
     """Frictionless, the loss is (1 - e^2) v_y^2/(2 K_yy) whichever the coefficient: derived, textbook result."""
     mass, jacobian, rates = double_pendulum(**STRONGE)
-    normal, compliance = (jacobian @ rates)[0], jacobian[0] @ np.linalg.solve(mass, jacobian[0])
+    normal = (jacobian @ rates)[0]
+    compliance = jacobian[0] @ np.linalg.solve(mass, jacobian[0])
     derived = -(1 - 0.5**2) * normal**2 / compliance / (rates @ mass @ rates)
     for law in LAWS:
         assert relative_gain(law, 0.0, 0.5) == pytest.approx(derived, rel=1e-13)
@@ -90,7 +93,9 @@ def test_double_pendulum_of_zhang_2020():
     -0.1000230 and 0.1212083 rad/s were evaluated from eqs. 2.98-2.108 apart from this program.
     """
     result = double_pendulum_impact(5.0, 1e4, 1.0, **STRONGE, friction=0.5, restitution=0.5)
-    assert (result.final_rate_1, result.final_rate_2) == pytest.approx((-0.1000230, 0.1212083), abs=5e-8)
+    assert (result.final_rate_1, result.final_rate_2) == pytest.approx(
+        (-0.1000230, 0.1212083), abs=5e-8
+    )
     assert result.kinetic_energy_ratio < 1.0
 
 
@@ -102,7 +107,8 @@ def test_single_pendulum_of_stronge(angle_deg):
     """
     angle = math.radians(angle_deg)
     lever = np.array([math.sin(angle), -math.cos(angle)])
-    matrix, velocity = 3.0 * np.outer(lever, lever), -2.0 * lever
+    matrix = 3.0 * np.outer(lever, lever)
+    velocity = -2.0 * lever
     for share in (0.0, 0.3, 0.99, 1.01, 3.0):
         friction = share * math.tan(angle)
         result = energetic_impact(matrix, velocity, friction, 0.42)
@@ -129,9 +135,12 @@ def polygon_and_ellipse(velocity: list[float]) -> tuple[np.ndarray, np.ndarray]:
     area = cross.sum() / 2
     centre = ((corners + following) * cross[:, None]).sum(axis=0) / (6 * area)
     second = ((corners**2 + following**2 + corners * following).sum(axis=1) * cross).sum() / 12
-    polygon, bat = 0.180, 0.252
+    polygon = 0.180
+    bat = 0.252
     polygon_inertia = polygon * (second / area - centre @ centre)
-    long, short, polar = 0.070, 0.045, -2.944
+    long = 0.070
+    short = 0.045
+    polar = -2.944
     bat_inertia = bat * (long**2 + short**2) / 4
 
     # The point of the ellipse at that polar angle, and its tangent turned so that the bat's centre lies along -x.
@@ -146,7 +155,9 @@ def polygon_and_ellipse(velocity: list[float]) -> tuple[np.ndarray, np.ndarray]:
     quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
     arms = quarter @ -centre, quarter @ [math.hypot(x, y), 0.0]
     inverse = np.eye(2) * (1 / polygon + 1 / bat)
-    inverse += np.outer(arms[0], arms[0]) / polygon_inertia + np.outer(arms[1], arms[1]) / bat_inertia
+    inverse += (
+        np.outer(arms[0], arms[0]) / polygon_inertia + np.outer(arms[1], arms[1]) / bat_inertia
+    )
     relative = velocity - 30.0 * arms[0] - np.array([2.345, 4.339]) - 9.011 * arms[1]
     axes = np.stack([normal, tangent])
     matrix = axes @ inverse @ axes.T
@@ -159,7 +170,11 @@ def polygon_and_ellipse(velocity: list[float]) -> tuple[np.ndarray, np.ndarray]:
         ([-1.52, -2.75], 0.5, ("compression slip", "restitution slip")),
         ([-1.52, -2.75], 0.95, ("compression slip", "compression stick", "restitution stick")),
         ([-1.52, -2.75], 0.8, ("compression slip", "restitution slip", "restitution stick")),
-        ([0.0, 7.5], 0.3, ("compression slip", "compression reverse slip", "restitution reverse slip")),
+        (
+            [0.0, 7.5],
+            0.3,
+            ("compression slip", "compression reverse slip", "restitution reverse slip"),
+        ),
         ([0.0, 7.5], 0.01, ("compression slip", "restitution slip", "restitution reverse slip")),
     ],
 )
@@ -175,7 +190,9 @@ def test_orders_of_events_of_a_published_program(velocity, friction, phases):
     assert contact_velocity[0] < 0.0
     result = energetic_impact(matrix, contact_velocity, friction, 0.95)
     assert result.phases == phases
-    assert result.restitutive_work[0] == pytest.approx(-(0.95**2) * result.compressive_work[0], rel=1e-13)
+    assert result.restitutive_work[0] == pytest.approx(
+        -(0.95**2) * result.compressive_work[0], rel=1e-13
+    )
 
 
 # Sphere and rod
@@ -194,12 +211,16 @@ def test_skidding_sphere(law, incidence_deg):
     For a solid sphere of radius a that strikes at the speed v and the angle theta to the normal, skids throughout and
     keeps its normal speed (e = 1); Phi is the angle of reflection of its centre.
     """
-    friction, speed, angle = 0.2, 3.0, math.radians(incidence_deg)
+    friction = 0.2
+    speed = 3.0
+    angle = math.radians(incidence_deg)
     matrix, velocity = sphere_contact(speed * math.cos(angle), speed * math.sin(angle))
     result = law(matrix, velocity, friction, 1.0)
     assert result.phases == ("compression slip", "restitution slip")
     centre = velocity[1] + result.impulse_tangential
-    assert math.tan(angle) - centre / result.velocity_normal == pytest.approx(2 * friction, rel=1e-12)
+    assert math.tan(angle) - centre / result.velocity_normal == pytest.approx(
+        2 * friction, rel=1e-12
+    )
     spin = -2.5 * result.impulse_tangential
     assert spin == pytest.approx(5 * friction * speed * math.cos(angle), rel=1e-13)
 
@@ -229,7 +250,9 @@ def rod_contact(angle: float) -> np.ndarray:
     Half length h, inertia h^2/3, arm h (cos, sin): K = ((1 + 3 cos^2, -3 sin cos), (-3 sin cos, 1 + 3 sin^2)).
     """
     sine, cosine = math.sin(angle), math.cos(angle)
-    return np.array([[1 + 3 * cosine**2, -3 * sine * cosine], [-3 * sine * cosine, 1 + 3 * sine**2]])
+    return np.array(
+        [[1 + 3 * cosine**2, -3 * sine * cosine], [-3 * sine * cosine, 1 + 3 * sine**2]]
+    )
 
 
 def test_painleve_rod():
@@ -239,7 +262,10 @@ def test_painleve_rod():
     that point slip leaves v_n unchanged, just beyond it the end of the rod speeds up into the surface until slip stops.
     """
     angle = math.atan(2.0)
-    tightest = [matrix[0, 0] / abs(matrix[0, 1]) for matrix in map(rod_contact, np.linspace(0.01, 1.56, 2000))]
+    tightest = [
+        matrix[0, 0] / abs(matrix[0, 1])
+        for matrix in map(rod_contact, np.linspace(0.01, 1.56, 2000))
+    ]
     # The minimum is flat: a grid of 8e-4 rad misses it by (8e-4)^2.
     assert min(tightest) == pytest.approx(4 / 3, rel=1e-6)
     matrix = rod_contact(angle)

@@ -40,7 +40,8 @@ def root_and_nearest(tool, run):
     root = tool.hub.radius * plane(run.hub_angle)
     found = []
     for start, end in pairwise(((0.0, 0.0), *tool.bristle.path)):
-        origin, length = root + carried(start, run.angles[:, 0]), math.dist(start, end)
+        origin = root + carried(start, run.angles[:, 0])
+        length = math.dist(start, end)
         along = carried(np.subtract(end, start) / length, run.angles[:, 0])
         foot = np.clip(((np.array(tool.bar.centre) - origin) * along).sum(axis=1), 0.0, length)
         found.append(origin + foot[:, np.newaxis] * along)
@@ -56,13 +57,17 @@ def bar_gap(tool, run):
 def contact_moment(tool, run):
     """Moment about the root of the bar's normal force and of friction on the wire's surface, N m."""
     root, point = root_and_nearest(tool, run)
-    normal = (point - tool.bar.centre) / np.linalg.norm(point - tool.bar.centre, axis=1, keepdims=True)
+    normal = (point - tool.bar.centre) / np.linalg.norm(
+        point - tool.bar.centre, axis=1, keepdims=True
+    )
     tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
     arm = point - 0.5 * tool.bristle.wire_diameter * normal - root
     quarter_turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
     velocity = (tool.hub.speed * root + run.rates * arm) @ quarter_turn
     slip = np.sign((velocity * tangent).sum(axis=1, keepdims=True))
-    return cross(arm, run.normal_force[:, np.newaxis] * (normal - tool.bar.friction * slip * tangent))
+    return cross(
+        arm, run.normal_force[:, np.newaxis] * (normal - tool.bar.friction * slip * tangent)
+    )
 
 
 class TestOperatingPoint:
@@ -74,10 +79,13 @@ class TestOperatingPoint:
         bar = Bar(radius=0.002, horizontal=0.075, vertical=0.0115, friction=0.27)
         tool = Tool(Hub(143.0, 0.0456), Belt(0.012), Bristle(0.033, 3e-4, 1.2e-3), bar, None)
         run = simulate_reference(tool, accuracy=1e-12, hub_turn=1.0)
-        distance, apart = math.hypot(0.075, 0.0115), math.hypot(0.033, tool.bar_reach)
+        distance = math.hypot(0.075, 0.0115)
+        apart = math.hypot(0.033, tool.bar_reach)
         between = math.acos((distance**2 + 0.0456**2 - apart**2) / (2.0 * distance * 0.0456))
         expected = (math.pi / 2 - math.atan2(0.075, 0.0115) + between) / 143.0
-        assert run.event_time("bar release", last=True) == pytest.approx(expected, rel=0.0, abs=1e-13 * 0.033 / 1.0)
+        assert run.event_time("bar release", last=True) == pytest.approx(
+            expected, rel=0.0, abs=1e-13 * 0.033 / 1.0
+        )
 
 
 class TestImpact:
@@ -87,11 +95,15 @@ class TestImpact:
 
         phi = 5 deg at touch, tan phi = 0.0875.
         """
-        hub_angle, lean = math.radians(-20.0), math.radians(5.0)
+        hub_angle = math.radians(-20.0)
+        lean = math.radians(5.0)
         depth = 0.0275 * math.cos(hub_angle) + 0.027 * math.cos(lean)
         tool = Tool(bar=None, workpart=Workpart(penetration=0.0545 - depth, friction=friction))
         run = simulate_reference(
-            tool, start_hub_angle=hub_angle, start_relative_angle=lean - hub_angle, stop_after="strike"
+            tool,
+            start_hub_angle=hub_angle,
+            start_relative_angle=lean - hub_angle,
+            stop_after="strike",
         )
         assert run.first_contact("workpart").time < 1e-12
         assert (run.stop_reason is StopReason.JAM) == (outcome == "jam")
@@ -103,7 +115,8 @@ class TestImpact:
         a = 1.5 g sin^2 phi at the tip; h is 1e-3 of the length, which is the size of the next term. Bounces below
         1e-10 of the length are taken as rest, which cuts the sum by less.
         """
-        lean, e = math.radians(80.0), 0.5
+        lean = math.radians(80.0)
+        e = 0.5
         depth = 0.0275 + 0.027 * math.cos(lean)
         tool = Tool(
             hub=Hub(speed=0.0),
@@ -114,14 +127,18 @@ class TestImpact:
         )
         height = 1e-3 * 0.027
         start = -math.acos(math.cos(lean) - height / 0.027)
-        run = simulate_reference(tool, start_hub_angle=0.0, start_relative_angle=start, duration=0.05)
+        run = simulate_reference(
+            tool, start_hub_angle=0.0, start_relative_angle=start, duration=0.05
+        )
         fall = math.sqrt(2.0 * height / (1.5 * GRAVITY * math.sin(lean) ** 2))
         sustained = run.contacts[-1]
         assert (sustained.law, sustained.outcome) == ("sustained", "end of run")
         assert sustained.time == pytest.approx(fall * (1.0 + e) / (1.0 - e), rel=2e-3)
         # Statics: torque m g (L/2) sin phi = N L sin phi.
         assert run.normal_force[-1] == pytest.approx(0.5 * tool.bristle.mass * GRAVITY, rel=1e-9)
-        assert sustained.impulse[0] == pytest.approx(run.normal_force[-1] * sustained.duration, rel=1e-9)
+        assert sustained.impulse[0] == pytest.approx(
+            run.normal_force[-1] * sustained.duration, rel=1e-9
+        )
 
 
 class TestHold:
@@ -129,7 +146,12 @@ class TestHold:
     def test_friction_locks_a_thick_wire_on_the_bar(self, speed):
         """It jams where the edge of the friction cone points at the root, at any speed: tan of the angle is mu = 1."""
         bar = Bar(radius=0.001, horizontal=0.038, vertical=0.0085, friction=1.0)
-        tool = Tool(hub=Hub(speed=speed), bar=bar, workpart=None, bristle=Bristle(mass=8.387e-5, wire_diameter=0.018))
+        tool = Tool(
+            hub=Hub(speed=speed),
+            bar=bar,
+            workpart=None,
+            bristle=Bristle(mass=8.387e-5, wire_diameter=0.018),
+        )
         run = simulate_reference(tool, start_hub_angle=-2.6)
         assert (run.stop_reason, run.contacts[-1].law) == ("jam", "sustained")
         assert run.event_time("jam") == run.time[-1]
@@ -143,7 +165,10 @@ class TestHold:
         """In sustained contact the tip is on the surface, friction is mu times the normal force, and dissipates."""
         tool = Tool(bar=None, workpart=Workpart(restitution=0.0))
         run = simulate_reference(tool, sample_interval=1e-6)
-        sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
+        sustained = max(
+            (each for each in run.contacts if each.law == "sustained"),
+            key=lambda each: each.duration,
+        )
         rows = (run.time > sustained.time) & (run.time < sustained.time + sustained.duration)
         assert rows.sum() > 1000
         # Ten roundings of the depth.
@@ -153,11 +178,15 @@ class TestHold:
         slip = np.gradient(run.tip[rows, 0], run.time[rows])
         power = -0.31 * run.normal_force[rows] * slip
         # Differences and trapezoids of 1 us over milliseconds; the ends of the interval are left out, 1e-3 of it.
-        assert trapezoid(power, run.time[rows]) == pytest.approx(sustained.compressive_work[1], rel=2e-3)
+        assert trapezoid(power, run.time[rows]) == pytest.approx(
+            sustained.compressive_work[1], rel=2e-3
+        )
 
 
 class TestNames:
-    @pytest.mark.parametrize(("clearance", "event"), [(1e-9, "bar not touched"), (-1e-9, "bar touch")])
+    @pytest.mark.parametrize(
+        ("clearance", "event"), [(1e-9, "bar not touched"), (-1e-9, "bar touch")]
+    )
     def test_no_touch_is_missed_between_steps(self, clearance, event):
         """A radial bristle passes the bar with a nanometre to spare, or a nanometre short of it.
 
@@ -193,7 +222,8 @@ class TestNames:
 def points_of(bristle):
     """Mass points that stand for the wire: three-point Gauss quadrature of each piece, exact for its inertia."""
     nodes, weights = np.polynomial.legendre.leggauss(3)
-    arms, masses = [], []
+    arms = []
+    masses = []
     for start, end in pairwise((0j, *(complex(*corner) for corner in bristle.path))):
         arms += list(0.5 * (start + end) + 0.5 * (end - start) * nodes)
         masses += list(0.5 * weights * bristle.mass * abs(end - start) / bristle.length)
@@ -221,20 +251,35 @@ class TestKnee:
     @pytest.mark.parametrize(("angle", "position"), KNEES)
     def test_flight_is_that_of_mass_points(self, angle, position):
         """D'Alembert's principle for mass points about the root, integrated on its own; damping and weight included."""
-        tool = bent(angle, position, bar=None, workpart=None, gravity=1000.0 * GRAVITY, belt=Belt(damping_ratio=0.1))
-        run = simulate_reference(tool, start_relative_angle=0.4, start_relative_rate=-200.0, accuracy=1e-12)
+        tool = bent(
+            angle,
+            position,
+            bar=None,
+            workpart=None,
+            gravity=1000.0 * GRAVITY,
+            belt=Belt(damping_ratio=0.1),
+        )
+        run = simulate_reference(
+            tool, start_relative_angle=0.4, start_relative_rate=-200.0, accuracy=1e-12
+        )
         arms, masses = points_of(tool.bristle)
-        inertia, speed = (masses * np.abs(arms) ** 2).sum(), tool.hub.speed
+        inertia = (masses * np.abs(arms) ** 2).sum()
+        speed = tool.hub.speed
 
         def motion(time, state):
-            return [state[1], free_moment(tool, -math.pi / 2 + speed * time, state[0], state[1]) / inertia]
+            return [
+                state[1],
+                free_moment(tool, -math.pi / 2 + speed * time, state[0], state[1]) / inertia,
+            ]
 
         start = [0.4 - math.pi / 2, speed - 200.0]
         settings = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-12, "t_eval": run.time}
         expected = solve_ivp(motion, (0.0, run.time[-1]), start, **settings).y
         # A hundred times the requested accuracy, of angles of the order of 1 and the natural rate.
         np.testing.assert_allclose(run.angles[:, 0], expected[0], rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(run.rates[:, 0], expected[1], rtol=0.0, atol=1e-10 * natural_rate(tool))
+        np.testing.assert_allclose(
+            run.rates[:, 0], expected[1], rtol=0.0, atol=1e-10 * natural_rate(tool)
+        )
 
     @pytest.mark.parametrize(
         ("angle", "position", "nearness"),
@@ -248,11 +293,20 @@ class TestKnee:
         a sustained contact, and where the force jumps.
         """
         bar = Bar(horizontal=nearness * 0.05037, vertical=nearness * 0.0225, friction=0.3)
-        tool = bent(angle, position, bar=bar, workpart=None, gravity=1000.0 * GRAVITY, belt=Belt(damping_ratio=0.05))
+        tool = bent(
+            angle,
+            position,
+            bar=bar,
+            workpart=None,
+            gravity=1000.0 * GRAVITY,
+            belt=Belt(damping_ratio=0.05),
+        )
         run = simulate_reference(tool, start_hub_angle=-1.4, hub_turn=1.0, sample_interval=1e-6)
         moment = contact_moment(tool, run)
         moment += free_moment(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
-        for sustained in (each for each in run.contacts if each.law == "sustained" and each.duration > 2e-4):
+        for sustained in (
+            each for each in run.contacts if each.law == "sustained" and each.duration > 2e-4
+        ):
             rows = (
                 (run.time > sustained.time)
                 & (run.time < sustained.time + sustained.duration)
@@ -260,7 +314,9 @@ class TestKnee:
             )
             gained = tool.bristle.inertia_about_root * np.ptp(run.rates[rows, 0][[0, -1]])
             assert abs(trapezoid(moment[rows], run.time[rows])) == pytest.approx(gained, rel=1e-3)
-            assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(sustained.impulse[0], rel=1e-3)
+            assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(
+                sustained.impulse[0], rel=1e-3
+            )
             # On the bar to rounding of its distance.
             assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
 
@@ -272,10 +328,16 @@ class TestKnee:
         centrifugal moment, m r_h omega^2 L/k = 7e-7 rad, and as much of its hinge.
         """
         bristle = Bristle(knee_angle_deg=-80.0, knee_position=position, links=links, modulus=1e15)
-        tool = replace(Tool(), bar=None, bristle=bristle, belt=Belt(stiffness=100.0), hub=Hub(speed=30.0))
+        tool = replace(
+            Tool(), bar=None, bristle=bristle, belt=Belt(stiffness=100.0), hub=Hub(speed=30.0)
+        )
         turn = math.acos(tool.workpart_depth / (tool.hub.radius + position * bristle.length))
-        run = simulate_reference(tool, start_hub_angle=-turn - 0.02, stop_after="strike", accuracy=1e-8)
-        assert run.event_time("strike") == pytest.approx(0.02 / 30.0, rel=0.0, abs=2e-6 / 30.0 / math.tan(turn))
+        run = simulate_reference(
+            tool, start_hub_angle=-turn - 0.02, stop_after="strike", accuracy=1e-8
+        )
+        assert run.event_time("strike") == pytest.approx(
+            0.02 / 30.0, rel=0.0, abs=2e-6 / 30.0 / math.tan(turn)
+        )
 
 
 class TestSprings:
@@ -285,14 +347,21 @@ class TestSprings:
         The wire turns about the tip's place: the abscissa r_h sin(psi) + L sin(theta) stays, so theta' = -r_h omega
         cos(psi)/(L cos(theta)), until its tip slides on.
         """
-        part = Workpart(friction=0.55, restitution_friction=0.5, restitution=0.6, penetration=0.0034)
+        part = Workpart(
+            friction=0.55, restitution_friction=0.5, restitution=0.6, penetration=0.0034
+        )
         tool = Tool(bar=None, workpart=part)
-        run = simulate_reference(tool, contact_stiffness=1e5, hub_turn=1.3, accuracy=1e-9, sample_interval=2e-6)
+        run = simulate_reference(
+            tool, contact_stiffness=1e5, hub_turn=1.3, accuracy=1e-9, sample_interval=2e-6
+        )
         assert run.stop_reason is StopReason.END
         still = (run.time > 0.0) & (np.abs(run.tip_velocity[:, 0]) < 1e-6)
         assert still.sum() > 5
-        hub, wire = run.hub_angle[still], run.angles[still, 0]
-        expected = -tool.hub.radius * tool.hub.speed * np.cos(hub) / (tool.bristle.length * np.cos(wire))
+        hub = run.hub_angle[still]
+        wire = run.angles[still, 0]
+        expected = (
+            -tool.hub.radius * tool.hub.speed * np.cos(hub) / (tool.bristle.length * np.cos(wire))
+        )
         np.testing.assert_allclose(run.rates[still, 0], expected, rtol=1e-6)
 
 

@@ -28,21 +28,33 @@ class TestFlight:
     @pytest.mark.parametrize("hub_speed", [0.0, 261.8])
     def test_belt_oscillation(self, accuracy: float, damping: float, hub_speed: float) -> None:
         """Root on the hub's axis: a complex exponential, however fast the hub turns."""
-        tool = replace(ON_AXIS, hub=Hub(speed=hub_speed, radius=0.0), belt=Belt(damping_ratio=damping))
-        run = simulate(tool, Settings(accuracy=accuracy), start_relative_angle=-0.6, start_relative_rate=300.0)
+        tool = replace(
+            ON_AXIS, hub=Hub(speed=hub_speed, radius=0.0), belt=Belt(damping_ratio=damping)
+        )
+        run = simulate(
+            tool, Settings(accuracy=accuracy), start_relative_angle=-0.6, start_relative_rate=300.0
+        )
         natural = natural_rate(tool)
         exponent = natural * complex(-damping, math.sqrt(1.0 - damping**2))
         amplitude = complex(-0.6, (exponent.real * -0.6 - 300.0) / exponent.imag)
         motion = amplitude * np.exp(exponent * run.time)
         np.testing.assert_allclose(run.relative_angle, motion.real, rtol=0.0, atol=accuracy)
-        np.testing.assert_allclose(run.relative_rate, (exponent * motion).real, rtol=0.0, atol=accuracy * natural)
+        np.testing.assert_allclose(
+            run.relative_rate, (exponent * motion).real, rtol=0.0, atol=accuracy * natural
+        )
 
     @pytest.mark.parametrize("speed", [0.0, 261.8])
     def test_pendulum(self, speed: float) -> None:
         """No belt: sin(a/2) = sin(a_0/2) cd(t sqrt(3 g/2L)), in gravity or in the rotating root's field r_h w^2."""
-        tool = replace(FREE, hub=Hub(speed=speed), belt=Belt(stiffness=0.0), gravity=0.0 if speed else 9.81)
+        tool = replace(
+            FREE, hub=Hub(speed=speed), belt=Belt(stiffness=0.0), gravity=0.0 if speed else 9.81
+        )
         rate = math.sqrt(1.5 * (0.0275 * speed**2 or 9.81) / 0.027)
-        run = simulate(tool, Settings(accuracy=1e-9), start_hub_angle=0.3, start_relative_angle=-1.3)
+        run = simulate(
+            tool, Settings(accuracy=1e-9), start_hub_angle=0.3, start_relative_angle=-1.3
+        )
         swing, start = (run.relative_angle, -1.3) if speed else (run.angles[:, 0], -1.0)
         _, cosine, delta, _ = ellipj(rate * run.time, math.sin(0.5 * start) ** 2)
-        np.testing.assert_allclose(swing, 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta), rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(
+            swing, 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta), rtol=0.0, atol=1e-8
+        )

@@ -31,12 +31,17 @@ def test_radial_bristle() -> None:
     rng = np.random.default_rng(20)
     rebounds = 0
     for _ in range(DRAWS):
-        gamma, friction, e = rng.uniform(0.02, 1.55), rng.uniform(0.0, 1.5), rng.uniform(0.0, 1.0)
+        gamma = rng.uniform(0.02, 1.55)
+        friction = rng.uniform(0.0, 1.5)
+        e = rng.uniform(0.0, 1.0)
         later = rng.uniform(0.0, 1.5) if rng.random() < 0.5 else friction
         if abs(later / math.tan(gamma) - 1.0) < 1e-3:
             continue
-        mass, length = 10.0 ** rng.uniform(-8, 2), 10.0 ** rng.uniform(-4, 1)
-        radius, speed, ratio = rng.uniform(0.0, 3.0) * length, 10.0 ** rng.uniform(-1, 4), rng.uniform(0.1, 20.0)
+        mass = 10.0 ** rng.uniform(-8, 2)
+        length = 10.0 ** rng.uniform(-4, 1)
+        radius = rng.uniform(0.0, 3.0) * length
+        speed = 10.0 ** rng.uniform(-1, 4)
+        ratio = rng.uniform(0.1, 20.0)
         chain = Chain((mass,), (length,), (-gamma,), (ratio * speed,), radius, speed, -gamma)
         found = strike(chain, Surface(friction, later, e), Contact(), Settings()).contact
         theory = monofilament_impact(mass, length, radius, speed, ratio, gamma, friction, e, later)
@@ -57,7 +62,11 @@ PAIR = (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2)
 @pytest.mark.parametrize(
     ("ratio", "motion", "surface"),
     [
-        *((ratio, PAIR, Surface(mu, None, 0.5)) for ratio in (1.0, 10.0, 1e4) for mu in (0.0, 0.3, 0.5, 0.7)),
+        *(
+            (ratio, PAIR, Surface(mu, None, 0.5))
+            for ratio in (1.0, 10.0, 1e4)
+            for mu in (0.0, 0.3, 0.5, 0.7)
+        ),
         (1.0, PAIR, Surface(0.3, 0.1, 0.5)),
         # They come straight down: slip begins as K drives it, or friction sticks.
         *((1.0, ((-0.5, 0.5), (1.0, -1.0)), Surface(mu, None, 0.5)) for mu in (0.0, 0.1, 0.9)),
@@ -78,7 +87,9 @@ def test_compliant_contact_tends_to_the_law(ratio: float, motion: tuple, surface
 
 @pytest.mark.parametrize("restitution", [1e-6, 1.93e-9, 3e-11, 1e-12, 1e-14, 1e-100])
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.5])
-def test_pendulums_agree_with_theory_however_small_the_restitution(restitution: float, friction: float) -> None:
+def test_pendulums_agree_with_theory_however_small_the_restitution(
+    restitution: float, friction: float
+) -> None:
     """A rate after the impact has the rounding of the one before: 1e-15/e* of itself."""
     surface = Surface(friction, None, restitution)
     for report in (
@@ -92,17 +103,20 @@ def test_pendulums_agree_with_theory_however_small_the_restitution(restitution: 
 def test_a_hinged_rod_met_on_its_axis_cannot_slip_by_an_impulse(slip: float) -> None:
     """It turns at right angles to its axis only: K_tt = K_nt = 0, p = (1 + e) v / K_nn, and no jam, at any angle and rounding."""
     for angle in np.linspace(-3.0, 3.0, 101).tolist():
-        space, rod = pymunk.Space(), pymunk.Body(1.0, 1.0 / 12.0)
+        space = pymunk.Space()
+        rod = pymunk.Body(1.0, 1.0 / 12.0)
         x, y = math.cos(angle), math.sin(angle)
-        rod.position, rod.angle, rod.velocity, rod.angular_velocity = (
-            (0.5 * x, 0.5 * y),
-            angle,
-            (0.5 * y, -0.5 * x),
-            -1.0,
-        )
+        rod.position = (0.5 * x, 0.5 * y)
+        rod.angle = angle
+        rod.velocity = (0.5 * y, -0.5 * x)
+        rod.angular_velocity = -1.0
         space.add(rod, pymunk.PivotJoint(space.static_body, rod, (0.0, 0.0), (-0.5, 0.0)))
-        found = contact_space(rod, (0.9 * x, 0.9 * y), (-y, x), surface_velocity=(-slip * x, -slip * y))
+        found = contact_space(
+            rod, (0.9 * x, 0.9 * y), (-y, x), surface_velocity=(-slip * x, -slip * y)
+        )
         assert found.velocity == pytest.approx((-0.9, slip), abs=1e-15)
-        impact = energetic_impact(found.inverse_mass, found.velocity, 0.3, 0.5, stick_compliance=found.stick_compliance)
+        impact = energetic_impact(
+            found.inverse_mass, found.velocity, 0.3, 0.5, stick_compliance=found.stick_compliance
+        )
         assert impact.outcome_name == "rebound"
         assert impact.impulse_normal == pytest.approx(1.5 * 0.9 / (3.0 * 0.9**2), rel=1e-12)

@@ -14,7 +14,18 @@ import numpy as np
 
 from bristle_sim import parameters
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.parameters import (
+    Bar,
+    Belt,
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    Strike,
+    Surface,
+    Tool,
+    Workpart,
+)
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool
@@ -27,7 +38,11 @@ from promises.attempts import BAD, Tally, finite
 T = TypeVar("T")
 
 CLASSES: tuple[type[Any], ...] = (
-    *(getattr(parameters, name) for name in parameters.__all__ if inspect.isclass(getattr(parameters, name))),
+    *(
+        getattr(parameters, name)
+        for name in parameters.__all__
+        if inspect.isclass(getattr(parameters, name))
+    ),
     Settings,
 )
 """Every class of parameters."""
@@ -47,7 +62,10 @@ def trials() -> dict[str, Callable[[], Tally]]:
         "every entry of a chain that strikes": _chain,
         "every argument of EnergeticContact": _energetic_contact,
         "every argument of the impact laws": _theory,
-        **{f"ends of all ranges, a strike, {law}": partial(_strikes, law, n) for law, n in STRIKES.items()},
+        **{
+            f"ends of all ranges, a strike, {law}": partial(_strikes, law, n)
+            for law, n in STRIKES.items()
+        },
         f"ends of all ranges, a pass of {CORNER_STEPS} steps": partial(_passes, 30),
     }
 
@@ -78,8 +96,17 @@ def _holds_plain(name: str, part: object) -> bool:
 
 
 def _simulate() -> Tally:
-    tally, bare, few = Tally(), Tool(bar=None, workpart=None), Settings(maximum_steps=100)
-    names = ("tool", "settings", "start_hub_angle", "start_relative_angle", "start_relative_rate", "stop_after")
+    tally = Tally()
+    bare = Tool(bar=None, workpart=None)
+    few = Settings(maximum_steps=100)
+    names = (
+        "tool",
+        "settings",
+        "start_hub_angle",
+        "start_relative_angle",
+        "start_relative_rate",
+        "stop_after",
+    )
     for name in names:
         for value in BAD:
             if name == "settings" and value is None:
@@ -88,7 +115,9 @@ def _simulate() -> Tally:
             tally.attempt(f"{name} = {shown(value)}", partial(simulate, **given), finite, name)
     for name in ("samples_per_period", "hub_turn"):
         for value in BAD:
-            tally.attempt(f"{name} = {shown(value)}", partial(_run_with, bare, name, value), finite, name)
+            tally.attempt(
+                f"{name} = {shown(value)}", partial(_run_with, bare, name, value), finite, name
+            )
     return tally
 
 
@@ -102,19 +131,34 @@ def _chain() -> Tally:
     good = dataclasses.asdict(Chain((5.0, 5.0), (1.0, 1.0), (-0.35, -0.5), (0.1, 0.2)))
 
     def struck(chain: Chain) -> bool:
-        numbers = [float(each) for each in (*chain.masses, *chain.lengths, *chain.angles, *chain.rates)]
+        numbers = [
+            float(each) for each in (*chain.masses, *chain.lengths, *chain.angles, *chain.rates)
+        ]
         if not all(map(math.isfinite, numbers)) or min(*chain.masses, *chain.lengths) <= 0.0:
             return False
         return finite(strike(chain, Surface(0.5, None, 0.5), Contact(), Settings()))
 
     for name, value in good.items():
         for bad in BAD:
-            entries = [bad, *([(bad, value[1]), (value[0], bad)] if isinstance(value, tuple) else [])]
+            entries = [
+                bad,
+                *([(bad, value[1]), (value[0], bad)] if isinstance(value, tuple) else []),
+            ]
             for entry in entries:
                 # Of a column it is an entry that is told, by the name of one.
                 words = (name, name.removesuffix("es"), name.removesuffix("s"))
-                tally.attempt(f"{name} = {shown(entry)}", partial(Chain, **{**good, name: entry}), struck, *words)
-    for name, kind in (("chain", Chain), ("surface", Surface), ("contact", Contact), ("settings", Settings)):
+                tally.attempt(
+                    f"{name} = {shown(entry)}",
+                    partial(Chain, **{**good, name: entry}),
+                    struck,
+                    *words,
+                )
+    for name, kind in (
+        ("chain", Chain),
+        ("surface", Surface),
+        ("contact", Contact),
+        ("settings", Settings),
+    ):
         given: dict[str, Any] = {
             "chain": Chain(**good),
             "surface": Surface(),
@@ -122,25 +166,41 @@ def _chain() -> Tally:
             "settings": Settings(),
         }
         for bad in BAD:
-            tally.attempt(f"{kind.__name__} {shown(bad)}", partial(strike, **{**given, name: bad}), finite, name)
+            tally.attempt(
+                f"{kind.__name__} {shown(bad)}",
+                partial(strike, **{**given, name: bad}),
+                finite,
+                name,
+            )
     return tally
 
 
 def _energetic_contact() -> Tally:
-    tally, good = Tally(), {"collision_type_a": 1, "collision_type_b": 2, "friction": 0.3, "restitution": 0.4}
+    tally = Tally()
+    good = {"collision_type_a": 1, "collision_type_b": 2, "friction": 0.3, "restitution": 0.4}
     names = ("space", *good, "restitution_friction", "resting_speed", "report")
     for name in names:
         for value in BAD:
-            given: dict[str, Any] = {"space": build_tool(Tool())[0].engine.space, **good, name: value}
+            given: dict[str, Any] = {
+                "space": build_tool(Tool())[0].engine.space,
+                **good,
+                name: value,
+            }
 
             def known(contact: EnergeticContact) -> bool:
                 (pair,) = contact.pairs.values()
                 return finite((pair.friction, pair.restitution_friction, contact.resting_speed))
 
-            tally.attempt(f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name)
-    contact = EnergeticContact(build_tool(Tool())[0].engine.space, 1, 2, friction=0.3, restitution=0.4)
+            tally.attempt(
+                f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name
+            )
+    contact = EnergeticContact(
+        build_tool(Tool())[0].engine.space, 1, 2, friction=0.3, restitution=0.4
+    )
     for value in BAD:
-        tally.attempt(f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration")
+        tally.attempt(
+            f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration"
+        )
     return tally
 
 
@@ -150,7 +210,8 @@ def _any_answer(answer: object) -> bool:
 
 
 def _theory() -> Tally:
-    tally, good = Tally(), {"friction": 0.5, "restitution": 0.42, "restitution_friction": 0.3}
+    tally = Tally()
+    good = {"friction": 0.5, "restitution": 0.42, "restitution_friction": 0.3}
     good |= {"inverse_mass": np.array([[1.0, 0.2], [0.2, 2.0]]), "velocity": (-1.0, 0.5)}
     for law in LAWS.values():
         for argument in good:
@@ -160,7 +221,9 @@ def _theory() -> Tally:
     return tally
 
 
-def corner(kind: type[T], chance: random.Random, share: float = 0.4, without: tuple[str, ...] = ()) -> T:
+def corner(
+    kind: type[T], chance: random.Random, share: float = 0.4, without: tuple[str, ...] = ()
+) -> T:
     """Return parameters of a class, a part of them at one end of their ranges, the rest as by default."""
     values = dict(_ends(kind, chance, share, without))
     if kind is Bristle:
@@ -169,7 +232,9 @@ def corner(kind: type[T], chance: random.Random, share: float = 0.4, without: tu
     return kind(**values)
 
 
-def _ends(kind: type[Any], chance: random.Random, share: float, without: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+def _ends(
+    kind: type[Any], chance: random.Random, share: float, without: tuple[str, ...]
+) -> Iterator[tuple[str, Any]]:
     for each in dataclasses.fields(kind):
         declared = each.metadata.get("declaration")
         if declared is None or declared.key in without or chance.random() > share:
@@ -177,12 +242,17 @@ def _ends(kind: type[Any], chance: random.Random, share: float, without: tuple[s
         if isinstance(declared, Choice):
             yield each.name, chance.choice(declared.options)
         elif isinstance(declared, Range):
-            least = declared.lowest if declared.lowest_allowed else math.nextafter(declared.lowest, math.inf)
+            least = (
+                declared.lowest
+                if declared.lowest_allowed
+                else math.nextafter(declared.lowest, math.inf)
+            )
             yield each.name, chance.choice((least, declared.highest))
 
 
 def _strikes(law: str, number: int) -> Tally:
-    tally, chance = Tally(), random.Random(f"strikes {law}")
+    tally = Tally()
+    chance = random.Random(f"strikes {law}")
     for _ in range(number):
         chain = _one_rod(chance) if chance.random() < 0.5 else _two_rods(chance)
         contact = _contact(chance, law)
@@ -199,29 +269,46 @@ def _contact(chance: random.Random, law: str) -> Contact:
 
 
 def _one_rod(chance: random.Random) -> Chain:
-    hub, bristle, state = corner(Hub, chance), corner(Bristle, chance), corner(Strike, chance)
-    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
-    return Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma)
+    hub = corner(Hub, chance)
+    bristle = corner(Bristle, chance)
+    state = corner(Strike, chance)
+    gamma = math.radians(state.impact_angle_deg)
+    rate = state.speed_ratio * hub.speed
+    return Chain(
+        (bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma
+    )
 
 
 def _two_rods(chance: random.Random) -> Chain:
     rods = corner(DoublePendulum, chance)
     angles = (-math.radians(rods.angle_1_deg), -math.radians(rods.angle_2_deg))
-    return Chain((rods.mass_ratio * rods.mass, rods.mass), (rods.length,) * 2, angles, (-rods.rate_1, -rods.rate_2))
+    return Chain(
+        (rods.mass_ratio * rods.mass, rods.mass),
+        (rods.length,) * 2,
+        angles,
+        (-rods.rate_1, -rods.rate_2),
+    )
 
 
 def _passes(number: int) -> Tally:
-    tally, chance = Tally(), random.Random("passes")
+    tally = Tally()
+    chance = random.Random("passes")
     for _ in range(number):
         tally.attempt("pass", partial(_pass, chance), finite)
     return tally
 
 
 def _pass(chance: random.Random) -> Trajectory:
-    hub, belt, bristle, bar, part = (corner(kind, chance, 0.1) for kind in (Hub, Belt, Bristle, Bar, Workpart))
-    settings = dataclasses.replace(corner(Settings, chance, 0.2, ("hub_turn",)), maximum_steps=CORNER_STEPS)
+    hub, belt, bristle, bar, part = (
+        corner(kind, chance, 0.1) for kind in (Hub, Belt, Bristle, Bar, Workpart)
+    )
+    settings = dataclasses.replace(
+        corner(Settings, chance, 0.2, ("hub_turn",)), maximum_steps=CORNER_STEPS
+    )
     contact = _contact(chance, chance.choice(("energetic", "compliant", "engine")))
-    tool = Tool(hub, belt, bristle, chance.choice((None, bar)), chance.choice((None, part)), contact)  # type: ignore[arg-type]
+    tool = Tool(
+        hub, belt, bristle, chance.choice((None, bar)), chance.choice((None, part)), contact
+    )  # type: ignore[arg-type]
     return simulate(
         tool,
         settings,

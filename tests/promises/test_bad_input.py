@@ -31,12 +31,16 @@ def measured(name: str) -> bool:
 
 
 def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Range, "check", lambda self, number, _=None: int(number) if self.whole else float(number))
+    monkeypatch.setattr(
+        Range, "check", lambda self, number, _=None: int(number) if self.whole else float(number)
+    )
     assert not measured("every value of Hub")
     assert not measured("every argument of EnergeticContact")
 
 
-@pytest.mark.parametrize("line", ["hub_speed\nhub_radius: must be less", "must be less", "hub_speed, hub_radius"])
+@pytest.mark.parametrize(
+    "line", ["hub_speed\nhub_radius: must be less", "must be less", "hub_speed, hub_radius"]
+)
 def test_a_refusal_that_is_not_clear_is_noticed(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two lines, no name, no word of what it must be."""
     monkeypatch.setattr(Range, "refusal", lambda *_: ValueError(line))
@@ -59,7 +63,9 @@ def test_a_result_that_is_no_number_is_noticed(monkeypatch: pytest.MonkeyPatch) 
     assert not measured("ends of all ranges, a strike, energetic")
 
 
-@pytest.mark.parametrize("error", [ZeroDivisionError("no"), OverflowError("no"), TypeError("no"), RuntimeWarning("no")])
+@pytest.mark.parametrize(
+    "error", [ZeroDivisionError("no"), OverflowError("no"), TypeError("no"), RuntimeWarning("no")]
+)
 def test_any_other_error_is_noticed(error: Exception) -> None:
     def call() -> None:
         raise error
@@ -71,7 +77,9 @@ def test_any_other_error_is_noticed(error: Exception) -> None:
 
 def test_a_warning_is_noticed() -> None:
     tally = Tally()
-    tally.attempt("call", lambda: warnings.warn("rounding", RuntimeWarning, stacklevel=1), lambda _: True)
+    tally.attempt(
+        "call", lambda: warnings.warn("rounding", RuntimeWarning, stacklevel=1), lambda _: True
+    )
     assert tally.faults
 
 
@@ -99,7 +107,17 @@ HUGE = 10**5000
 
 
 def test_any_value_is_shown_in_one_short_line() -> None:
-    for value in (HUGE, [HUGE], "x" * 1000, np.eye(3), object(), "one\nline", np.arange(1e4), {"a": HUGE}, 1j):
+    for value in (
+        HUGE,
+        [HUGE],
+        "x" * 1000,
+        np.eye(3),
+        object(),
+        "one\nline",
+        np.arange(1e4),
+        {"a": HUGE},
+        1j,
+    ):
         line = shown(value)
         assert line.isprintable()
         assert 0 < len(line) <= 103  # a hundred characters and three dots

@@ -13,7 +13,7 @@ from bristle_sim.benchmarks.hard_cases import THEMES
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
 from bristle_sim.scene import build, touches
-from bristle_sim.scene import decide as scene_decide
+from bristle_sim.scene import collisions as scene_collisions
 from bristle_sim.scene import impacts as contact_laws
 from bristle_sim.scene import impacts as laws
 from bristle_sim.scene import simulate as scene_simulate
@@ -52,14 +52,23 @@ def friction_off(error: float) -> tuple[object, str, Any]:
     """The impact law with a friction that is off by a relative error."""
     return law(
         lambda matrix, velocity, mu, e, later=None, *rest: energetic_impact(
-            matrix, velocity, mu * (1.0 + error), e, None if later is None else later * (1.0 + error), *rest
+            matrix,
+            velocity,
+            mu * (1.0 + error),
+            e,
+            None if later is None else later * (1.0 + error),
+            *rest,
         )
     )
 
 
 def restitution_off(error: float) -> tuple[object, str, Any]:
     """The impact law with a restitution that is off by a relative error."""
-    return law(lambda matrix, velocity, mu, e, *rest: energetic_impact(matrix, velocity, mu, e * (1.0 - error), *rest))
+    return law(
+        lambda matrix, velocity, mu, e, *rest: energetic_impact(
+            matrix, velocity, mu, e * (1.0 - error), *rest
+        )
+    )
 
 
 def slow_is_none(matrix: Any, velocity: Any, *rest: Any) -> Any:
@@ -86,10 +95,13 @@ def gaining(*given: Any) -> Any:
     rates = tuple(rate * (1.0 + 1e-6) for rate in after.rates)
     works = record.compressive_work, record.restitutive_work
     more = (works[1][0] - 3e-6 * works[0][0] + 1e-12 * abs(works[0][0]), works[1][1])
-    return after._replace(rates=rates), dataclasses.replace(record, rates_after=rates, restitutive_work=more)
+    return after._replace(rates=rates), dataclasses.replace(
+        record, rates_after=rates, restitutive_work=more
+    )
 
 
-RESOLVE, LAW = EnergeticLaw.resolve, laws.energetic_impact
+RESOLVE = EnergeticLaw.resolve
+LAW = laws.energetic_impact
 
 
 def nameless(*given: Any) -> Any:
@@ -121,7 +133,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
     ),
     "a friction 1e-7 off": (
         friction_off(1e-7),
-        [f"jam: {which}, friction 0.001 off the jam" for which in ("pass, tip pushed", "default pass")],
+        [
+            f"jam: {which}, friction 0.001 off the jam"
+            for which in ("pass, tip pushed", "default pass")
+        ],
     ),
     "a restitution 1e-12 off": (restitution_off(1e-12), ["grazing: strike at 1e-12 rad"]),
     "an approach taken for none": (law(slow_is_none), ["grazing: strike at 1e-12 rad"]),
@@ -129,7 +144,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         (EnergeticLaw, "resolve", nameless),
         ["jam: pass, tip pushed, friction 0.001 off the jam"],
     ),
-    "energy gained": ((EnergeticLaw, "resolve", gaining), ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"]),
+    "energy gained": (
+        (EnergeticLaw, "resolve", gaining),
+        ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"],
+    ),
     "compliance in stick from K alone": (
         law(lambda *given: energetic_impact(*given[:5])),
         ["mass_ratio: n = 1e+12, stick"],
@@ -147,7 +165,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["damping: ratio 0.5: decay", "damping: ratio 0.5: whole pass"],
     ),
     "a belt that freezes": ((build, "MOST_DAMPING", 1e9), ["damping: ratio 100: decay"]),
-    "a hub 1e-5 too fast": (part("Mechanism", hub_speed=1.0 + 1e-5), ["hub_speed: 1000 rad/s: whole pass"]),
+    "a hub 1e-5 too fast": (
+        part("Mechanism", hub_speed=1.0 + 1e-5),
+        ["hub_speed: 1000 rad/s: whole pass"],
+    ),
     "coarse integration": (
         (scene_simulate, "stepper_for", lambda *_: Extrapolation(1e-4)),
         ["long_run: 10 hub turns, accuracy 1e-09"],
@@ -160,16 +181,25 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         (touches, "settle", lambda _progress, _value, interval, _near, _tolerance: interval.end),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
-    "another restitution": ((laws, "energetic_impact", livelier), ["jam: default pass, friction 0.001 off the jam"]),
+    "another restitution": (
+        (laws, "energetic_impact", livelier),
+        ["jam: default pass, friction 0.001 off the jam"],
+    ),
     "a jam that is not seen": (
-        (scene_decide, "opening_rate", lambda *_: math.inf),
+        (scene_collisions, "opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],
     ),
     "starts that are not checked": (
         (scene_simulate, "check_start", lambda *_: None),
-        [f"touching: starts 1e-10 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
+        [
+            f"touching: starts 1e-10 of its length inside the {obstacle}"
+            for obstacle in ("bar", "workpart")
+        ],
     ),
-    "a budget that is not kept": ((scene_simulate, "Plan", later), ["budget: flight; 1 engine steps"]),
+    "a budget that is not kept": (
+        (scene_simulate, "Plan", later),
+        ["budget: flight; 1 engine steps"],
+    ),
 }
 """What is broken, by which attribute of which module and how, and the cases that must notice it."""
 

@@ -14,7 +14,12 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import Link
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory
-from closed_forms.test_operating_point import check_bar, check_retraction, check_strike, check_strike_ledger
+from closed_forms.test_operating_point import (
+    check_bar,
+    check_retraction,
+    check_strike,
+    check_strike_ledger,
+)
 
 Check = Callable[[Trajectory], None]
 
@@ -52,7 +57,9 @@ class TestBelt:
     @pytest.mark.parametrize("share", [0.99, 1.01])
     def test_stiffness_off_by_a_hundredth(self, share: float) -> None:
         """The speed goes with the root of the stiffness: 0.5 % of it."""
-        assert check_strike in failing(replace(Tool(), belt=Belt(stiffness=math.degrees(0.00041) * share)))
+        assert check_strike in failing(
+            replace(Tool(), belt=Belt(stiffness=math.degrees(0.00041) * share))
+        )
 
     def test_damping_that_was_not_requested(self) -> None:
         assert check_strike in failing(replace(Tool(), belt=Belt(damping_ratio=0.002)))
@@ -65,14 +72,19 @@ class TestInertia:
 
         def built(scene: Scene, *given) -> None:
             true(scene, *given)
-            hub, link, mechanism, step = scene.hub, scene.links[0], scene.mechanism, scene.step
+            hub = scene.hub
+            link = scene.links[0]
+            mechanism = scene.mechanism
+            step = scene.step
 
             def without(length: float, count: int, act=None) -> list[float]:
                 def push() -> None:
                     if act is not None:
                         act()
                     relative = link.angle - hub.angle
-                    link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
+                    link.torque += (
+                        0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
+                    )
 
                 return step(length, count, push)
 
@@ -93,10 +105,14 @@ class TestInertia:
         assert check_strike in failing()
 
     def test_hub_off_its_speed(self) -> None:
-        assert check_strike in failing(replace(Tool(), hub=replace(Tool().hub, speed=261.8 * 1.001)))
+        assert check_strike in failing(
+            replace(Tool(), hub=replace(Tool().hub, speed=261.8 * 1.001))
+        )
 
     def test_root_circle_off(self) -> None:
-        assert check_strike in failing(replace(Tool(), hub=replace(Tool().hub, radius=0.0275 - 1e-4)))
+        assert check_strike in failing(
+            replace(Tool(), hub=replace(Tool().hub, radius=0.0275 - 1e-4))
+        )
 
 
 class TestBar:
@@ -115,7 +131,9 @@ class TestBar:
     def test_bar_that_throws_back(self) -> None:
         bar = Tool().bar
         assert bar is not None
-        assert {check_strike, check_bar} <= failing(replace(Tool(), bar=replace(bar, restitution=0.42)))
+        assert {check_strike, check_bar} <= failing(
+            replace(Tool(), bar=replace(bar, restitution=0.42))
+        )
 
     def test_no_bar(self) -> None:
         run = simulate(replace(Tool(), bar=None), stop_after="strike")
@@ -133,11 +151,15 @@ class TestImpact:
     def test_another_coefficient_of_restitution(self) -> None:
         part = Tool().workpart
         assert part is not None
-        assert failing(replace(Tool(), workpart=replace(part, restitution=0.42 + 1e-6))) == {check_strike_ledger}
+        assert failing(replace(Tool(), workpart=replace(part, restitution=0.42 + 1e-6))) == {
+            check_strike_ledger
+        }
 
     def test_friction_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """The tangential impulse turned round on its way to the bodies."""
-        monkeypatch.setattr(contact_laws, "contact_at", with_turned_friction(contact_laws.contact_at))
+        monkeypatch.setattr(
+            contact_laws, "contact_at", with_turned_friction(contact_laws.contact_at)
+        )
         assert failing() == {check_strike_ledger}
 
     def test_impulse_that_misses_the_tip(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -145,7 +167,10 @@ class TestImpact:
         true = contact_laws.contact_space
 
         def off(body, point, *given, **named):
-            nearer = (0.999 * point[0] + 0.001 * body.position.x, 0.999 * point[1] + 0.001 * body.position.y)
+            nearer = (
+                0.999 * point[0] + 0.001 * body.position.x,
+                0.999 * point[1] + 0.001 * body.position.y,
+            )
             return true(body, nearer, *given, **named)
 
         monkeypatch.setattr(contact_laws, "contact_space", off)

@@ -48,7 +48,8 @@ def falling_rods(steps: int = 400) -> list[tuple[float, float, float]]:
     rods = [pymunk.Body(1.0, 1.0 / 12.0) for _ in range(3)]
     shapes = [pymunk.Segment(body, (0.0, -0.5), (0.0, 0.5), 0.01) for body in rods]
     for index, body in enumerate(rods):
-        body.position, body.angle = (2.0 * index - 2.0, 0.6), 0.3 * (index + 1)
+        body.position = (2.0 * index - 2.0, 0.6)
+        body.angle = 0.3 * (index + 1)
     for shape, kind in zip((floor, *shapes), (1, 2, 2, 2), strict=True):
         shape.collision_type = kind
     space.add(floor, *rods, *shapes)
@@ -102,7 +103,13 @@ def first() -> dict[str, str]:
 
 def test_again_among_other_runs_and_in_threads(first: dict[str, str]) -> None:
     with ThreadPoolExecutor(4) as pool:
-        again = dict(zip(reversed(RUNS), pool.map(lambda name: bits(RUNS[name]()), reversed(RUNS)), strict=True))
+        again = dict(
+            zip(
+                reversed(RUNS),
+                pool.map(lambda name: bits(RUNS[name]()), reversed(RUNS)),
+                strict=True,
+            )
+        )
     assert again == first
 
 
@@ -143,8 +150,13 @@ def equal_in_threaded_sweeps() -> bool:
     with ThreadPoolExecutor(8) as pool:
         equal = sweep(strike_impulse, space, workers=pool, progress=False).identical(expected)
     layout = {"n_workers": 1, "threads_per_worker": 8, "dashboard_address": ":0"}
-    with distributed.LocalCluster(**layout, processes=False) as cluster, distributed.Client(cluster) as client:
-        return equal and sweep(strike_impulse, space, workers=client.get_executor(), progress=False).identical(expected)
+    with (
+        distributed.LocalCluster(**layout, processes=False) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        return equal and sweep(
+            strike_impulse, space, workers=client.get_executor(), progress=False
+        ).identical(expected)
 
 
 @pytest.mark.nightly
@@ -155,7 +167,8 @@ def test_sweeps_in_threads_equal_the_serial_one() -> None:
 
 def test_a_space_is_freed_while_it_holds_its_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """Were they garbage already, the collector of another thread would remove them at the same time."""
-    engine, left = pymunk.space.lib, []
+    engine = pymunk.space.lib
+    left = []
     scene, _ = build_tool(Tool())
     bodies = weakref.WeakSet(scene.links)
 
@@ -206,4 +219,6 @@ def test_a_bit_that_differs_is_noticed(first: dict[str, str]) -> None:
         assert bits(dataclasses.replace(run, **{name: array})) != first["energetic"]
     event = dataclasses.replace(run.events[0], time=math.nextafter(run.events[0].time, 1.0))
     assert bits(dataclasses.replace(run, events=(event, *run.events[1:]))) != first["energetic"]
-    assert bits(simulate(Tool(), Settings(accuracy=math.nextafter(1e-6, 1.0)))) != first["energetic"]
+    assert (
+        bits(simulate(Tool(), Settings(accuracy=math.nextafter(1e-6, 1.0)))) != first["energetic"]
+    )

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks import machine
-from bristle_sim.benchmarks.accuracy_cost import Effort, cases, measure, own_methods, peers, scipy_methods, study
+from bristle_sim.benchmarks.accuracy_cost import (
+    Effort,
+    cases,
+    measure,
+    own_methods,
+    peers,
+    scipy_methods,
+    study,
+)
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Point
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 
@@ -38,7 +46,9 @@ class TestCases:
 
     def test_the_strikes_settle_to_the_printed_rates(self):
         # Zhang 2020, sec. 2.4.2 evaluated, to the digits given there; kappa omega L from eq. 2.34 for the bristle.
-        np.testing.assert_allclose(cases.double_pendulum().exact, (0.19893234, -0.22313679), atol=5e-9)
+        np.testing.assert_allclose(
+            cases.double_pendulum().exact, (0.19893234, -0.22313679), atol=5e-9
+        )
         np.testing.assert_allclose(cases.strike().exact, (-456.550,), atol=5e-4)
 
 
@@ -73,13 +83,19 @@ class TestMeasuring:
 
 @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
 def test_the_requested_accuracy_is_reached(accuracy):
-    run = attempt_named(own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
+    run = attempt_named(
+        own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}"
+    ).run()
     assert FLIGHT.error(run.values) < float(accuracy)
 
 
-@pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name
+)
 def test_the_energetic_law_is_exact(case):
-    run = attempt_named(own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
+    run = attempt_named(
+        own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases"
+    ).run()
     assert case.error(run.values) < 1e-13
 
 
@@ -102,7 +118,9 @@ class TestPeers:
         pytest.importorskip(package)
         flights = {"mujoco": peers.mujoco_flight}
         attempts = flights.get(package, own_methods.flight_attempts)(FLIGHT)
-        coarse, fine = (FLIGHT.error(attempt_named(attempts, method, f"steps={n}").run().values) for n in counts)
+        coarse, fine = (
+            FLIGHT.error(attempt_named(attempts, method, f"steps={n}").run().values) for n in counts
+        )
         assert math.log2(coarse / fine) == pytest.approx(order, abs=within)
         if method == "mujoco rk4":
             # 512 steps leave 1e-12 of the method's own error, and the hub of finite inertia as much.
@@ -119,13 +137,20 @@ class TestPeers:
         pytest.importorskip("heyoka")
         attempts = peers.heyoka_flight(FLIGHT)
         # Each tolerance bounds a step's remainder; the flight takes some ten steps, and ends at rounding.
-        assert all(FLIGHT.error(each.run().values) < 10.0 * 10.0**-k + 1e-14 for k, each in enumerate(attempts, 1))
+        assert all(
+            FLIGHT.error(each.run().values) < 10.0 * 10.0**-k + 1e-14
+            for k, each in enumerate(attempts, 1)
+        )
         assert attempts[-1].run() == attempts[-1].run()
 
     @pytest.mark.parametrize("name", ["mujoco", "heyoka"])
-    def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
+    def test_a_peer_that_cannot_be_imported_is_named_and_left_out(
+        self, name, tmp_path, monkeypatch
+    ):
         """Installed, but built for another machine: its import fails, and the study goes on without it, unlike our own."""
-        (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")
+        (tmp_path / f"{name}.py").write_text(
+            'raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8"
+        )
         monkeypatch.syspath_prepend(str(tmp_path))
         monkeypatch.delitem(sys.modules, name, raising=False)
         missing = {}
@@ -150,10 +175,19 @@ def test_a_machine_that_says_nothing_of_itself(monkeypatch):
 def test_the_study_has_curves_of_all_cases_meets_the_requested_errors_and_counts_seconds():
     report = accuracy_cost(Effort("quick", "none"))
     curves = json.loads(json.dumps(report.extra, allow_nan=False))["curves"]
-    assert {row["case"] for row in curves} == {"release_flight", "strike", "double_pendulum", "whole_pass"}
+    assert {row["case"] for row in curves} == {
+        "release_flight",
+        "strike",
+        "double_pendulum",
+        "whole_pass",
+    }
     assert all(row["method"].startswith("bristle_sim ") and not row["failure"] for row in curves)
-    assert [row.ok for row in report.quantities if row.name.endswith("error_over_accuracy")] == [True] * 4
+    assert [row.ok for row in report.quantities if row.name.endswith("error_over_accuracy")] == [
+        True
+    ] * 4
     times = {row.name: row for row in report.quantities if "_cpu_" in row.name}
-    (law,) = (row for row in curves if (row["method"], row["case"]) == ("bristle_sim energetic", "strike"))
+    (law,) = (
+        row for row in curves if (row["method"], row["case"]) == ("bristle_sim energetic", "strike")
+    )
     assert {row.unit for row in times.values()} == {"s"}
     assert times["strike_cpu_energetic"].simulated == law["cpu_s"]

@@ -23,8 +23,15 @@ from bristle_sim.dissertation.printed import Figure, Printed
 
 ROWS = {row.where: row for row in audit_rows()}
 
-OMEGA, RADIUS, LENGTH, MASS, GAMMA = 261.8, 0.0275, 0.027, 8.387e-5, math.radians(23.4)
-INERTIA, THETA, END, DECAY = MASS * LENGTH**2 / 3, math.radians(44.5), 5e-5, 92400.0
+OMEGA = 261.8
+RADIUS = 0.0275
+LENGTH = 0.027
+MASS = 8.387e-5
+GAMMA = math.radians(23.4)
+INERTIA = MASS * LENGTH**2 / 3
+THETA = math.radians(44.5)
+END = 5e-5
+DECAY = 92400.0
 PLAIN_RATE = math.sqrt(math.degrees(0.00041) / INERTIA)
 
 COMPUTED = {
@@ -38,7 +45,8 @@ COMPUTED = {
     # m v_C/(3 (sin(gamma) + mu cos(gamma))) at 15 to 30 degrees: its span over its mean.
     "fig. 2.7: p_cy converges to a common value as friction approaches 1": 0.109625675,
     "sec. 5.1: elevated friction leads to the greatest compressive impulse": 0.550411174,
-    "sec. 2.3.2: tangential work is one order of magnitude greater than normal work": 0.31 / math.tan(GAMMA),
+    "sec. 2.3.2: tangential work is one order of magnitude greater than normal work": 0.31
+    / math.tan(GAMMA),
     "fig. 2.22: equal or different friction makes minimal distinction": 0.363935628,
     "above eq. 2.51: in our model L = r_h": 55 / 54,
     # Quadratures of (3.5) and (3.19), letter by letter.
@@ -94,20 +102,29 @@ def test_the_ratio_of_sums_is_the_printed_depth_at_five_plies_only():
     found = []
     for n in range(1, 301):
         t = np.linspace(0.0, END, n + 1)[1:]
-        force = 1.0160 * np.exp(-5.499 * t) * (26 - 30 * np.cos(2 * np.pi * (t + 0.00001) / 0.00012))
+        force = (
+            1.0160 * np.exp(-5.499 * t) * (26 - 30 * np.cos(2 * np.pi * (t + 0.00001) / 0.00012))
+        )
         if abs(math.cos(GAMMA) * gone / np.sum(force) - 7.58e-5) <= 0.05e-6:
             found.append(n)
     assert found == [5]
 
 
-@pytest.mark.parametrize(("printed", "half"), [("1.619e-3", 5e-7), ("57", 0.5), ("0.00041", 5e-6), ("2.760", 5e-4)])
+@pytest.mark.parametrize(
+    ("printed", "half"), [("1.619e-3", 5e-7), ("57", 0.5), ("0.00041", 5e-6), ("2.760", 5e-4)]
+)
 def test_half_a_unit_of_the_last_digit(printed, half):
     assert half_unit(printed) == pytest.approx(half, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("computed", "allowance", "status"),
-    [(57.49, 0.0, REPRODUCED), (56.5, 0.0, REPRODUCED), (57.51, 0.0, DIFFERS), (57.51, 0.02, REPRODUCED)],
+    [
+        (57.49, 0.0, REPRODUCED),
+        (56.5, 0.0, REPRODUCED),
+        (57.51, 0.0, DIFFERS),
+        (57.51, 0.02, REPRODUCED),
+    ],
 )
 def test_verdicts_on_numbers(computed, allowance, status):
     row = audit_row(Printed("place", "57", unit="N"), Figure(computed, allowance=allowance))
@@ -127,5 +144,9 @@ def test_verdicts_on_statements():
 
 def test_the_answer_counts_the_rows():
     answer = audit_report(AuditView()).answer
-    for status, words in ((REPRODUCED, "of 124"), (DIFFERS, "differ"), (NOT_COMPUTABLE, "cannot be computed")):
+    for status, words in (
+        (REPRODUCED, "of 124"),
+        (DIFFERS, "differ"),
+        (NOT_COMPUTABLE, "cannot be computed"),
+    ):
         assert f"{sum(row.status == status for row in ROWS.values())} {words}" in answer

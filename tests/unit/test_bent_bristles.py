@@ -25,7 +25,9 @@ def test_order_of_the_three_shapes() -> None:
     assert (slides["forward"].ending, slides["forward"].ending_phase) == ("turns", "compression")
     assert (slides["reverse"].ending, slides["reverse"].ending_phase) == ("turns", "restitution")
     after = {row.name: row.simulated for row in report.quantities}
-    backwards = [after[f"{shape}_tip_speed_along_after"] for shape in ("reverse", "straight", "forward")]
+    backwards = [
+        after[f"{shape}_tip_speed_along_after"] for shape in ("reverse", "straight", "forward")
+    ]
     assert backwards == sorted(backwards, reverse=True)
     assert backwards[-1] < backwards[0] < 0.0
 
@@ -44,23 +46,38 @@ def test_slide_is_the_tips_displacement() -> None:
 
 def test_the_answer_is_that_of_the_slides() -> None:
     """A knee of 60 degrees: the forward bent tip turns in compression, the reverse bent one after it."""
-    report = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=60.0)), Settings())
+    report = bent_bristles(
+        dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=60.0)), Settings()
+    )
     slides = report.subject.slides
-    reverse, straight, forward = (slides[shape].forward for shape in ("reverse", "straight", "forward"))
+    reverse, straight, forward = (
+        slides[shape].forward for shape in ("reverse", "straight", "forward")
+    )
     assert f"{forward / (0.5 * (reverse + straight)):.0%} as far" in report.remarks[-1]
     first = f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
     assert report.answer.startswith(first)
     away = dataclasses.replace(TOOL, workpart=Workpart(penetration=-0.001))
-    assert bent_bristles(away, Settings()).answer == "No tip slides, because none strikes the workpart."
+    assert (
+        bent_bristles(away, Settings()).answer
+        == "No tip slides, because none strikes the workpart."
+    )
 
 
 def test_a_tip_that_retracts_at_once_is_named() -> None:
     """As in the film: a forward slide of a hundredth of the others'."""
-    sliding, retracting = (Slide(each, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6) for each in (1e-3, 1e-5))
+    sliding, retracting = (
+        Slide(each, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6) for each in (1e-3, 1e-5)
+    )
     words = answer({"reverse": sliding, "straight": sliding, "forward": retracting})
     assert "the forward bent tip retracts at once" in words
     lasting = Slide(1e-3, 1e-3, 1e-4, 5e-5, None, None, math.inf)
-    assert answer(dict.fromkeys(("reverse", "straight", "forward"), lasting)).endswith("retracts at once.")
+    assert answer(dict.fromkeys(("reverse", "straight", "forward"), lasting)).endswith(
+        "retracts at once."
+    )
     still = Slide(0.0, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6)
-    assert against_film({"reverse": still, "straight": still, "forward": sliding}).startswith("neither")
-    assert "the reverse bent one never strikes" in answer({"reverse": None, "straight": sliding, "forward": sliding})
+    assert against_film({"reverse": still, "straight": still, "forward": sliding}).startswith(
+        "neither"
+    )
+    assert "the reverse bent one never strikes" in answer(
+        {"reverse": None, "straight": sliding, "forward": sliding}
+    )

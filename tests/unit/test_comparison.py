@@ -12,7 +12,8 @@ import pytest
 from bristle_sim.comparison import Quantity, Report, agreement, amount, differences, rows, table
 from bristle_sim.studies.whole_pass import beside_radial
 
-INFINITE, NAN = math.inf, math.nan
+INFINITE = math.inf
+NAN = math.nan
 
 
 def row(simulated: float | None, **sides: float | None) -> Quantity:
@@ -57,10 +58,17 @@ def test_without_a_contact_no_row_says_yes():
         *((each, 1.0, 0.1, False) for each in (NAN, INFINITE)),
         *((each, each, 0.1, False) for each in (NAN, INFINITE)),
         (NAN, 0.0, 0.1, False),
-        (np.float64(2.0), np.float64(0.0), 0.1, False),  # the exit status asks for ``ok is False``, not NumPy's
+        (
+            np.float64(2.0),
+            np.float64(0.0),
+            0.1,
+            False,
+        ),  # the exit status asks for ``ok is False``, not NumPy's
     ],
 )
-def test_agreement(simulated: float | None, theory: float | None, tolerance: float | None, ok: bool | None):
+def test_agreement(
+    simulated: float | None, theory: float | None, tolerance: float | None, ok: bool | None
+):
     found = row(simulated, theory=theory, tolerance=tolerance)
     assert found.ok is ok
     assert json.loads(json.dumps(found.as_dict(), allow_nan=False))["ok"] is ok
@@ -68,13 +76,33 @@ def test_agreement(simulated: float | None, theory: float | None, tolerance: flo
 
 def test_a_table_has_no_empty_column_and_aligned_cells():
     assert table([row(1.0), row(2.0)]).splitlines()[0].split() == ["quantity", "unit", "simulated"]
-    full = Quantity("a_long_name_deg", "rad/s", 877.09181234, 833.8428, printed=845.6, tolerance=1e-3)
+    full = Quantity(
+        "a_long_name_deg", "rad/s", 877.09181234, 833.8428, printed=845.6, tolerance=1e-3
+    )
     head, rule, *lines = table([full, Quantity("t", "s", NAN, 0.0, tolerance=0.5)]).splitlines()
     titles = re.split(r"\s{2,}", head)
-    assert titles == ["quantity", "unit", "simulated", "theory", "printed", "difference from", "within", "ok"]
+    assert titles == [
+        "quantity",
+        "unit",
+        "simulated",
+        "theory",
+        "printed",
+        "difference from",
+        "within",
+        "ok",
+    ]
     assert set(rule) == {"-"}
     cells = [re.split(r"\s{2,}", line) for line in lines]
-    assert cells[0] == ["a long name", "rad/s", "877.092", "833.843", "845.6", "+5.19 % theory", "0.1 %", "NO"]
+    assert cells[0] == [
+        "a long name",
+        "rad/s",
+        "877.092",
+        "833.843",
+        "845.6",
+        "+5.19 % theory",
+        "0.1 %",
+        "NO",
+    ]
     column = head.index("theory") + len("theory")
     assert [line[:column].split()[-1] for line in lines] == ["833.843", "0"]
 
@@ -83,7 +111,8 @@ def test_a_narrow_terminal_leaves_the_reference_out_and_a_wide_one_shows_it():
     """All columns full and a long name take more than 100 columns; the difference still says from what."""
     sides = {"theory": -4.3219876, "reference": -4.3210988, "printed": -4.3, "tolerance": 1e-5}
     found = [Quantity("tangential_compressive_impulse", "rad/s", -4.3210987, **sides)]
-    narrow, wide = table(found), table(found, 200)
+    narrow = table(found)
+    wide = table(found, 200)
     assert max(map(len, narrow.splitlines())) <= 100
     assert "  reference" not in narrow.splitlines()[0]
     assert "+2e-08 reference" in narrow
@@ -108,20 +137,30 @@ def test_a_narrow_terminal_leaves_the_reference_out_and_a_wide_one_shows_it():
 )
 def test_units_that_an_engineer_reads(value: float, unit: str, shown: str):
     """The row's largest number has one to three digits before its point, as on an instrument."""
-    cells = re.split(r"\s{2,}", table([Quantity("p_f", unit, value, label="impulse p_f")]).splitlines()[2])
+    cells = re.split(
+        r"\s{2,}", table([Quantity("p_f", unit, value, label="impulse p_f")]).splitlines()[2]
+    )
     assert cells == ["impulse p_f", *reversed(shown.split("  "))]
 
 
 def test_a_row_is_shown_by_its_label_and_kept_by_its_key():
     labels = {"normal_final_impulse": ("normal impulse p_f", "N s"), "lag_deg": "deg"}
     (labelled, plain) = rows(labels, {"lag_deg": 1.0})
-    assert [labelled.as_dict()[key] for key in ("name", "label")] == ["normal_final_impulse", "normal impulse p_f"]
+    assert [labelled.as_dict()[key] for key in ("name", "label")] == [
+        "normal_final_impulse",
+        "normal impulse p_f",
+    ]
     assert plain.label == "lag"
 
 
 @pytest.mark.parametrize(
     ("value", "unit", "words"),
-    [(2.751e-3, "N s", "2.75 mN s"), (2.7431, "deg", "2.74°"), (-0.43652, "1", "-0.437"), (1.3e-4, "m", "130 um")],
+    [
+        (2.751e-3, "N s", "2.75 mN s"),
+        (2.7431, "deg", "2.74°"),
+        (-0.43652, "1", "-0.437"),
+        (1.3e-4, "m", "130 um"),
+    ],
 )
 def test_amounts_are_in_a_person_s_units(value: float, unit: str, words: str) -> None:
     assert amount(value, unit) == words
@@ -146,7 +185,8 @@ def test_the_largest_relative_difference_of_each_side_is_named() -> None:
 
 
 def test_agreement_follows_from_the_rows() -> None:
-    near, far = Quantity("a", "N", 1.0 + 1e-12, 1.0, tolerance=1e-9), Quantity("b", "N", 2.0, 1.0, tolerance=0.1)
+    near = Quantity("a", "N", 1.0 + 1e-12, 1.0, tolerance=1e-9)
+    far = Quantity("b", "N", 2.0, 1.0, tolerance=0.1)
     assert agreement([near]) == "Yes, to 1e-12"
     assert agreement([near, far]) == "No (b 2 N, by formula 1 N)"
     assert agreement([Quantity("c", "N", 1.5, 1.0)]) == "Not exactly (c 1.5 N, by formula 1 N)"

@@ -33,9 +33,15 @@ def resolved(chain: Chain, surface: Surface, law: ContactLaw) -> ContactRecord:
 class TestCompliantContact:
     def test_duration_follows_the_accuracy_down_to_what_rounding_allows(self) -> None:
         """A tenth of the accuracy over the fastest rate, 0.2 rad/s; at least 3e-7/sqrt(e*) over it."""
-        for accuracy, restitution, duration in ((1e-4, 0.5, 5e-5), (1e-7, 0.25, 3e-6), (1e-7, 0.0, 1.5e-6)):
+        for accuracy, restitution, duration in (
+            (1e-4, 0.5, 5e-5),
+            (1e-7, 0.25, 3e-6),
+            (1e-7, 0.0, 1.5e-6),
+        ):
             surface = Surface(0.3, None, restitution)
-            found = strike(PAIR, surface, Contact("compliant"), Settings(accuracy=accuracy)).contact.duration
+            found = strike(
+                PAIR, surface, Contact("compliant"), Settings(accuracy=accuracy)
+            ).contact.duration
             # Without restitution compression alone takes the time. The motion meanwhile is of the order of it.
             assert found == pytest.approx(duration, rel=1e-4)
 
@@ -45,22 +51,34 @@ class TestCompliantContact:
 
         Quarter periods of pi/2/sqrt(a k) and e* pi/2/sqrt(a' k), of sinus and cosinus; k from their sum, the duration.
         """
-        gamma, e, duration = 0.6, 0.5, 1e-4
-        approach, k_nn, k_nt = math.sin(gamma), 3.0 * math.sin(gamma) ** 2, 3.0 * math.sin(gamma) * math.cos(gamma)
+        gamma = 0.6
+        e = 0.5
+        duration = 1e-4
+        approach = math.sin(gamma)
+        k_nn = 3.0 * math.sin(gamma) ** 2
+        k_nt = 3.0 * math.sin(gamma) * math.cos(gamma)
         rates = [k_nn + friction * k_nt, k_nn - friction * k_nt]
         stiffness = (0.5 * math.pi * (rates[0] ** -0.5 + e * rates[1] ** -0.5) / duration) ** 2
         inwards = 0.5 * math.pi / math.sqrt(rates[0] * stiffness)
         depth = approach / math.sqrt(rates[0] * stiffness)
         chain = Chain((1.0,), (1.0,), (-gamma,), (1.0,))
-        history = strike(chain, Surface(friction, None, e), Contact("compliant", duration), Settings()).contact.history
+        history = strike(
+            chain, Surface(friction, None, e), Contact("compliant", duration), Settings()
+        ).contact.history
         assert history is not None
         time = history.time - history.time[0]
-        phase = np.where(time < inwards, time / inwards, 1.0 + (time - inwards) / (duration - inwards)) * 0.5 * math.pi
+        phase = (
+            np.where(time < inwards, time / inwards, 1.0 + (time - inwards) / (duration - inwards))
+            * 0.5
+            * math.pi
+        )
         share = np.where(time < inwards, np.sin(phase), e**2 * np.sin(phase) + 1.0 - e**2)
         force = stiffness * depth * np.sin(phase)
         # The rod turns by 1e-4 meanwhile.
         np.testing.assert_allclose(history.penetration, depth * share, rtol=0.0, atol=1e-3 * depth)
-        np.testing.assert_allclose(history.normal_force, force, rtol=0.0, atol=1e-3 * stiffness * depth)
+        np.testing.assert_allclose(
+            history.normal_force, force, rtol=0.0, atol=1e-3 * stiffness * depth
+        )
         sign = np.where(time <= inwards * (1.0 + 1e-3), 1.0, -1.0)
         turning = np.abs(time - inwards) < 1e-2 * inwards
         np.testing.assert_allclose(
@@ -74,51 +92,77 @@ class TestCompliantContact:
     @pytest.mark.parametrize("friction", [0.9, 0.92, 1.0, 1.2])
     def test_stick_lasts_until_the_spring_lets_go(self, ratio: float, friction: float) -> None:
         """Rounding breaks stick where the force ends: nothing but the end follows. Ten times the accuracy off the limit."""
-        chain, surface = dataclasses.replace(PAIR, masses=(5.0 * ratio, 5.0)), Surface(friction, None, 0.5)
+        chain = dataclasses.replace(PAIR, masses=(5.0 * ratio, 5.0))
+        surface = Surface(friction, None, 0.5)
         limit = strike(chain, surface, Contact(), Settings()).contact
         found = strike(chain, surface, Contact("compliant"), Settings())
         assert found.contact.rates_after == pytest.approx(limit.rates_after, rel=1e-5)
         assert found.contact.phases == limit.phases
-        assert found.steps < 5000  # 1300 to 3500; up to twice of it with slip that starts and stops, or all there are
+        assert (
+            found.steps < 5000
+        )  # 1300 to 3500; up to twice of it with slip that starts and stops, or all there are
 
     @pytest.mark.parametrize("mass_ratio", [1.0, 1e4])
     def test_plain_steps_converge_to_the_energetic_law(self, mass_ratio: float) -> None:
         """Their error is of first order: one, less its own curvature and the contact's length."""
-        chain, surface = dataclasses.replace(PAIR, masses=(mass_ratio, 1.0)), Surface(0.5, None, 0.5)
+        chain = dataclasses.replace(PAIR, masses=(mass_ratio, 1.0))
+        surface = Surface(0.5, None, 0.5)
         limit = np.array(resolved(chain, surface, EnergeticLaw()).rates_after)
         coarse, fine = (
-            float(np.abs(resolved(chain, surface, CompliantLaw(None, 1e-4, steps)).rates_after - limit).max())
+            float(
+                np.abs(
+                    resolved(chain, surface, CompliantLaw(None, 1e-4, steps)).rates_after - limit
+                ).max()
+            )
             for steps in (64, 512)
         )
         assert math.log(coarse / fine) / math.log(512 / 64) > 0.95
-        assert fine < 4e-3 * float(np.abs(limit).max())  # 1e-3 at about 2000 steps measured with the bare engine
+        assert fine < 4e-3 * float(
+            np.abs(limit).max()
+        )  # 1e-3 at about 2000 steps measured with the bare engine
 
     @pytest.mark.parametrize(
         ("chain", "surface"),
         [
-            (Chain((2.472, 0.656), (1.0, 1.0), (0.286, 0.475), (0.644, -0.685)), Surface(0.435, 0.903, 0.205)),
             (
-                Chain((0.532, 0.778, 2.01), (1.118, 1.131, 1.052), (-0.075, -0.311, -0.27), (-1.014, -0.768, 1.485)),
+                Chain((2.472, 0.656), (1.0, 1.0), (0.286, 0.475), (0.644, -0.685)),
+                Surface(0.435, 0.903, 0.205),
+            ),
+            (
+                Chain(
+                    (0.532, 0.778, 2.01),
+                    (1.118, 1.131, 1.052),
+                    (-0.075, -0.311, -0.27),
+                    (-1.014, -0.768, 1.485),
+                ),
                 Surface(0.164, 0.811, 1.0),
             ),
         ],
     )
-    def test_slip_that_later_friction_presses_on_stays_at_rest(self, chain: Chain, surface: Surface) -> None:
+    def test_slip_that_later_friction_presses_on_stays_at_rest(
+        self, chain: Chain, surface: Surface
+    ) -> None:
         """With mu_2 the deepest point would be pressed on, with mu_1 it parts: v_n = 0 and a friction between them until slip stops.
 
         The difference from the law falls as the duration does, but for a tenth of it.
         """
-        unit, settings = 1.0 / max(map(abs, chain.rates)), Settings(accuracy=1e-8)
+        unit = 1.0 / max(map(abs, chain.rates))
+        settings = Settings(accuracy=1e-8)
         law = strike(chain, surface, Contact(), Settings()).contact.rates_after
         longer, shorter = (
-            strike(chain, surface, Contact("compliant", duration * unit), settings).contact for duration in (1e-3, 1e-4)
+            strike(chain, surface, Contact("compliant", duration * unit), settings).contact
+            for duration in (1e-3, 1e-4)
         )
-        first, second = (np.abs(np.subtract(each.rates_after, law)).max() * unit for each in (longer, shorter))
+        first, second = (
+            np.abs(np.subtract(each.rates_after, law)).max() * unit for each in (longer, shorter)
+        )
         assert first / second == pytest.approx(10.0, rel=0.1)
         history = shorter.history
         assert history is not None
         friction = np.abs(history.tangential_force) / np.maximum(history.normal_force, 1e-300)
-        at_rest = (np.abs(history.normal_velocity) < 1e-6 / unit) & (np.abs(history.tangential_velocity) > 0.1 / unit)
+        at_rest = (np.abs(history.normal_velocity) < 1e-6 / unit) & (
+            np.abs(history.tangential_velocity) > 0.1 / unit
+        )
         assert np.count_nonzero(at_rest) > 3
         assert friction[at_rest].min() >= surface.friction * (1.0 - 1e-6)
         assert friction[at_rest].max() <= surface.friction_in_restitution
@@ -126,12 +170,16 @@ class TestCompliantContact:
 
     @pytest.mark.parametrize("duration", [1e-5, 1e-2, 0.1])
     @pytest.mark.parametrize(("friction", "later"), [(2.0, 2.0), (0.3, 5.0)])
-    def test_stiction_ends_with_compression(self, duration: float, friction: float, later: float) -> None:
+    def test_stiction_ends_with_compression(
+        self, duration: float, friction: float, later: float
+    ) -> None:
         """A rod at 0.6 that friction sticks: p_c = m L w/(3 (sin + mu cos)) is all, but for the turn meanwhile."""
         chain = Chain((1.0,), (1.0,), (-0.6,), (1.0,))
         found = resolved(chain, Surface(friction, later, 0.5), CompliantLaw(duration, 1e-6))
         assert (found.outcome, found.phases) == ("stiction", ("compression slip",))
-        assert found.impulse[0] == pytest.approx(1.0 / (3.0 * (math.sin(0.6) + friction * math.cos(0.6))), rel=duration)
+        assert found.impulse[0] == pytest.approx(
+            1.0 / (3.0 * (math.sin(0.6) + friction * math.cos(0.6))), rel=duration
+        )
         assert found.duration == pytest.approx(duration, rel=max(duration, 1e-4))
 
 
@@ -153,7 +201,9 @@ class TestCompliantRefusals:
             ),
             (
                 lambda: resolved(
-                    Chain((1.0, 1e4), (1.0, 1.0), (-0.3, -0.5), (0.1, 0.2)), ROUGH, CompliantLaw(None, 1e-6)
+                    Chain((1.0, 1e4), (1.0, 1.0), (-0.3, -0.5), (0.1, 0.2)),
+                    ROUGH,
+                    CompliantLaw(None, 1e-6),
                 ),
                 "^contact = compliant: links must be at least 1e-3 times as heavy ",
             ),
@@ -171,15 +221,27 @@ def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
     surface = Surface(0.3, None, restitution)
     limit = strike(chain, surface, Contact(), Settings()).contact
     found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
-    for name in ("compressive_impulse", "compressive_work", "restitutive_work", "velocity_before", "velocity_after"):
+    for name in (
+        "compressive_impulse",
+        "compressive_work",
+        "restitutive_work",
+        "velocity_before",
+        "velocity_after",
+    ):
         expected = getattr(limit, name)
         # The tangential parts are shares of the normal ones; a final v_n of 0 is one beside that of the approach.
         size = max(map(abs, limit.velocity_before if "velocity" in name else expected), default=0.0)
-        assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), name
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), (
+            name
+        )
 
 
-def found(chain: Chain, surface: Surface, duration: float | None, accuracy: float = 1e-7) -> ContactRecord:
-    return strike(chain, surface, Contact("compliant", duration), Settings(accuracy=accuracy)).contact
+def found(
+    chain: Chain, surface: Surface, duration: float | None, accuracy: float = 1e-7
+) -> ContactRecord:
+    return strike(
+        chain, surface, Contact("compliant", duration), Settings(accuracy=accuracy)
+    ).contact
 
 
 class TestStick:
@@ -192,15 +254,18 @@ class TestStick:
         breaking = Chain((1.0, 1.0), (1.0, 1.0), (0.35, 0.52), (-4.0, -8.0))
         record = found(breaking, Surface(1.5, None, 0.5), 3e-2, accuracy)
         assert record.rates_after[1] == pytest.approx(7.88645, abs=5e-6 + 8.0 * accuracy)
-        assert record.phases == ("compression slip", "restitution slip", "restitution stick", "restitution slip")
+        assert record.phases == (
+            "compression slip",
+            "restitution slip",
+            "restitution stick",
+            "restitution slip",
+        )
 
     def test_that_jams_for_the_rigid_law_alone(self) -> None:
         """Ten times 0.1 ms later the hub's root has hardly moved on, by 6e-4: the record ends where the tip stuck."""
-        limit, short, long = (
-            strike(*self.JAMMED, Contact(), Settings()).contact,
-            found(*self.JAMMED, 1e-4),
-            found(*self.JAMMED, 0.02),
-        )
+        limit = strike(*self.JAMMED, Contact(), Settings()).contact
+        short = found(*self.JAMMED, 1e-4)
+        long = found(*self.JAMMED, 0.02)
         assert (limit.outcome, short.outcome, long.outcome) == ("jam", "jam", "rebound")
         assert short.phases == (*limit.phases[:1], "compression stick")
         assert short.impulse == short.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
@@ -212,10 +277,14 @@ class TestStick:
         random = np.random.default_rng(links)
         for _ in range(15):
             masses, lengths = np.exp(random.uniform(-1.0, 1.0, (2, links)))
-            angles, rates = random.uniform(-1.2, 1.2, links), random.uniform(-10.0, 10.0, links)
+            angles = random.uniform(-1.2, 1.2, links)
+            rates = random.uniform(-10.0, 10.0, links)
             rates = -rates if (lengths * np.sin(angles) * rates).sum() > 0.0 else rates
             chain = Chain(*(tuple(map(float, each)) for each in (masses, lengths, angles, rates)))
-            friction, restitution = math.exp(random.uniform(-2.0, 1.0)), random.uniform(0.2, 1.0)
-            course = found(chain, Surface(friction, None, restitution), 10.0 ** random.uniform(-3.0, -1.2)).history
+            friction = math.exp(random.uniform(-2.0, 1.0))
+            restitution = random.uniform(0.2, 1.0)
+            course = found(
+                chain, Surface(friction, None, restitution), 10.0 ** random.uniform(-3.0, -1.2)
+            ).history
             excess = np.abs(course.tangential_force) - friction * course.normal_force
             assert excess.max() <= 1e-6 * course.normal_force.max()

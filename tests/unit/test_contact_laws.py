@@ -12,26 +12,48 @@ from bristle_sim.scene.strike import Chain, build_strike
 class TestEngineLaw:
     """Newton's restitution of one rod at 0.6: v_n is -e times what it was, whatever friction does (one freedom)."""
 
-    @pytest.mark.parametrize(("friction", "restitution"), [(0.0, 0.5), (0.3, 0.5), (0.0, 1.0), (0.0, 0.0)])
+    @pytest.mark.parametrize(
+        ("friction", "restitution"), [(0.0, 0.5), (0.3, 0.5), (0.0, 1.0), (0.0, 0.0)]
+    )
     def test_one_rod(self, friction: float, restitution: float) -> None:
         """Slip does not turn before the normal velocity does, so p_t = -mu p_n and p_n = -(1 + e) v_n/(K_nn + mu K_nt).
 
         With friction that is so in compression; the clamp then takes what is left of slip as it comes.
         """
-        chain, surface = Chain((2.0,), (1.0,), (-0.6,), (1.0,)), Surface(friction, None, restitution)
+        chain = Chain((2.0,), (1.0,), (-0.6,), (1.0,))
+        surface = Surface(friction, None, restitution)
         scene, state, obstacle, _ = build_strike(chain, surface)
         after, record = EngineLaw(100).resolve(scene, state, obstacle)
-        assert (record.obstacle, record.law, record.duration, record.time) == ("workpart", "engine", 0.0, 0.0)
+        assert (record.obstacle, record.law, record.duration, record.time) == (
+            "workpart",
+            "engine",
+            0.0,
+            0.0,
+        )
         assert record.outcome == ("rebound" if restitution else "no rebound")
         assert (after.time, after.angles) == (state.time, state.angles)
-        assert (record.angles, record.rates_before, record.rates_after) == (state.angles, state.rates, after.rates)
+        assert (record.angles, record.rates_before, record.rates_after) == (
+            state.angles,
+            state.rates,
+            after.rates,
+        )
         before = (-math.sin(0.6), math.cos(0.6))
         assert record.velocity_before == pytest.approx(before, rel=1e-14)
         # Iterations solve the joint to rounding; the engine's bias of a step of 1e-12 is below it.
-        assert record.velocity_after == pytest.approx([-restitution * each for each in before], abs=1e-9)
+        assert record.velocity_after == pytest.approx(
+            [-restitution * each for each in before], abs=1e-9
+        )
         sine, cosine = math.sin(0.6), math.cos(0.6)
         moment = sine * record.impulse[0] - cosine * record.impulse[1]
-        assert moment == pytest.approx((1.0 + restitution) / 3.0, rel=1e-9), "angular momentum about the root"
+        assert moment == pytest.approx((1.0 + restitution) / 3.0, rel=1e-9), (
+            "angular momentum about the root"
+        )
         if not friction:
-            assert record.impulse == pytest.approx(((1.0 + restitution) / (3.0 * sine), 0.0), rel=1e-9, abs=1e-12)
-        assert (record.compressive_impulse, record.compressive_work, record.restitutive_work) == (None, None, None)
+            assert record.impulse == pytest.approx(
+                ((1.0 + restitution) / (3.0 * sine), 0.0), rel=1e-9, abs=1e-12
+            )
+        assert (record.compressive_impulse, record.compressive_work, record.restitutive_work) == (
+            None,
+            None,
+            None,
+        )

@@ -58,7 +58,12 @@ def test_unrounded_motion_obeys_the_geometry_of_a_radial_bristle():
     np.testing.assert_allclose(k.excursion * k.decay, k.tip_speed, rtol=1e-14)
     assert k.bristle_rate(0.0) == pytest.approx(845.6, rel=1e-13)
     # The printed constants but 3.615 are these to their digits; 3.615 is the initial 18.615 less the rounded 15.
-    for name, half_unit in (("decay", 50.0), ("tip_speed", 0.5), ("final_rate", 0.005), ("centre_speed", 0.5)):
+    for name, half_unit in (
+        ("decay", 50.0),
+        ("tip_speed", 0.5),
+        ("final_rate", 0.005),
+        ("centre_speed", 0.5),
+    ):
         assert abs(getattr(k, name) - getattr(PRINTED_KINEMATICS, name)) < half_unit
     assert abs(k.final_centre_speed - 3.615) > 0.01
     assert abs(k.centre_velocity(0.0) - 15 - 3.615) < 5e-4
@@ -80,7 +85,8 @@ def test_cutting_width():
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.05, 20.0), st.floats(0.0, 1.0))
 def test_shear_angle_is_that_of_least_work(friction, gamma):
-    angles, x = oblique_angles(friction, gamma, check=False), math.atan(1.0 / friction) - gamma
+    angles = oblique_angles(friction, gamma, check=False)
+    x = math.atan(1.0 / friction) - gamma
 
     def force(eta):
         return 1.0 / (math.sin(eta) * math.cos(eta + x))
@@ -107,15 +113,25 @@ def test_shear_plane_emerges_exactly_where_friction_reaches_tan_gamma(friction, 
 # Plies
 
 
-@pytest.mark.parametrize(("plies", "rounded"), [(300, 139.59), (1000, 140.79), (10_000, 141.81), (100_000, 142.13)])
+@pytest.mark.parametrize(
+    ("plies", "rounded"), [(300, 139.59), (1000, 140.79), (10_000, 141.81), (100_000, 142.13)]
+)
 def test_ply_sums_with_the_rounded_angles(plies, rounded):
     # Worked out independently of this package to the digits given: half a unit.
-    assert abs(micrometres(merchant_crater_depth(plies=plies, angles=PRINTED_ANGLES)) - rounded) < 0.005
+    assert (
+        abs(micrometres(merchant_crater_depth(plies=plies, angles=PRINTED_ANGLES)) - rounded)
+        < 0.005
+    )
 
 
 def test_ply_sum_is_equation_4_56_letter_by_letter():
     t = np.linspace(0.0, END, 301)
-    force = 0.78 / math.cos(math.radians(40)) * np.exp(-5.499 * t) * (26 - 30 * np.cos(2 * np.pi * (t + 1e-5) / 1.2e-4))
+    force = (
+        0.78
+        / math.cos(math.radians(40))
+        * np.exp(-5.499 * t)
+        * (26 - 30 * np.cos(2 * np.pi * (t + 1e-5) / 1.2e-4))
+    )
     ratio = math.sin(math.radians(25)) * math.cos(math.radians(65)) / 2.18 * 2
     printed = np.sum(np.diff(force) / printed_width(t[1:])) * ratio / 1.2e8
     # 0.78 and 2.18 = 2/cos 23.4 are rounded to three digits: 0.5/78 and 0.5/218 of the value.
@@ -135,7 +151,9 @@ def test_limit_is_the_integral():
     ratio = math.sin(math.radians(25)) * math.cos(math.radians(65)) * math.cos(GAMMA) / 1.2e8
     # QUADPACK's algebraic weight takes the inverse square root at t = 0.
     value, error = quad(
-        lambda t: BRISTLE.rate(t) * math.sqrt(t) / PRINTED_WIDTH(t) if t > 0.0 else _regular_at_zero(),
+        lambda t: (
+            BRISTLE.rate(t) * math.sqrt(t) / PRINTED_WIDTH(t) if t > 0.0 else _regular_at_zero()
+        ),
         0.0,
         END,
         weight="alg",
@@ -143,7 +161,9 @@ def test_limit_is_the_integral():
         epsrel=1e-12,
         epsabs=0.0,
     )
-    assert merchant_crater_depth_limit(angles=PRINTED_ANGLES) == pytest.approx(value * ratio, rel=1e-10)
+    assert merchant_crater_depth_limit(angles=PRINTED_ANGLES) == pytest.approx(
+        value * ratio, rel=1e-10
+    )
     assert error < 1e-10 * value
 
 
@@ -158,7 +178,9 @@ def _width_coefficient():
 
 def test_the_sum_converges_with_order_one_half_and_the_error_of_navot():
     plies = np.array([1000, 10_000, 100_000, 1_000_000])
-    gap = merchant_crater_depth_limit(angles=PRINTED_ANGLES) - merchant_crater_depth(plies=plies, angles=PRINTED_ANGLES)
+    gap = merchant_crater_depth_limit(angles=PRINTED_ANGLES) - merchant_crater_depth(
+        plies=plies, angles=PRINTED_ANGLES
+    )
     order = np.log10(gap[:-1] / gap[1:])
     # The next term is of order one, 1/sqrt(n) smaller: 0.02, 0.007, 0.002 in the order.
     np.testing.assert_allclose(order, 0.5, atol=0.01)
@@ -183,7 +205,9 @@ def test_friction_for_a_depth_inverts_the_depth(gamma_deg):
     friction = np.array([0.45, 1.0, 3.9])
     # arccot loses nothing worse than 1e-13 up to friction 4.
     np.testing.assert_allclose(
-        friction_for_crater_depth(merchant_crater_depth(friction, gamma), gamma), friction, rtol=1e-12
+        friction_for_crater_depth(merchant_crater_depth(friction, gamma), gamma),
+        friction,
+        rtol=1e-12,
     )
 
 
@@ -191,7 +215,8 @@ def test_friction_for_a_depth_inverts_the_depth(gamma_deg):
 
 
 def test_energy_coefficients():
-    m, inertia = 8.387e-5, 8.387e-5 * 0.027**2 / 12
+    m = 8.387e-5
+    inertia = 8.387e-5 * 0.027**2 / 12
     t, k = np.linspace(0.0, END, 5), PRINTED_KINEMATICS
     direct = 0.5 * m * k.centre_velocity(t) ** 2 + 0.5 * inertia * k.bristle_rate(t) ** 2
     np.testing.assert_allclose(kinetic_energy(t, energy_coefficients()), direct, rtol=1e-13)
@@ -220,7 +245,9 @@ def test_printed_force_and_printed_motion_are_of_two_events():
 def test_one_ply_by_hand(depth) -> None:
     """cos gamma (E(0) - E(t_c))/R(t_c) with the printed E, x = 92400 t_c = 4.62: both sums are one quotient."""
     lost = 0.0126 * (1.0 - math.exp(-9.24)) + 0.00303 * (1.0 - math.exp(-4.62))
-    assert depth(1, 0.4, compression_time=5e-5) == pytest.approx(math.cos(0.4) * lost / BRISTLE(5e-5), rel=1e-14)
+    assert depth(1, 0.4, compression_time=5e-5) == pytest.approx(
+        math.cos(0.4) * lost / BRISTLE(5e-5), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize("gamma", [0.1, 0.4, 0.7])
@@ -238,7 +265,9 @@ def test_no_friction_gives_the_depth_of_infinite_friction() -> None:
     with pytest.raises(ValueError, match=r"^depth = "):
         friction_for_crater_depth(0.5 * whole, 0.0, plies=1)
     # 1 - 2 share = sin(arccot mu) = 1/sqrt(1 + mu^2): by hand 0.6 for mu = 4/3.
-    assert friction_for_crater_depth(0.2 * whole, 0.0, plies=1) == pytest.approx(4.0 / 3.0, rel=1e-13)
+    assert friction_for_crater_depth(0.2 * whole, 0.0, plies=1) == pytest.approx(
+        4.0 / 3.0, rel=1e-13
+    )
 
 
 def test_width_of_a_face_that_dives_to_its_centre_line_and_no_deeper() -> None:

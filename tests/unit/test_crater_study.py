@@ -25,7 +25,9 @@ def row(found, name):
 
 def force(t):
     """(3.19), N."""
-    return 1.016 * math.exp(-5.499 * t) * (26.0 - 30.0 * math.cos(2.0 * math.pi * (t + 1e-5) / 1.2e-4))
+    return (
+        1.016 * math.exp(-5.499 * t) * (26.0 - 30.0 * math.cos(2.0 * math.pi * (t + 1e-5) / 1.2e-4))
+    )
 
 
 def width(t):
@@ -68,8 +70,17 @@ def test_everything_agrees_at_the_operating_point():
 @pytest.mark.parametrize(("friction", "angle"), [(0.31, 23.4), (0.4, 23.4), (0.5, 30.0)])
 def test_without_a_chip_there_is_no_merchant_depth(friction, angle):
     found = study(friction=friction, impact_angle_deg=angle)
-    for name in ("merchant_crater_depth", "merchant_crater_depth_limit", "contact_energy_depth", "contact_force_depth"):
-        assert (row(found, name).simulated, row(found, name).theory, row(found, name).ok) == (None, None, None)
+    for name in (
+        "merchant_crater_depth",
+        "merchant_crater_depth_limit",
+        "contact_energy_depth",
+        "contact_force_depth",
+    ):
+        assert (row(found, name).simulated, row(found, name).theory, row(found, name).ok) == (
+            None,
+            None,
+            None,
+        )
     line = next(line for line in found.remarks if line.startswith("no chip"))
     assert f"friction = {friction:g}" in line
     assert f"{math.tan(math.radians(angle)):g}" in line

@@ -61,7 +61,10 @@ def test_bars_that_the_readings_need(cued: Report) -> None:
 def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
     """Over the bar that the release needs and over the one that stands, compared with the independent solution."""
     mine = cued.subject.readings["per degree"]
-    places = ((mine.simulated.bar_horizontal, mine.simulated.bar_vertical), (Bar().horizontal, Bar().vertical))
+    places = (
+        (mine.simulated.bar_horizontal, mine.simulated.bar_vertical),
+        (Bar().horizontal, Bar().vertical),
+    )
     for (horizontal, vertical), passed in zip(places, mine.passes, strict=True):
         tool = Tool(bar=Bar(horizontal=horizontal, vertical=vertical))
         run = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
@@ -69,8 +72,12 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
         lag = -0.5 * math.pi + 261.8 * struck.time - struck.angles[0]
         # The lag is a small difference of large angles, good to 100 times the accuracy of 1e-6.
         assert math.radians(passed["lag_deg_at_contact"]) == pytest.approx(lag, abs=1e-4)
-        assert passed["relative_speed_at_contact"] == pytest.approx(struck.rates_before[0] - 261.8, rel=1e-5)
-    assert [row for row in cued.extra["full_passes"] if row["belt_stiffness"] == Belt().stiffness] == [*mine.passes]
+        assert passed["relative_speed_at_contact"] == pytest.approx(
+            struck.rates_before[0] - 261.8, rel=1e-5
+        )
+    assert [
+        row for row in cued.extra["full_passes"] if row["belt_stiffness"] == Belt().stiffness
+    ] == [*mine.passes]
     assert cued.extra["bar_stands_at_deg"] == pytest.approx(65.93, abs=0.005)
     per_radian, per_degree, _ = cued.tables[0].rows
     assert per_radian[-1] == "no strike"
@@ -84,7 +91,10 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
 @pytest.mark.parametrize(
     ("tool", "words"),
     [
-        (Tool(belt=Belt(stiffness=0.00041)), "The release needs the bar at 114.33°.* there has no cued strike"),
+        (
+            Tool(belt=Belt(stiffness=0.00041)),
+            "The release needs the bar at 114.33°.* there has no cued strike",
+        ),
         (Tool(belt=Belt(stiffness=0.0519)), r"strikes 0\.297° short of radial"),
     ],
 )
@@ -108,7 +118,9 @@ def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
     assert all(row.reference is None and row.ok is None for row in bare.quantities)
 
 
-def test_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(cued: Report) -> None:
+def test_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(
+    cued: Report,
+) -> None:
     moved = Bar(horizontal=0.052, vertical=0.018)
     plan = panel(cue_figure(dataclasses.replace(cued.subject, bar=moved)), "c")
     bars = [each for each in plan.patches if isinstance(each, Circle) and each.get_gid()]

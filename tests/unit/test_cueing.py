@@ -11,14 +11,20 @@ from scipy.special import ellipk
 from bristle_sim.parameters import Tool
 from bristle_sim.theory import cueing
 
-HUB_RADIUS, LENGTH, MASS, HUB_SPEED = 0.0275, 0.027, 8.387e-5, 261.8
+HUB_RADIUS = 0.0275
+LENGTH = 0.027
+MASS = 8.387e-5
+HUB_SPEED = 261.8
 INERTIA = MASS * LENGTH**2 / 3
 RETRACTION = math.radians(44.5)
-PRINTED_PER_RADIAN, PRINTED_PER_DEGREE = 0.00041, math.degrees(0.00041)
+PRINTED_PER_RADIAN = 0.00041
+PRINTED_PER_DEGREE = math.degrees(0.00041)
 CENTRIFUGAL = cueing.centrifugal_stiffness(MASS, HUB_RADIUS, LENGTH, HUB_SPEED)
 
 
-def march(stiffness: float, centrifugal: float, damping: float, steps: int) -> tuple[float, float, float]:
+def march(
+    stiffness: float, centrifugal: float, damping: float, steps: int
+) -> tuple[float, float, float]:
     """Time and speed where the bristle is fastest, and its speed at the radial direction, by steps of Runge-Kutta 4.
 
     Unit inertia, released from rest at -RETRACTION. The highest speed is read off a parabola through three steps.
@@ -53,14 +59,18 @@ def test_impact_angle_from_penetration():
     assert math.degrees(angle) == pytest.approx(23.447, abs=5e-4)
     assert math.cos(angle) == pytest.approx(50.0 / 54.5, rel=1e-15)
     # gamma ~ sqrt(2 Delta/(r_h + L)), with a relative error of Delta/(12 (r_h + L)).
-    assert cueing.impact_angle(HUB_RADIUS, LENGTH, 1e-18) == pytest.approx(math.sqrt(2e-18 / 0.0545), rel=1e-15)
+    assert cueing.impact_angle(HUB_RADIUS, LENGTH, 1e-18) == pytest.approx(
+        math.sqrt(2e-18 / 0.0545), rel=1e-15
+    )
     assert cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0) == 0.0
 
 
 def test_printed_release_geometry():
     """r_tip = 50.442 mm and A = 22.035 deg at 44.5 deg; the printed bar position is at S = 55.167 mm and 65.93 deg."""
     assert cueing.tip_radius(HUB_RADIUS, LENGTH, RETRACTION) == pytest.approx(0.050442, abs=5e-7)
-    assert math.degrees(cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)) == pytest.approx(22.035, abs=5e-4)
+    assert math.degrees(cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)) == pytest.approx(
+        22.035, abs=5e-4
+    )
     rest = math.radians(65.93) - cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)
     gamma = cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0045)
     placed = cueing.placed_cue(Tool(), RETRACTION, (rest - gamma) / HUB_SPEED, 0.0)
@@ -87,7 +97,9 @@ def test_printed_stiffness_cannot_be_per_radian():
     """0.00041 N m/rad: 22.6 Hz; the hub turns 166 deg in a quarter period, 69 deg with centrifugal stiffening."""
     plain = cueing.natural_rate(PRINTED_PER_RADIAN, INERTIA)
     assert plain / (2 * math.pi) == pytest.approx(22.6, abs=0.05)
-    assert math.degrees(HUB_SPEED * cueing.damped_cue_time(plain, 0.0)) == pytest.approx(166.12, abs=0.01)
+    assert math.degrees(HUB_SPEED * cueing.damped_cue_time(plain, 0.0)) == pytest.approx(
+        166.12, abs=0.01
+    )
     stiffened = cueing.stiffened_cue_time(RETRACTION, PRINTED_PER_RADIAN, CENTRIFUGAL, INERTIA)
     assert stiffened == pytest.approx(4.6e-3, abs=5e-5)
     assert math.degrees(HUB_SPEED * stiffened) == pytest.approx(69, abs=0.5)
@@ -108,11 +120,17 @@ def test_cue_of_the_Tool():
     # A quarter of the period of 170.870 Hz, and theta_p times its rate.
     assert plain.cue_time == pytest.approx(0.25 / (rate / (2 * math.pi)), rel=1e-14)
     assert plain.highest_relative_speed == pytest.approx(RETRACTION * rate, rel=1e-14)
-    assert math.hypot(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(plain.bar_distance, rel=1e-15)
-    assert math.atan2(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(plain.bar_direction, rel=1e-14)
+    assert math.hypot(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(
+        plain.bar_distance, rel=1e-15
+    )
+    assert math.atan2(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(
+        plain.bar_direction, rel=1e-14
+    )
     # The bar's radius is chosen so that S is that of the printed position.
     assert plain.bar_distance == pytest.approx(math.hypot(0.05037, 0.0225), rel=1e-14)
-    assert plain.bar_direction - plain.hub_turn == pytest.approx(plain.tip_lag + plain.impact_angle, rel=1e-14)
+    assert plain.bar_direction - plain.hub_turn == pytest.approx(
+        plain.tip_lag + plain.impact_angle, rel=1e-14
+    )
 
 
 def test_stiffened_cue_time_without_a_belt_is_the_pendulums():
@@ -120,7 +138,9 @@ def test_stiffened_cue_time_without_a_belt_is_the_pendulums():
     retraction = np.radians([1e-6, 1.0, 44.5, 90.0, 120.0, 150.0])
     time = cueing.stiffened_cue_time(retraction, 0.0, 3.0, 2.0)
     # Rounding of 64 terms; the quadrature itself is exact to 1e-15 up to 150 deg.
-    np.testing.assert_allclose(time, ellipk(np.sin(retraction / 2) ** 2) * math.sqrt(2.0 / 3.0), rtol=3e-15)
+    np.testing.assert_allclose(
+        time, ellipk(np.sin(retraction / 2) ** 2) * math.sqrt(2.0 / 3.0), rtol=3e-15
+    )
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.018, 0.3, 0.6])
@@ -138,8 +158,14 @@ def test_damped_motion_against_a_march(zeta):
             lambda: cueing.impact_angle(0.03, 0.03, -1e-3),
             r"^penetration = -0.001: must be 0 to hub_radius \+ length .*\(in m\)",
         ),
-        (lambda: cueing.impact_angle(0.03, 0.03, np.array([0.0, 0.07])), r"^penetration = 0.07: must be 0 to"),
-        (lambda: cueing.retraction_at_bar(0.2, 0.2, 0.005, 0.03, 0.03), r"tip radius = 0.277843: .* \(in m\)"),
+        (
+            lambda: cueing.impact_angle(0.03, 0.03, np.array([0.0, 0.07])),
+            r"^penetration = 0.07: must be 0 to",
+        ),
+        (
+            lambda: cueing.retraction_at_bar(0.2, 0.2, 0.005, 0.03, 0.03),
+            r"tip radius = 0.277843: .* \(in m\)",
+        ),
         (lambda: cueing.cue(Tool(bar=None)), "^bar, workpart: must both be there"),
     ],
 )

@@ -15,7 +15,16 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
-from bristle_sim.units import ANY, Choice, Declared, Range, UnusualValueWarning, choice, count, quantity
+from bristle_sim.units import (
+    ANY,
+    Choice,
+    Declared,
+    Range,
+    UnusualValueWarning,
+    choice,
+    count,
+    quantity,
+)
 from bristle_sim.units import unusual_value as unusual
 
 FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")
@@ -55,7 +64,9 @@ class Part(Declared):
 )
 def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
     """The factor is pint's; one rounding for it and one for the product."""
-    assert Range("key", unit, 0.0, 1e9, True, "a source").parse(text) == pytest.approx(value, rel=4e-16)
+    assert Range("key", unit, 0.0, 1e9, True, "a source").parse(text) == pytest.approx(
+        value, rel=4e-16
+    )
 
 
 @pytest.mark.parametrize(
@@ -63,15 +74,27 @@ def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
     [
         ("27kg", "m", "in m, to which kg cannot be converted"),
         ("3000rmp", "rad/s", r"in rad/s, to which rmp cannot be converted; did you mean rpm\?"),
-        ("27milimeter", "m", r"in m, to which milimeter cannot be converted; did you mean millimetre\?"),
+        (
+            "27milimeter",
+            "m",
+            r"in m, to which milimeter cannot be converted; did you mean millimetre\?",
+        ),
         ("27m^2", "m", r"in m, to which m\^2 cannot be converted"),
         ("250Hz", "rad/s", "in rad/s, to which Hz cannot be converted"),  # 1571 rad/s, not 250
         ("0.4 N m", "N m/rad", "in N m/rad, to which N m cannot be converted"),
         ("20deg", "1", "dimensionless, to which deg cannot be converted"),
         ("2500RPM", "rad/s", r"in rad/s, to which RPM cannot be converted; did you mean rpm\?"),
-        ("0.41mNm/deg", "N m/rad", r"in N m/rad, to which mNm/deg cannot be converted; did you mean mN m/deg\?"),
+        (
+            "0.41mNm/deg",
+            "N m/rad",
+            r"in N m/rad, to which mNm/deg cannot be converted; did you mean mN m/deg\?",
+        ),
         ("0,027", "m", r"in m; did you mean 0\.027\?"),
-        ("0,4\u202e", "1", "dimensionless"),  # characters that change the terminal are not repeated raw
+        (
+            "0,4\u202e",
+            "1",
+            "dimensionless",
+        ),  # characters that change the terminal are not repeated raw
         ("0,4 \x1b[31m", "1", "dimensionless"),
         ("0,4 \n mm", "m", r"in m; did you mean 0\.4 mm\?"),
         ("4 kg\x0b mm", "1", "dimensionless, to which kg mm cannot be converted"),
@@ -82,14 +105,19 @@ def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
             (text, "1", "dimensionless")
             for text in ("", " ", "abc", "nan", "-inf", "1e999", "-1e-320", "1000000000.0000002")
         ),
-        *((text, "1", "dimensionless") for text in ("0x10", "1_000", "1 2", "1\n2", "5\0", "\udcff", "None", "m 5")),
+        *(
+            (text, "1", "dimensionless")
+            for text in ("0x10", "1_000", "1 2", "1\n2", "5\0", "\udcff", "None", "m 5")
+        ),
         ("\u22125", "1", "dimensionless"),  # the minus sign that word processors set
         ("\u0663", "1", "dimensionless"),  # three in Arabic-Indic digits, which float() takes
         *((text, "1", "dimensionless") for text in ("5 1/m", "5 (m)", "5 m**99")),
     ],
 )
 def test_any_other_text_is_refused_in_one_line(text: str, unit: str, why: str):
-    with pytest.raises(ValueError, match=r"^key = .*: must be a finite number with 0 <= key <= 1e\+09 ") as refusal:
+    with pytest.raises(
+        ValueError, match=r"^key = .*: must be a finite number with 0 <= key <= 1e\+09 "
+    ) as refusal:
         Range("key", unit, 0.0, 1e9, True, "a source").parse(text)
     assert re.search(rf"\({why}\)$", str(refusal.value))
     assert str(refusal.value).startswith(f"key = {text!r}: ")
@@ -98,9 +126,12 @@ def test_any_other_text_is_refused_in_one_line(text: str, unit: str, why: str):
 
 @example(1.0, "0,0\U000107bb")
 @given(st.floats(0.0, 1e9), st.text(max_size=8))
-def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_printable_refusal(number: float, text: str):
+def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_printable_refusal(
+    number: float, text: str
+):
     assert FRICTION.parse(repr(number)) == number
-    value, refusal = 0.0, ""
+    value = 0.0
+    refusal = ""
     try:
         value = FRICTION.parse(text)
     except ValueError as error:
@@ -126,7 +157,9 @@ def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_print
         (1e-11, 1e-6, ANY, False),
     ],
 )
-def test_a_value_far_from_the_usual(value: float, default: float | None, usual: tuple[float, float] | None, far: bool):
+def test_a_value_far_from_the_usual(
+    value: float, default: float | None, usual: tuple[float, float] | None, far: bool
+):
     declared = Range("key", "m", 0.0, 1e9, True, "a source", usual=usual)
     assert bool(unusual(declared, default, value, value)) is far
 
@@ -170,14 +203,22 @@ def test_bounds_and_real_numbers():
     assert above.check(smallest) == smallest
     with pytest.raises(ValueError, match="0 < bristle_length <= 1000"):
         above.check(0.0)
-    with pytest.raises(ValueError, match=r"bristle_length = 1000\.0000000000001:"):  # to its last digit
+    with pytest.raises(
+        ValueError, match=r"bristle_length = 1000\.0000000000001:"
+    ):  # to its last digit
         above.check(math.nextafter(1e3, math.inf))
 
 
 def test_a_part_checks_the_fields_it_declares():
     part = Part(length=np.float32(0.25), undeclared=-7)
     assert (type(part.length), part) == (float, Part(length="25 cm", undeclared=-7))
-    assert (part.length, part.extra, part.word, part.links, part.undeclared) == (0.25, None, "one", 1, -7)
+    assert (part.length, part.extra, part.word, part.links, part.undeclared) == (
+        0.25,
+        None,
+        "one",
+        1,
+        -7,
+    )
     for count_given in (8, 8.0, np.int64(8), "8.0"):
         assert (Part(links=count_given).links, type(Part(links=count_given).links)) == (8, int)
     with pytest.raises(ValueError, match="length"):

@@ -8,9 +8,21 @@ import pytest
 from bristle_sim.comparison import Quantity
 from bristle_sim.dissertation import impact_figures
 from bristle_sim.dissertation.figures import NUMBERS, _answer, redrawn
-from bristle_sim.dissertation.redrawn import SOURCES, Axis, Panel, Redrawn, curve_of, largest_differences
+from bristle_sim.dissertation.redrawn import (
+    SOURCES,
+    Axis,
+    Panel,
+    Redrawn,
+    curve_of,
+    largest_differences,
+)
 
-MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
+MASS = 8.387e-5
+LENGTH = 0.027
+RADIUS = 0.0275
+SPEED = 261.8
+RATIO = 3.23
+GAMMA = math.radians(23.4)
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +47,14 @@ def test_data_are_finite_and_points_stand_on_the_grid(figures):
 def test_points_lie_on_their_curves(figures):
     """Simulated impacts by both laws, on every curve but that of the hub in 2.30, and the printed equations."""
     for number, figure in figures.items():
-        found, limits = largest_differences(figure), {law: source.tolerance for law, source in SOURCES.items()}
+        found = largest_differences(figure)
+        limits = {law: source.tolerance for law, source in SOURCES.items()}
         assert all(limits[law] is None or found[law] <= limits[law] for law in found), number
         if number in {*impact_figures.FIGURES, "2.26", "2.28", "2.29", "2.30"}:
             assert set(found) == {"energetic", "compliant"}
-            curves = [curve for curve in figure.panels[0].curves if curve.name != "bristle on its hub"]
+            curves = [
+                curve for curve in figure.panels[0].curves if curve.name != "bristle on its hub"
+            ]
             assert all(len(curve.points[law][0]) >= 4 for curve in curves for law in found)
         else:
             assert set(found) <= {"printed", "motion", "table", "contact", "sampled"}, number
@@ -66,14 +81,21 @@ def test_the_operating_point_is_marked(figures, number, x, y):
 def test_force_figures(figures):
     ball = figures["3.2"].panels[0]
     bend, peak = ball.marks
-    assert (peak.x, peak.y) == (pytest.approx(2.328e-3, abs=1.2e-6), pytest.approx(340.75, abs=0.01))
+    assert (peak.x, peak.y) == (
+        pytest.approx(2.328e-3, abs=1.2e-6),
+        pytest.approx(340.75, abs=0.01),
+    )
     # The steepest rise of the points of the curve themselves.
     curve = ball.curves[0]
     steepest = curve.x[np.argmax(np.gradient(curve.theory, curve.x)[1:-1]) + 1]
     assert bend.x == pytest.approx(steepest, abs=3e-5)
     (fit,) = figures["3.1"].panels[0].curves
     # The fit to 61 points with 5 N each lies within a few tenths of that of the curve they are drawn from.
-    printed = 1.3935 * np.exp(-101.6189 * fit.x) * (145.0 - 167.5 * np.cos(2.0 * np.pi * (fit.x + 0.0005) / 0.006))
+    printed = (
+        1.3935
+        * np.exp(-101.6189 * fit.x)
+        * (145.0 - 167.5 * np.cos(2.0 * np.pi * (fit.x + 0.0005) / 0.006))
+    )
     assert np.max(np.abs(fit.theory - printed)) < 3.0
     bristle = figures["3.3"].panels[0]
     assert bristle.marks[0].y == pytest.approx(57.0, abs=0.5)
@@ -82,7 +104,18 @@ def test_force_figures(figures):
 
 def test_the_table(figures):
     head, *rows, last = figures["table_3.1"].table
-    assert [row[2] for row in rows] == ["0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76"]
+    assert [row[2] for row in rows] == [
+        "0.13",
+        "0.43",
+        "0.79",
+        "1.18",
+        "1.56",
+        "1.93",
+        "2.24",
+        "2.49",
+        "2.67",
+        "2.76",
+    ]
     assert all(len(row) == len(head) for row in (*rows, last))
     for row in rows:
         assert float(row[3]) == pytest.approx(float(row[2]), abs=0.006)
@@ -98,5 +131,8 @@ def test_a_point_off_its_curve_is_seen():
     panel = Panel(Axis("x"), Axis("y"), (curve,))
     # 0.01 off where the larger of the two curve values is 1.
     assert largest_differences(Redrawn("0", "a line", (panel,))) == {"printed": pytest.approx(0.01)}
-    judged = [Quantity(name, "1", off, 0.0, tolerance=0.001) for name, off in (("line", 0.01), ("arc", 0.0))]
+    judged = [
+        Quantity(name, "1", off, 0.0, tolerance=0.001)
+        for name, off in (("line", 0.01), ("arc", 0.0))
+    ]
     assert _answer(judged) == "No: 1 of 2 sets of points are off their curves: line."

@@ -19,7 +19,9 @@ from bristle_sim.trajectory import Trajectory
 
 GAMMA = math.radians(23.4)
 BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,), 0.0275, 261.8, -GAMMA)
-ROD = Chain((6.3,), (1.0,), (-0.575,), (0.856,))  # on a hub at rest: all of it stands still where slip stops
+ROD = Chain(
+    (6.3,), (1.0,), (-0.575,), (0.856,)
+)  # on a hub at rest: all of it stands still where slip stops
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 ACCURACY = 1e-7
 
@@ -44,12 +46,15 @@ def struck(chain: Chain, surface: Surface, contact: Contact) -> np.ndarray:
 
 @pytest.mark.parametrize("squared", [0.01, 1.21, 1e4])
 @pytest.mark.parametrize("restitution", [0.0, 0.42, 1.0])
-@pytest.mark.parametrize(("chain", "mu", "later"), [(BRISTLE, 0.31, None), (PAIR, 0.3, 0.6), (PAIR, 0.7, 0.2)])
+@pytest.mark.parametrize(
+    ("chain", "mu", "later"), [(BRISTLE, 0.31, None), (PAIR, 0.3, 0.6), (PAIR, 0.7, 0.2)]
+)
 def test_a_shorter_contact_tends_to_the_law(
     chain: Chain, mu: float, later: float | None, restitution: float, squared: float
 ) -> None:
     """A tenth of the duration leaves a tenth of the difference, but for its square; the shortest one the accuracy's size."""
-    surface, unit = Surface(mu, later, restitution), 1.0 / max(map(abs, chain.rates))
+    surface = Surface(mu, later, restitution)
+    unit = 1.0 / max(map(abs, chain.rates))
     law = struck(chain, surface, Contact(tangential_compliance=squared))
     first, second = (
         np.abs(struck(chain, surface, Contact("compliant", duration * unit, squared)) - law).max()
@@ -61,13 +66,17 @@ def test_a_shorter_contact_tends_to_the_law(
 
 
 @pytest.mark.parametrize(("chain", "mu", "squared"), [(BRISTLE, 0.2, 1.21), (ROD, 0.487, 0.01)])
-def test_rounding_does_not_decide_what_ends_together(chain: Chain, mu: float, squared: float) -> None:
+def test_rounding_does_not_decide_what_ends_together(
+    chain: Chain, mu: float, squared: float
+) -> None:
     """Slip and approach of one degree of freedom end at one instant; the start's last digits change the order they are found in."""
     surface = Surface(mu, None, 1.0)
     law = struck(chain, surface, Contact(tangential_compliance=squared))
     for digits in range(-12, 13):
         start = dataclasses.replace(chain, angles=(chain.angles[0] + digits * 1e-15,))
-        assert struck(start, surface, Contact("compliant", None, squared)) == pytest.approx(law, abs=1e-5)
+        assert struck(start, surface, Contact("compliant", None, squared)) == pytest.approx(
+            law, abs=1e-5
+        )
 
 
 def test_compression_that_a_swing_along_the_surface_ends() -> None:
@@ -80,9 +89,12 @@ def test_compression_that_a_swing_along_the_surface_ends() -> None:
 
 def test_a_short_excursion_beyond_the_cone_is_not_missed() -> None:
     """The force in stick of two rods leaves the cone and comes back within an interval: within the angle turned meanwhile, 1e-5."""
-    chain, surface = Chain((2.281, 0.911), (1.0, 1.0), (0.865, -0.201), (-1.44, 1.049)), Surface(0.455, None, 1.0)
+    chain = Chain((2.281, 0.911), (1.0, 1.0), (0.865, -0.201), (-1.44, 1.049))
+    surface = Surface(0.455, None, 1.0)
     law = struck(chain, surface, Contact(tangential_compliance=0.00501))
-    assert struck(chain, surface, Contact("compliant", 1e-5 / 1.44, 0.00501)) == pytest.approx(law, abs=1e-5)
+    assert struck(chain, surface, Contact("compliant", 1e-5 / 1.44, 0.00501)) == pytest.approx(
+        law, abs=1e-5
+    )
 
 
 @pytest.mark.parametrize("squared", [0.05, 1.21])
@@ -95,7 +107,8 @@ def test_a_foot_that_stops_stands_while_the_wire_bends(squared: float) -> None:
 
 def test_a_frictionless_tip_swings_along_the_surface() -> None:
     """Its slip turns round in compression; the law knows one phase. Within ten times the angle turned meanwhile, 1e-4."""
-    chain, surface = Chain((2.0, 1.0), (1.0, 1.0), (-0.6, 0.4), (1.0, -0.3)), Surface(0.0, 0.2, 0.3)
+    chain = Chain((2.0, 1.0), (1.0, 1.0), (-0.6, 0.4), (1.0, -0.3))
+    surface = Surface(0.0, 0.2, 0.3)
     (law_impulse, law_rates), (impulse, rates) = (
         (found.impulse, found.rates_after)
         for found in (
@@ -109,11 +122,14 @@ def test_a_frictionless_tip_swings_along_the_surface() -> None:
 
 def test_the_error_that_the_shortest_contact_leaves_is_estimated() -> None:
     """Its difference from the impact law, which is more than the accuracy; rates are some times the motion's unit, 20 at most."""
-    squared, accuracy = 1.21, 1e-8
+    squared = 1.21
+    accuracy = 1e-8
     tool = Tool(bar=None, contact=Contact(tangential_compliance=squared))
     law = thrown(tool, accuracy)
     found = thrown(tool.replace(contact=Contact("compliant", None, squared)), accuracy)
-    after, expected = (np.array(each.first_contact("workpart").rates_after) for each in (found, law))
+    after, expected = (
+        np.array(each.first_contact("workpart").rates_after) for each in (found, law)
+    )
     difference = np.abs(after - expected).max() / np.abs(expected).max()
     assert difference > accuracy
     assert found.cost.error_estimate is not None
@@ -150,19 +166,27 @@ def test_no_compliance_no_spring_along_the_surface(squared: float) -> None:
     assert spring is not None
     assert not spring.elastic
     rigid = struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2))
-    assert (struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2, squared)) == rigid).all()
+    assert (
+        struck(PAIR, Surface(0.3, None, 0.5), Contact("compliant", 1e-2, squared)) == rigid
+    ).all()
 
 
 def test_the_engine_knows_no_such_contact() -> None:
-    with pytest.raises(ValueError, match=r"^tangential_compliance = 1: must be 0 with contact = engine"):
+    with pytest.raises(
+        ValueError, match=r"^tangential_compliance = 1: must be 0 with contact = engine"
+    ):
         Contact("engine", tangential_compliance=1.0)
 
 
 def test_an_elastic_strike_is_not_judged_by_formulas_of_a_rigid_surface() -> None:
     """Print, answer and picture say which contact each number and line is of."""
-    report = oblique_impact(Hub(), Bristle(), Strike(), Surface(), Contact(tangential_compliance=1.21), Settings())
+    report = oblique_impact(
+        Hub(), Bristle(), Strike(), Surface(), Contact(tangential_compliance=1.21), Settings()
+    )
     assert "rigid along the surface" in report.answer
     assert "by formula" not in report.answer
     assert {row.ok for row in report.quantities} == {None}
     (axes,) = impact_figure(report.subject).axes
-    assert any("rigid along the surface" in text.get_text() for text in (*axes.texts, *axes.figure.texts))
+    assert any(
+        "rigid along the surface" in text.get_text() for text in (*axes.texts, *axes.figure.texts)
+    )

@@ -20,9 +20,12 @@ def test_resting_speed_brings_a_rod_to_rest() -> None:
     space.gravity = (0, -9.81)
     floor = pymunk.Segment(space.static_body, (-5, -1), (5, -1), 1.0)
     rod = pymunk.Body(1.0, 1.0 / 12.0)
-    rod.angle, rod.velocity, rod.position = 1.5, (0.0, -2.0), (0.0, 0.5 * math.cos(1.5) + 0.011)
+    rod.angle = 1.5
+    rod.velocity = (0.0, -2.0)
+    rod.position = (0.0, 0.5 * math.cos(1.5) + 0.011)
     shape = pymunk.Segment(rod, (0, -0.5), (0, 0.5), 0.01)
-    floor.collision_type, shape.collision_type = 1, 2
+    floor.collision_type = 1
+    shape.collision_type = 2
     space.add(floor, rod, shape)
     contact = EnergeticContact(space, 1, 2, friction=0.5, restitution=0.5, resting_speed=0.05)
     for _ in range(5_000):
@@ -39,7 +42,8 @@ SLOP = 1e-3
 def floor_space(gravity: float = GRAVITY) -> tuple[pymunk.Space, pymunk.Segment]:
     """A floor at y = 0."""
     space = pymunk.Space()
-    space.gravity, space.collision_slop = (0, -gravity), SLOP
+    space.gravity = (0, -gravity)
+    space.collision_slop = SLOP
     floor = pymunk.Segment(space.static_body, (-1e3, -1), (1e3, -1), 1.0)
     floor.collision_type = 1
     space.add(floor)
@@ -49,17 +53,22 @@ def floor_space(gravity: float = GRAVITY) -> tuple[pymunk.Space, pymunk.Segment]
 def ball(space: pymunk.Space, x: float, y: float, speed: float = 0.0, kind: int = 2) -> pymunk.Body:
     """A ball of 0.1 m and 1 kg, of the moment of a solid sphere, that falls at a speed."""
     body = pymunk.Body(1.0, 0.4 * 0.01)
-    body.position, body.velocity = (x, y), (0.0, -speed)
+    body.position = (x, y)
+    body.velocity = (0.0, -speed)
     shape = pymunk.Circle(body, 0.1)
     shape.collision_type = kind
     space.add(body, shape)
     return body
 
 
-def one_impact(space: pymunk.Space, friction: float = 0.0, restitution: float = 0.5) -> LocatedImpact:
+def one_impact(
+    space: pymunk.Space, friction: float = 0.0, restitution: float = 0.5
+) -> LocatedImpact:
     """The only impact of one short step."""
     impacts: list[LocatedImpact] = []
-    contact = EnergeticContact(space, 1, 2, friction=friction, restitution=restitution, report=impacts.append)
+    contact = EnergeticContact(
+        space, 1, 2, friction=friction, restitution=restitution, report=impacts.append
+    )
     contact.step(1e-9)
     (impact,) = impacts
     return impact
@@ -70,7 +79,8 @@ class TestBodies:
         """A body that cannot turn has no lever: p = (1 + e) m v."""
         space, _ = floor_space(0.0)
         body = pymunk.Body(1.0, math.inf)
-        body.position, body.velocity = (0.0, 0.0999), (0.0, -1.0)
+        body.position = (0.0, 0.0999)
+        body.velocity = (0.0, -1.0)
         shape = pymunk.Circle(body, 0.1, (0.3, 0.0))
         shape.collision_type = 2
         space.add(body, shape)
@@ -82,7 +92,9 @@ class TestManyContacts:
         space, _ = floor_space()
         balls = [ball(space, 0.5 * at, 0.1) for at in range(200)]
         impacts: list[LocatedImpact] = []
-        contact = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5, report=impacts.append)
+        contact = EnergeticContact(
+            space, 1, 2, friction=0.3, restitution=0.5, report=impacts.append
+        )
         for _ in range(60):
             contact.step(5e-3)
         assert min(each.position.y for each in balls) > 0.1 - SLOP
@@ -95,10 +107,13 @@ class TestJoints:
         space, _ = floor_space()
         body = ball(space, 0.0, 0.2)
         brake = pymunk.PivotJoint(space.static_body, body, (0.0, 0.0), (0.0, 0.0))
-        brake.max_force, brake.max_bias = 1.0, 0.0
+        brake.max_force = 1.0
+        brake.max_bias = 0.0
         space.add(brake)
         impacts: list[LocatedImpact] = []
-        contact = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5, report=impacts.append)
+        contact = EnergeticContact(
+            space, 1, 2, friction=0.3, restitution=0.5, report=impacts.append
+        )
         for _ in range(1000):
             contact.step(1e-3)
         assert {each.outcome_name for each in impacts} == {"rebound"}
@@ -121,7 +136,8 @@ class TestUsersScene:
     def test_a_one_way_platform(self, phase: str, when: str, types: tuple[int, int | None]) -> None:
         """The user's callback lets a ball pass, whether it is registered before or after, and is called."""
         space, _ = floor_space(0.0)
-        body, calls = ball(space, 0.0, 0.0999, 1.0), []
+        body = ball(space, 0.0, 0.0999, 1.0)
+        calls = []
 
         def let_pass(arbiter: pymunk.Arbiter, _space: pymunk.Space, data: Any) -> None:
             calls.append(data)
@@ -130,7 +146,9 @@ class TestUsersScene:
         if when == "before":
             space.on_collision(*types, **{phase: let_pass}, data="user's")  # type: ignore[arg-type]
         impacts: list[LocatedImpact] = []
-        contact = EnergeticContact(space, 1, 2, friction=0.0, restitution=0.5, report=impacts.append)
+        contact = EnergeticContact(
+            space, 1, 2, friction=0.0, restitution=0.5, report=impacts.append
+        )
         if when == "after":
             space.on_collision(*types, **{phase: let_pass}, data="user's")  # type: ignore[arg-type]
         for _ in range(3):
@@ -153,13 +171,17 @@ class TestPairs:
 
     def test_a_pair_is_added_once(self) -> None:
         contact = EnergeticContact(pymunk.Space(), 1, 2, friction=0.0, restitution=0.0)
-        with pytest.raises(ValueError, match=r"^collision_type_a, collision_type_b = \(2, 1\): must be a pair"):
+        with pytest.raises(
+            ValueError, match=r"^collision_type_a, collision_type_b = \(2, 1\): must be a pair"
+        ):
             contact.add_pair(2, 1, friction=0.0, restitution=0.0)
 
     def test_a_space_takes_one_contact(self) -> None:
         space = pymunk.Space()
         EnergeticContact(space, 1, 2, friction=0.0, restitution=0.0)
-        with pytest.raises(ValueError, match=r"^space: has an EnergeticContact already; use its add_pair"):
+        with pytest.raises(
+            ValueError, match=r"^space: has an EnergeticContact already; use its add_pair"
+        ):
             EnergeticContact(space, 3, 4, friction=0.0, restitution=0.0)
 
 
@@ -168,7 +190,9 @@ class TestReports:
         space, _ = floor_space(0.0)
         body = ball(space, 0.3, 0.1 + 0.0255, 1.0)
         impacts: list[LocatedImpact] = []
-        contact = EnergeticContact(space, 1, 2, friction=0.0, restitution=0.5, report=impacts.append)
+        contact = EnergeticContact(
+            space, 1, 2, friction=0.0, restitution=0.5, report=impacts.append
+        )
         for _ in range(40):
             contact.step(1e-3)
         (impact,) = impacts
@@ -253,7 +277,9 @@ class TestTunnelling:
         space.add(bullet, shape)
         return EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5)
 
-    def test_a_bullet_that_passes_a_floor_gives_one_warning_with_the_step_that_would_do(self) -> None:
+    def test_a_bullet_that_passes_a_floor_gives_one_warning_with_the_step_that_would_do(
+        self,
+    ) -> None:
         contact = self.bullets(10.5, (0.0, -BULLET))
         with pytest.warns(RuntimeWarning) as warned:
             take_steps(contact, 20)

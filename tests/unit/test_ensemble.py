@@ -33,7 +33,8 @@ def test_energy_is_kept_between_the_largest_retraction_and_the_strike():
     """Without damping and gravity I alpha'^2/2 + k_T alpha^2/2 - m r_h (L/2) omega^2 cos alpha is constant in flight."""
     speed = np.linspace(240.0, 300.0, 7)
     many = bs.ensemble(hub_speed=speed, accuracy=1e-10)
-    wire, stiffness = TOOL.bristle, TOOL.belt.stiffness
+    wire = TOOL.bristle
+    stiffness = TOOL.belt.stiffness
     rooted = wire.mass * TOOL.hub.radius * 0.5 * wire.length * speed**2
 
     def potential(angle: np.ndarray) -> np.ndarray:
@@ -54,8 +55,12 @@ def test_a_wire_without_bar_strikes_radially_by_the_closed_form():
     wire = (TOOL.bristle.mass, TOOL.bristle.length, TOOL.hub.radius, TOOL.hub.speed)
     expected = monofilament_impact(*wire, 1.0, gamma, friction, 0.42, friction)
     # The strike is located to rounding; the law's closed form and its phases differ by rounding.
-    np.testing.assert_allclose(many.contact_time, (0.5 * math.pi - gamma) / TOOL.hub.speed, rtol=1e-14)
-    np.testing.assert_allclose(many.normal_compressive_impulse, expected.normal_compressive_impulse, rtol=1e-12)
+    np.testing.assert_allclose(
+        many.contact_time, (0.5 * math.pi - gamma) / TOOL.hub.speed, rtol=1e-14
+    )
+    np.testing.assert_allclose(
+        many.normal_compressive_impulse, expected.normal_compressive_impulse, rtol=1e-12
+    )
     np.testing.assert_allclose(many.normal_final_impulse, expected.normal_final_impulse, rtol=1e-12)
     np.testing.assert_allclose(many.final_bristle_rate, expected.final_bristle_rate, rtol=1e-12)
     assert np.isnan(many.release_time).all()
@@ -67,10 +72,12 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
     """Its second derivative at the end of a step is that of the equation, to the tolerance of the step's last terms."""
     request = request_of(TOOL, {"belt_damping_ratio": [0.0, 0.5], "gravity": gravity})
     passes, _ = passes_of(request, np.arange(2))
-    passes.angle, passes.rate = np.array([-0.7, -0.3]), np.array([1.0, -2.0])
+    passes.angle = np.array([-0.7, -0.3])
+    passes.rate = np.array([1.0, -2.0])
     course = course_of(passes)
     step = step_length(passes, course, 1e-11)
-    angle, rate = course.angle_at(step), course.rate_at(step)
+    angle = course.angle_at(step)
+    rate = course.rate_at(step)
     powers = np.arange(len(course.rate) - 1)[:, np.newaxis]
     found = (course.rate[2:] * powers[1:] * step ** powers[:-1]).sum(axis=0)
     expected = free_acceleration(passes, passes.hub_angle + step, angle, rate)
@@ -108,7 +115,9 @@ def test_a_tool_out_of_range_spoils_no_other():
         ({"belt_stiffness": 1e-4}, "quarter turn"),
     ],
 )
-def test_a_tool_that_the_method_cannot_do_is_refused_with_the_reason(values: dict[str, float], word: str):
+def test_a_tool_that_the_method_cannot_do_is_refused_with_the_reason(
+    values: dict[str, float], word: str
+):
     many = bs.ensemble(**values)
     assert many.outcome == "refused"
     assert word in many.reason[()]
@@ -148,7 +157,9 @@ def test_keys_broadcast_and_blocks_join(monkeypatch: pytest.MonkeyPatch):
 def test_a_bar_that_returns_all_energy_is_tapped_again_and_again():
     """The wire never rests on it; the pass is the scene's, whose accuracy is 1e-9, magnified by some taps."""
     many = bs.ensemble(bar_restitution=1)
-    strike = bs.simulate(TOOL.replace(bar_restitution=1.0), bs.Settings(accuracy=1e-9)).first_contact("workpart")
+    strike = bs.simulate(
+        TOOL.replace(bar_restitution=1.0), bs.Settings(accuracy=1e-9)
+    ).first_contact("workpart")
     assert strike is not None
     assert many.contact_time == pytest.approx(strike.time, rel=1e-7)
 
@@ -177,7 +188,14 @@ def test_limits_are_those_of_the_closed_forms():
 
 
 @pytest.mark.parametrize(
-    "between", [{}, {"friction": 0.1}, {"friction": (0.1, 0.1)}, {"friction": (0.1, math.inf)}, {"frict": (0.1, 0.2)}]
+    "between",
+    [
+        {},
+        {"friction": 0.1},
+        {"friction": (0.1, 0.1)},
+        {"friction": (0.1, math.inf)},
+        {"frict": (0.1, 0.2)},
+    ],
 )
 def test_limits_of_no_range_are_refused(between: dict[str, object]):
     with pytest.raises(ValueError, match=r"^[^\n]+$"):

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from bristle_sim.scene.happening import Event, Kind
-from bristle_sim.scene.locate import Interval, Monitor, at_state, first_change
+from bristle_sim.scene.interval import Interval, at_state
+from bristle_sim.scene.locate import Monitor, first_change
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import LEAST_VALUE
@@ -20,7 +21,9 @@ ROD = Mechanism((Link.rod(1.0, 1.0),))
 def interval(length: float = 1.0, rate: float = 1.0) -> Interval:
     """A link that turns by rate times length at a constant rate, so that its angle is rate times the time."""
     ends = State(0.0, (0.0,), (rate,)), State(length, (rate * length,), (rate,))
-    return Interval(*map(at_state, ends), lambda time: at_state(State(time, (rate * time,), (rate,))))
+    return Interval(
+        *map(at_state, ends), lambda time: at_state(State(time, (rate * time,), (rate,)))
+    )
 
 
 def valley(bottom: float, height: float) -> Callable[[State], tuple[float, float]]:
@@ -35,7 +38,8 @@ def valley(bottom: float, height: float) -> Callable[[State], tuple[float, float
 
 def notch(left: float, right: float) -> Callable[[State], tuple[float, float]]:
     """A gap that is closed between two angles and opens at unit slope on both sides."""
-    middle, half = 0.5 * (left + right), 0.5 * (right - left)
+    middle = 0.5 * (left + right)
+    half = 0.5 * (right - left)
 
     def gap(state: State) -> tuple[float, float]:
         away = state.angles[0] - middle
@@ -58,7 +62,9 @@ class TestFirstTouch:
             (0.1, -1e-10, 0.0, True),
         ],
     )
-    def test_a_gap_that_is_least_in_between(self, length: float, height: float, error: float, found: bool) -> None:
+    def test_a_gap_that_is_least_in_between(
+        self, length: float, height: float, error: float, found: bool
+    ) -> None:
         """The place of least gap, 0.3 of the interval, to 2^-40 of it, or where it is closed, within its square root."""
         share = first_touch(ROD, valley(0.3 * length, height), interval(length), error)
         if not found:
@@ -70,7 +76,9 @@ class TestFirstTouch:
         """That is the touch which has just ended. The polynomial's error falls there with the square of the time, to 2e-17 after 1e-8."""
         assert first_touch(ROD, valley(1e-10, 1e-18), interval(), 0.01) is None
         assert first_touch(ROD, valley(1e-8, 1e-4), interval(), 0.01) is None
-        assert first_touch(ROD, valley(1e-8, 1e-18), interval(), 0.01) == pytest.approx(1e-8, abs=1e-11)
+        assert first_touch(ROD, valley(1e-8, 1e-18), interval(), 0.01) == pytest.approx(
+            1e-8, abs=1e-11
+        )
         # What counts is the time, 1e-10, not the share of the interval.
         assert first_touch(ROD, valley(1e-10, 1e-12), interval(0.01), 1e-10) is None
 
@@ -114,8 +122,11 @@ class TestFirstChange:
         def force(at: Any) -> float:
             return float(share**power - at.state.time**power)
 
-        plan, stepper = SimpleNamespace(time_scale=1.0, accuracy=1e-3), SimpleNamespace(noise=1e-4)
-        system: Any = SimpleNamespace(plan=plan, stepper=stepper, state=interval().start, noise=LEAST_VALUE)
+        plan = SimpleNamespace(time_scale=1.0, accuracy=1e-3)
+        stepper = SimpleNamespace(noise=1e-4)
+        system: Any = SimpleNamespace(
+            plan=plan, stepper=stepper, state=interval().start, noise=LEAST_VALUE
+        )
         monitor = Monitor(Event(force, -1, Kind.RELEASE, None), system)
         monitor.sign = 1.0
         reached, event = first_change(system, [monitor], interval())
@@ -147,7 +158,7 @@ class TestFirstChange:
     def test_an_event_within_an_instant_of_the_start_is_there(self) -> None:
         """What a shorter time is integrated to is rounding."""
         whole = interval()
-        cut = whole.up_to(whole.again(1e-16))
+        cut = whole.up_to(whole.integrate_to(1e-16))
         assert cut.end is whole.first
         assert cut.length == 0.0
-        assert whole.up_to(whole.again(1e-3)).length == 1e-3
+        assert whole.up_to(whole.integrate_to(1e-3)).length == 1e-3

@@ -48,7 +48,11 @@ def test_a_run_is_the_simulated_one(client: Any) -> None:
     """On top of the tool that the page began with; curves are rounded to six digits."""
     found = client.get("/run?hub_speed=280").json
     run = bs.simulate(bs.Tool(hub=bs.Hub(speed=280.0), workpart=bs.Workpart(friction=0.4)))
-    for name, values in {"time": 1e3 * run.time, "speed": run.tip_speed, "force": run.normal_force}.items():
+    for name, values in {
+        "time": 1e3 * run.time,
+        "speed": run.tip_speed,
+        "force": run.normal_force,
+    }.items():
         np.testing.assert_allclose(found["series"][name], values, rtol=6e-6, atol=1e-12)
     assert found["changed"] == [["hub_speed", "261.8", "280"]]
     assert found["command"].endswith("cue_and_impact --set friction=0.4 --set hub_speed=280")
@@ -93,7 +97,9 @@ def test_bad_input_is_one_line(client: Any, query: str, words: str) -> None:
 def test_the_button_makes_the_strike_radial(client: Any) -> None:
     found = client.get("/radial").json["assignments"]
     tool = bs.Tool(
-        bar=bs.Bar(horizontal=float(found["bar_horizontal"]), vertical=float(found["bar_vertical"])),
+        bar=bs.Bar(
+            horizontal=float(found["bar_horizontal"]), vertical=float(found["bar_vertical"])
+        ),
         workpart=bs.Workpart(friction=0.4),
     )
     run = bs.simulate(tool, stop_after="strike")
@@ -104,7 +110,9 @@ def test_the_button_makes_the_strike_radial(client: Any) -> None:
 def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) -> None:
     path = tmp_path / "tool.toml"
     path.write_bytes(client.get("/download/toml?bristle_length=28 mm").data)
-    assert bs.read_tool(path) == bs.Tool(bristle=bs.Bristle(length=0.028), workpart=bs.Workpart(friction=0.4))
+    assert bs.read_tool(path) == bs.Tool(
+        bristle=bs.Bristle(length=0.028), workpart=bs.Workpart(friction=0.4)
+    )
     assert client.get("/download/csv").text.startswith("time (s),")
     assert client.get("/download/json").json["answer"]
     assert "<h1>From bar to rebound" in client.get("/download/html").text
@@ -127,7 +135,9 @@ def test_a_newer_run_of_the_page_ends_the_older_one() -> None:
     with ThreadPoolExecutor(1) as pool:
         older = pool.submit(workers.answer, "page", "run", [], SLOW)
         ended = running(workers)
-        assert workers.answer("page", "run", [], ["accuracy=1e-3"])["answer"].startswith("The bristle strikes at ")
+        assert workers.answer("page", "run", [], ["accuracy=1e-3"])["answer"].startswith(
+            "The bristle strikes at "
+        )
         assert older.result() == {"error": "stopped by a newer run"}
     assert not ended.alive
     assert all(each.alive for each in workers._idle)
@@ -152,7 +162,9 @@ def test_a_worker_ends_with_its_server() -> None:
         "from bristle_sim.cli.explore.worker import Worker\nworker = Worker()\nprint(worker._process.pid, flush=True)\n"
         f"worker.answer('run', [[], {SLOW}])"
     )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as server_:
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as server_:
         assert server_.stdout is not None
         pid = int(server_.stdout.readline())
         server_.kill()
@@ -202,9 +214,13 @@ def test_a_server_on_another_address_has_its_name(name: str, host: str, meant: b
     assert meant_for(name, host, "8000") is meant
 
 
-def test_a_request_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+def test_a_request_that_does_not_end_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, address: str
+) -> None:
     monkeypatch.setattr("bristle_sim.cli.explore.server._Quiet.timeout", 0.2)
-    with socket.create_connection(("127.0.0.1", urllib.parse.urlparse(address).port or 0), timeout=30.0) as slow:
+    with socket.create_connection(
+        ("127.0.0.1", urllib.parse.urlparse(address).port or 0), timeout=30.0
+    ) as slow:
         slow.sendall(b"GET / HTTP/1.1\r\nHost: ")
         assert slow.recv(1) == b""
 
@@ -241,11 +257,17 @@ def test_the_page_in_a_browser(address: str, browser: Any) -> None:
     pages = [browser.new_page(viewport={"width": width, "height": 900}) for width in (1280, 800)]
     for page, query in zip(pages, ("?friction=0.2", "?friction=0.5"), strict=True):
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+        page.on(
+            "console",
+            lambda message: errors.append(message.text) if message.type == "error" else None,
+        )
         page.goto(address + query)
         page.wait_for_selector("body[data-shown]")
         assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    assert [page.inner_text("#changed") for page in pages] == ["friction\t0.31 → 0.2", "friction\t0.31 → 0.5"]
+    assert [page.inner_text("#changed") for page in pages] == [
+        "friction\t0.31 → 0.2",
+        "friction\t0.31 → 0.5",
+    ]
     before = pages[0].inner_text("#rows")
     pages[0].fill("#knob-friction", "oops")
     pages[0].press("#knob-friction", "Tab")
@@ -257,7 +279,9 @@ def test_the_page_in_a_browser(address: str, browser: Any) -> None:
     pages[1].fill("#knob-hub_speed", "2600rpm")
     pages[1].press("#knob-hub_speed", "Tab")
     pages[1].wait_for_selector("#changed tr:has-text('hub_speed')")
-    assert pages[1].inner_text("#rows tr:first-child td:nth-child(3)") == simulated  # of the pinned tool
+    assert (
+        pages[1].inner_text("#rows tr:first-child td:nth-child(3)") == simulated
+    )  # of the pinned tool
     assert "pin=friction%3D0.5" in pages[1].url
     assert "hub_speed=2600rpm" in pages[1].url
     assert not errors
@@ -269,7 +293,9 @@ def test_a_notebook_shows_the_page() -> None:
     assert address is not None
     with urllib.request.urlopen(f"{address[1]}run") as answer:
         assert json.load(answer)["changed"] == []  # of the tool that it began with
-    assert command.main(["explore", "--port", str(urllib.parse.urlparse(address[1]).port)]) == 2  # it is taken
+    assert (
+        command.main(["explore", "--port", str(urllib.parse.urlparse(address[1]).port)]) == 2
+    )  # it is taken
 
 
 def test_the_command_serves_until_it_is_ended(monkeypatch: pytest.MonkeyPatch, capsys) -> None:

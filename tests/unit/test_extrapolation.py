@@ -34,15 +34,20 @@ def test_repetitions_remove_one_power_of_the_step_each() -> None:
                 assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
 
 
-def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:
+def random_flight(
+    rng: np.random.Generator,
+) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:
     """A rod on a hub with each of belt, damping and gravity there or not; natural rates are at most of order 1.
 
     Gravity is weaker than the belt: an inverted pendulum would magnify errors without bound, which no estimate knows.
     """
     stiffness = float(rng.uniform(0.01, 0.33))
     most = {"radius": 1.0, "damping": 0.5, "gravity": stiffness}
-    radius, damping, gravity = (float(rng.choice([0.0, rng.uniform(0.0, each)])) for each in most.values())
-    speed, start_hub = float(rng.uniform(-1, 1)), float(rng.uniform(-3, 3))
+    radius, damping, gravity = (
+        float(rng.choice([0.0, rng.uniform(0.0, each)])) for each in most.values()
+    )
+    speed = float(rng.uniform(-1, 1))
+    start_hub = float(rng.uniform(-3, 3))
     mechanism = Mechanism((Link.rod(1.0, 1.0),), radius, speed, start_hub)
     scene = Scene(mechanism, Effects(stiffness=stiffness, damping=damping, gravity=gravity))
 
@@ -52,7 +57,8 @@ def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[...,
         centrifugal = 0.5 * radius * speed**2 * math.sin(angle)
         return rate, -3.0 * (stiffness * angle + damping * rate + centrifugal + weight)
 
-    angle, rate = rng.uniform(-1.4, 1.4), rng.uniform(-1.0, 1.0)
+    angle = rng.uniform(-1.4, 1.4)
+    rate = rng.uniform(-1.0, 1.0)
     return scene, State(0.0, (start_hub + float(angle),), (speed + float(rate),)), equation
 
 
@@ -62,10 +68,14 @@ def flown(scene: Scene, start: State, accuracy: float, duration: float) -> Recor
     return run(scene, start, Extrapolation(0.1 * accuracy), plan)
 
 
-def true_error(scene: Scene, start: State, equation: Callable[..., tuple[float, float]], end: State) -> float:
+def true_error(
+    scene: Scene, start: State, equation: Callable[..., tuple[float, float]], end: State
+) -> float:
     mechanism = scene.mechanism
     relative = (start.angles[0] - mechanism.hub_start, start.rates[0] - mechanism.hub_speed)
-    exact = solve_ivp(equation, (0.0, end.time), relative, method="DOP853", rtol=3e-14, atol=1e-15).y[:, -1]
+    exact = solve_ivp(
+        equation, (0.0, end.time), relative, method="DOP853", rtol=3e-14, atol=1e-15
+    ).y[:, -1]
     angle = end.angles[0] - mechanism.hub_angle(end.time)
     return max(abs(angle - exact[0]), abs(end.rates[0] - mechanism.hub_speed - exact[1]))
 
@@ -79,7 +89,8 @@ def test_error_of_random_flights_is_within_estimate_and_accuracy(
     small share of it: more than the estimate means that it lies, less than 1e-4 of it that steps are wasted.
     """
     rng = np.random.default_rng(2020)
-    shares, met = [], []
+    shares = []
+    met = []
     for number in range(300):
         scene, start, equation = random_flight(rng)
         accuracy = 10.0 ** -(3 + 2 * (number % 4))

@@ -21,7 +21,12 @@ def test_every_name_is_there_and_says_what_it_does():
 
 def test_a_type_checker_sees_the_names_that_a_program_sees():
     tree = ast.parse(Path(bristle_sim.__file__).read_text(encoding="utf-8"))
-    typed = [each.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for each in node.names]
+    typed = [
+        each.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for each in node.names
+    ]
     assert {*typed} - {"TYPE_CHECKING", "Any", "import_module"} == {*bristle_sim.__all__}
 
 
@@ -34,7 +39,9 @@ def test_the_docstring_runs():
 def test_the_import_takes_no_library_and_few_modules():
     """The modules beyond those of a bare interpreter: this package's face alone, and of the standard library a handful."""
     script = "import sys; before = set(sys.modules); import bristle_sim;print(*sorted(set(sys.modules) - before))"
-    run = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-I", "-c", script], capture_output=True, text=True, check=True
+    )
     imported = run.stdout.split()
     tops = {name.partition(".")[0] for name in imported} - {"bristle_sim"}
     assert tops <= sys.stdlib_module_names
@@ -60,7 +67,9 @@ except ImportError as error:
 
 
 def test_help_and_star_imports_work_without_the_extras():
-    run = subprocess.run([sys.executable, "-c", WITHOUT_EXTRAS], capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [sys.executable, "-c", WITHOUT_EXTRAS], capture_output=True, text=True, check=False
+    )
     assert run.returncode == 0, run.stderr
     assert run.stdout.endswith("pip install 'bristle_sim[sweep]'\n")
 

@@ -28,7 +28,13 @@ PASSES = (
 """Twenty tools: bent, fast, sticking, out of reach, of many links, in time, soft, jammed, large, long, slow and heavy ones."""
 
 OTHERS = {
-    "oblique_impact": ("", "friction=0.9", "restitution=0", "impact_angle_deg=80", "bristle_mass=5"),
+    "oblique_impact": (
+        "",
+        "friction=0.9",
+        "restitution=0",
+        "impact_angle_deg=80",
+        "bristle_mass=5",
+    ),
     "double_pendulum": ("", "mass_ratio=100", "rate_2=-2000 rate_1=-100", "friction=0.7"),
     "single_pendulum": ("friction=0", "impact_angle_deg=60"),
     "cue_timing": ("hub_speed=500", "belt_damping_ratio=0.5"),
@@ -43,7 +49,11 @@ OTHERS = {
     "tolerances": ("samples=8",),
     "flexible_wire": ("wire_links=4 friction=0.6 contact_duration=0.2ms",),
 }
-QUICK = {("cue_and_impact", PASSES[7]), ("crater_depth", "friction=0.3"), ("oblique_impact", "friction=0.9")}
+QUICK = {
+    ("cue_and_impact", PASSES[7]),
+    ("crater_depth", "friction=0.3"),
+    ("oblique_impact", "friction=0.9"),
+}
 QUICK |= {("crater_depth", "impact_angle_deg=5")}
 QUICK |= {("bent_bristles", "penetration=-0.01"), ("cue_timing", "belt_damping_ratio=0.5")}
 """Drawn with every run of the tests; the others are many."""
@@ -68,13 +78,18 @@ CASES += [(name, each) for name, given in OTHERS.items() for each in given]
 
 
 @pytest.mark.parametrize(
-    ("name", "assignments"), [pytest.param(*each, marks=() if each in QUICK else pytest.mark.nightly) for each in CASES]
+    ("name", "assignments"),
+    [pytest.param(*each, marks=() if each in QUICK else pytest.mark.nightly) for each in CASES],
 )
 def test_nothing_overlaps_is_cut_or_empty(name: str, assignments: str):
     assert faults(drawn(name, assignments)) == []
 
 
-FILMS = [("cue_and_impact", PASSES[3]), ("oblique_impact", "impact_angle_deg=80"), ("inertia_driven", "")]
+FILMS = [
+    ("cue_and_impact", PASSES[3]),
+    ("oblique_impact", "impact_angle_deg=80"),
+    ("inertia_driven", ""),
+]
 FILMS += [("neighbours", "pitch_deg=15 search=no"), ("flexible_wire", "wire_links=4")]
 
 
@@ -114,7 +129,9 @@ REACHED = [
 def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_drawn(count: int):
     """The best method of each package has a colour, and the others are grey; a failure is not drawn, an error of 0 is."""
     notes = ("scipy: derived by hand", "mujoco: cannot", "heyoka, mujoco cannot express it")
-    cases = tuple(SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count))
+    cases = tuple(
+        SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count)
+    )
     figure = cost_figure(SimpleNamespace(cases=cases, of=lambda _: REACHED))  # type: ignore[arg-type]
     assert faults(figure) == []
     lines = {str(line.get_gid()): line for line in figure.axes[0].lines}
@@ -130,7 +147,8 @@ def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_dr
 
 
 def test_the_words_above_a_panel_name_the_first_error_that_is_reached():
-    coarse, failed = at("bristle_sim simulate", 1e-2, 2e-3), at("bristle_sim simulate", np.inf, np.nan)
+    coarse = at("bristle_sim simulate", 1e-2, 2e-3)
+    failed = at("bristle_sim simulate", np.inf, np.nan)
     assert reached([coarse, failed]) == (1e-2, coarse)
     assert verdict(*reached([coarse]), None) == "to $10^{-2}$: simulate 2 ms; no peer"
     assert verdict(*reached([failed]), None) == "none of our methods is within 1"
@@ -139,7 +157,9 @@ def test_the_words_above_a_panel_name_the_first_error_that_is_reached():
 def test_a_fault_is_seen():
     figure = blank_figure(10.0, 8.0)
     add_panel(figure, (1.0, 1.0, 3.0, 3.0), "nothing")
-    axes = add_panel(figure, (6.0, 1.0, 3.0, 3.0), "a title that goes on and on, far beyond the page's edge")
+    axes = add_panel(
+        figure, (6.0, 1.0, 3.0, 3.0), "a title that goes on and on, far beyond the page's edge"
+    )
     axes.plot([0.0, 1.0], [0.0, 1.0], label="named")
     axes.plot([0.0, 1.0], [1.0, 0.0], color=PURPLE)
     axes.legend()

@@ -38,7 +38,8 @@ def test_a_file_appears_when_complete_and_a_failure_leaves_the_old_one(tmp_path:
 @pytest.mark.parametrize("there", [True, False])
 def test_a_symbolic_link_stays_one(there: bool, tmp_path: Path):
     (tmp_path / "far").mkdir()
-    target, link = tmp_path / "far" / "out.txt", tmp_path / "link"
+    target = tmp_path / "far" / "out.txt"
+    link = tmp_path / "link"
     if there:
         target.write_text("old")
     link.symlink_to(target)
@@ -83,11 +84,15 @@ def test_an_error_names_the_file_that_was_meant(tmp_path: Path):
     with pytest.raises(FileNotFoundError) as refusal:
         write(target, "new")
     assert refusal.value.filename == str(target)
-    assert str(refusal.value) == f"[Errno {errno.ENOENT}] {os.strerror(errno.ENOENT)}: {str(target)!r}"
+    assert (
+        str(refusal.value) == f"[Errno {errno.ENOENT}] {os.strerror(errno.ENOENT)}: {str(target)!r}"
+    )
 
 
 def test_threads_do_not_share_a_partial_file(tmp_path: Path):
-    target, both, names = tmp_path / "out.txt", threading.Barrier(2, timeout=30), []
+    target = tmp_path / "out.txt"
+    both = threading.Barrier(2, timeout=30)
+    names = []
 
     def work(text: str) -> None:
         with complete_or_absent(target) as partial:

@@ -50,7 +50,9 @@ class Dot(Film):
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_mp4_has_every_frame_in_the_format_that_plays_everywhere(run, tmp_path):
     reader = pytest.importorskip("imageio_ffmpeg")
-    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.mp4", fps=10.0)
+    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(
+        tmp_path / "a.mp4", fps=10.0
+    )
     frames = reader.read_frames(str(path))
     about = next(frames)
     assert (about["size"], about["fps"], about["codec"]) == ((160, 120), 10.0, "h264")
@@ -107,7 +109,9 @@ def test_mp4_without_its_encoder_names_the_extra(tmp_path, monkeypatch):
     Dot().write(tmp_path / "a.gif", 10.0)  # needs no encoder
 
 
-@pytest.mark.parametrize(("terminal", "tqdm"), [(False, True), (True, False), (True, True), (None, True)])
+@pytest.mark.parametrize(
+    ("terminal", "tqdm"), [(False, True), (True, False), (True, True), (None, True)]
+)
 def test_progress_counts_frames_on_a_terminal_alone(terminal, tqdm, tmp_path, monkeypatch, capsys):
     """Nothing without the library that counts; and a film needs no standard error."""
     stderr = io.StringIO()
@@ -129,12 +133,18 @@ def test_time_warp_is_monotonic_and_spans_run_and_film(focus, slower):
     assert (np.diff(physical) > 0.0).all()
     assert physical[[0, -1]] == pytest.approx([2.0, 3.0], rel=1e-12)
     assert warp.film_time(physical) == pytest.approx(film, abs=1e-9)
-    assert warp.slow_down_at(warp.film_time(2.0 + focus)) == pytest.approx(slower * warp.slow_down.min(), rel=0.01)
+    assert warp.slow_down_at(warp.film_time(2.0 + focus)) == pytest.approx(
+        slower * warp.slow_down.min(), rel=0.01
+    )
 
 
 def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
     scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
-    for offset, caption in ((-0.1, "released: the belt throws the tip"), (0.1, "strike"), (0.6, "rebound")):
+    for offset, caption in (
+        (-0.1, "released: the belt throws the tip"),
+        (0.1, "strike"),
+        (0.6, "rebound"),
+    ):
         scene.show(float(scene.warp.film_time(STRIKE)) + offset)
         assert scene.texts[0] == caption
         assert scene.star.get_visible() == (caption == "strike")
@@ -142,12 +152,16 @@ def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
 
 
 def test_gif_has_every_frame_at_its_time(run, tmp_path):
-    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.gif", fps=15.0)
+    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(
+        tmp_path / "a.gif", fps=15.0
+    )
     with Image.open(path) as film:
         assert (film.n_frames, film.size) == (15, (160, 120))
         durations = []
         for number in range(film.n_frames):
             film.seek(number)
             durations.append(film.info["duration"])
-    assert sum(durations) == 1000  # ms, though a fifteenth of a second is no whole number of hundredths
+    assert (
+        sum(durations) == 1000
+    )  # ms, though a fifteenth of a second is no whole number of hundredths
     assert [each.name for each in tmp_path.iterdir()] == ["a.gif"]

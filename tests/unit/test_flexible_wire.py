@@ -12,9 +12,19 @@ from bristle_sim.studies.flexible_wire import again, flexible_wire, wire_study
 SMOOTH = Surface(0.0)
 
 
-def struck(links: int, duration: float = 71e-6, surface: Surface = SMOOTH, **options: bool) -> Report:
+def struck(
+    links: int, duration: float = 71e-6, surface: Surface = SMOOTH, **options: bool
+) -> Report:
     """One strike of a wire of links at the operating point."""
-    parts = (Hub(), Belt(), Bristle(links=links), Strike(), surface, ContactStiffness(duration), Settings())
+    parts = (
+        Hub(),
+        Belt(),
+        Bristle(links=links),
+        Strike(),
+        surface,
+        ContactStiffness(duration),
+        Settings(),
+    )
     return flexible_wire(*parts, **options)
 
 
@@ -41,16 +51,31 @@ def test_numbers_of_an_independent_prototype(short: Report) -> None:
 def test_the_answer_has_both_sides_and_says_whether_the_wire_touches_again(short: Report) -> None:
     """The rigid bristle's 3.154 mN s and 66.8 N as above; a soft, elastic contact of six links throws the end back twice."""
     assert "With 2 links the impulse is 1.24 mN s," in short.answer
-    assert "the rigid bristle at the same contact stiffness has 3.15 mN s, 66.8 N and" in short.answer
+    assert (
+        "the rigid bristle at the same contact stiffness has 3.15 mN s, 66.8 N and" in short.answer
+    )
     wire = Bristle(links=6, modulus=70e9)
-    parts = (Hub(), Belt(), wire, Strike(), Surface(0.0, None, 0.6), ContactStiffness(142e-6), Settings(1e-4))
+    parts = (
+        Hub(),
+        Belt(),
+        wire,
+        Strike(),
+        Surface(0.0, None, 0.6),
+        ContactStiffness(142e-6),
+        Settings(1e-4),
+    )
     report = flexible_wire(*parts, with_reference=False)
     found = again(report.subject.wire)
     assert found is not None
     # By the second strike that starts from the wire's state then: its end approaches the workpart there.
-    assert f"The wire's end touches again {1e6 * found:.3g} us after the first touch" in report.answer
+    assert (
+        f"The wire's end touches again {1e6 * found:.3g} us after the first touch" in report.answer
+    )
     height = report.subject.wire.centre_line[:, -1, 1] - report.subject.wire.centre_line[0, -1, 1]
-    assert np.interp(found - 2e-6, report.subject.wire.time, height) > height[report.subject.wire.time >= found][0]
+    assert (
+        np.interp(found - 2e-6, report.subject.wire.time, height)
+        > height[report.subject.wire.time >= found][0]
+    )
     assert "touches again" not in struck(2, duration=5e-6, with_reference=False).answer
 
 
@@ -66,13 +91,24 @@ def test_the_reference_judges_every_row(short: Report) -> None:
 def test_friction_that_takes_the_reference_too_long_leaves_it_out(surface: Surface) -> None:
     report = struck(2, surface=surface)
     assert {each.ok for each in report.quantities if "bending" not in each.name} == {None}
-    assert any(each.startswith("There is a reference for the frequencies alone") for each in report.remarks)
+    assert any(
+        each.startswith("There is a reference for the frequencies alone") for each in report.remarks
+    )
 
 
 def test_a_soft_contact_takes_the_wire_for_rigid() -> None:
     """At T = 10 ms, 30 periods of the bending mode, the part that vibrates is of order (0.34/10)^2, 1e-3: ten times that."""
-    belt, strike = Belt(stiffness=0.0), Strike(speed_ratio=1e-3)
-    parts = (Hub(speed=1.0), belt, Bristle(links=2), strike, SMOOTH, ContactStiffness(1e-2), Settings())
+    belt = Belt(stiffness=0.0)
+    strike = Strike(speed_ratio=1e-3)
+    parts = (
+        Hub(speed=1.0),
+        belt,
+        Bristle(links=2),
+        strike,
+        SMOOTH,
+        ContactStiffness(1e-2),
+        Settings(),
+    )
     ratio = rows(flexible_wire(*parts, with_reference=False))["impulse_ratio_to_rigid"].simulated
     assert ratio == pytest.approx(1.0, abs=1e-2)
 
@@ -97,7 +133,11 @@ def test_study(short: Report) -> None:
         assert study.by_links[name] == pytest.approx([1.0, expected], rel=1e-3)
         assert study.by_duration[2][name][0] == pytest.approx(expected, rel=1e-3)
     # Nearer to rigid by far where the contact lasts four periods of bending.
-    assert abs(1.0 - study.by_duration[2]["peak_force"][1]) < 0.1 < 1.0 - study.by_duration[2]["peak_force"][0]
+    assert (
+        abs(1.0 - study.by_duration[2]["peak_force"][1])
+        < 0.1
+        < 1.0 - study.by_duration[2]["peak_force"][0]
+    )
 
 
 def test_film_shows_the_wire_bend(short: Report) -> None:
@@ -105,9 +145,12 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
     scene = WireFilm(short.subject, width=320, height=240, duration=1.0)
     scene.show(float(scene.warp.film_time(3e-5)))
     points = scene.wire.wire.get_xydata()
-    chord, first = points[-1] - points[0], points[1] - points[0]
+    chord = points[-1] - points[0]
+    first = points[1] - points[0]
     bend = (first[0] * chord[1] - first[1] * chord[0]) / np.linalg.norm(chord)
-    angles = np.diff([np.interp(3e-5, short.subject.wire.time, column) for column in short.subject.wire.angles.T])
+    angles = np.diff(
+        [np.interp(3e-5, short.subject.wire.time, column) for column in short.subject.wire.angles.T]
+    )
     assert bend == pytest.approx(0.25 * 27.0 * angles[0], rel=0.01)
     assert scene.texts[0]
     assert scene.texts[3].endswith("N")

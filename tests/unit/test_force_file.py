@@ -26,8 +26,10 @@ FILES = {
     "tabs and decimal commas": "t [s]\tF [kN]\n" + rows(1, 1e-3, between="\t", decimal=","),
     "blanks and decimal commas": "t[us]   F[N]\n" + rows(1e6, between="  ", decimal=","),
     "quotes": '"time / ms","force / N"\n' + rows(1e3, between='","', before='"', after='"'),
-    "byte order mark, remarks": "\ufeff# Yu et al.\n# sampled at 100 kHz\n\ntime (µs),force (mN)\n" + rows(1e6, 1e3),
-    "force first": "force (N);t / μs\n" + "".join(f"{f:g};{1e6 * t:g}\n" for t, f in zip(TIME, FORCE, strict=True)),
+    "byte order mark, remarks": "\ufeff# Yu et al.\n# sampled at 100 kHz\n\ntime (µs),force (mN)\n"
+    + rows(1e6, 1e3),
+    "force first": "force (N);t / μs\n"
+    + "".join(f"{f:g};{1e6 * t:g}\n" for t, f in zip(TIME, FORCE, strict=True)),
 }
 
 
@@ -69,10 +71,17 @@ def test_columns_are_chosen_by_heading_number_or_unit(tmp_path, text, chosen):
 
 def test_a_voltage_needs_a_sensitivity(tmp_path):
     path = written(tmp_path, "Time (ms),Channel A (mV)\n" + rows(1e3, 1e3 / -20.0))
-    with pytest.raises(ValueError, match=r"points\.csv: column 2 \(Channel A\) in mV: force_per_volt must be given"):
+    with pytest.raises(
+        ValueError, match=r"points\.csv: column 2 \(Channel A\) in mV: force_per_volt must be given"
+    ):
         read_force_csv(path)
-    np.testing.assert_allclose(read_force_csv(path, force_per_volt=-20.0).force, FORCE, rtol=1e-11, atol=1e-30)
-    assert read_force_csv(written(tmp_path, rows()), force_per_volt=2.0).force.tolist() == (2.0 * FORCE).tolist()
+    np.testing.assert_allclose(
+        read_force_csv(path, force_per_volt=-20.0).force, FORCE, rtol=1e-11, atol=1e-30
+    )
+    assert (
+        read_force_csv(written(tmp_path, rows()), force_per_volt=2.0).force.tolist()
+        == (2.0 * FORCE).tolist()
+    )
 
 
 @pytest.mark.parametrize(
@@ -81,28 +90,60 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
         ("", {}, "must have columns of time and force"),
         ("time,force\n", {}, "0 points"),
         ("0,1\n1,2\n2,3\n", {}, "3 points; there must be at least 4"),
-        ("time,force\n0,1\nx,2\n2,3\n3,4\n", {}, "line 3: 'x' in column 1: must be a finite number"),
+        (
+            "time,force\n0,1\nx,2\n2,3\n3,4\n",
+            {},
+            "line 3: 'x' in column 1: must be a finite number",
+        ),
         ("0,1\n1,nan\n2,3\n3,4\n", {}, "line 2: 'nan' in column 2"),
         ("0,1\n1,-inf\n2,3\n3,4\n", {}, "line 2: '-inf'"),
         ("0,1\n1,\n2,3\n3,4\n", {}, "line 2: '' in column 2"),
         ("0,1\n1\n2,3\n3,4\n", {}, "line 2: '' in column 2"),
         ("0,1\n1,2\n2,3\n3,4\nend,of file\n", {}, "line 5: 'end' in column 1"),
         ("0,1\n2,2\n\n2,3\n3,4\n", {}, "line 4: time = 2: must be more than the time before, 2"),
-        (three("TIME,CH1,CH2"), {}, r"columns 2 \(CH1\), 3 \(CH2\): force_column must say which of them is the force"),
-        (three("TIME,CH1,CH2"), {"force_column": "CH3"}, r"force_column = 'CH3': must be the heading or number of one"),
+        (
+            three("TIME,CH1,CH2"),
+            {},
+            r"columns 2 \(CH1\), 3 \(CH2\): force_column must say which of them is the force",
+        ),
+        (
+            three("TIME,CH1,CH2"),
+            {"force_column": "CH3"},
+            r"force_column = 'CH3': must be the heading or number of one",
+        ),
         (three("TIME,CH1,CH2"), {"force_column": "1"}, "force_column = '1': must be"),
         # Decimal commas separated by commas: four columns of whole numbers under two headings.
-        ("time (s),pressure (bar)\n" + rows(), {}, r"in 'bar': a force must be in N, mN, kN, lbf or V, mV"),
+        (
+            "time (s),pressure (bar)\n" + rows(),
+            {},
+            r"in 'bar': a force must be in N, mN, kN, lbf or V, mV",
+        ),
         ("time (min),force (N)\n" + rows(), {}, "in 'min': a time must be in s, ms, us, ns"),
         (
             "s (s),F (kN)\n0,1\n1,1e307\n2,3\n3,4\n",
             {},
             r"line 3: 1e\+307 kN in column 2: must be at most 1e\+100 \(in s, N\)",
         ),
-        ("s (s),F (kN)\n0,1\n1,2\n2,3\n1e300,4\n", {}, r"line 5: 1e\+300 s in column 1: must be at most 1e\+100"),
-        ("time (s),force (N)\n" + rows(), {"force_per_volt": 2.0}, "force_per_volt must not be given"),
-        ("time,force\n" + "1" * 200_000 + ",2\n", {}, r"line 2: must be columns of numbers \(field larger"),
-        ("time;force\n" + "1" * 100_000 + ";2\n1;2\n2;3\n3;4\n", {}, r"line 2: '1+\.\.\.' in column 1: must be"),
+        (
+            "s (s),F (kN)\n0,1\n1,2\n2,3\n1e300,4\n",
+            {},
+            r"line 5: 1e\+300 s in column 1: must be at most 1e\+100",
+        ),
+        (
+            "time (s),force (N)\n" + rows(),
+            {"force_per_volt": 2.0},
+            "force_per_volt must not be given",
+        ),
+        (
+            "time,force\n" + "1" * 200_000 + ",2\n",
+            {},
+            r"line 2: must be columns of numbers \(field larger",
+        ),
+        (
+            "time;force\n" + "1" * 100_000 + ";2\n1;2\n2;3\n3;4\n",
+            {},
+            r"line 2: '1+\.\.\.' in column 1: must be",
+        ),
     ],
 )
 def test_an_unclear_file_is_refused_in_one_line(tmp_path, text, settings, message):

@@ -11,7 +11,8 @@ from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
 
 from_first_touch = partial(fit_force_history, start=0.0)
 
-BALL_PEAK, BALL_DURATION = 335.0, 5e-3
+BALL_PEAK = 335.0
+BALL_DURATION = 5e-3
 TRUE_BALL = ForceCurve.of_impact(1.3935, 101.6189, BALL_PEAK, BALL_DURATION)
 
 
@@ -31,7 +32,10 @@ def expected_errors(time, noise, values):
     columns = []
     for i, value in enumerate(values):
         step = 1e-6 * value
-        shifted = [model(time, *(v + sign * step * (i == j) for j, v in enumerate(values))) for sign in (1, -1)]
+        shifted = [
+            model(time, *(v + sign * step * (i == j) for j, v in enumerate(values)))
+            for sign in (1, -1)
+        ]
         columns.append((shifted[0] - shifted[1]) / (2 * step))
     jacobian = np.transpose(columns)
     return noise * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
@@ -55,7 +59,9 @@ def test_published_curves_are_fitted_within_the_rounding_of_their_offset(curve, 
     shift = abs(curve.offset - 0.5 * peak_force * math.cos(math.pi / 6)) * curve.amplitude
     assert 0.0 < fit.root_mean_square < shift
     # A constant shift moves c by about shift/mean force.
-    assert fit.values[0] == pytest.approx(curve.amplitude, rel=2 * shift / np.mean(curve(sampled(curve)[0])))
+    assert fit.values[0] == pytest.approx(
+        curve.amplitude, rel=2 * shift / np.mean(curve(sampled(curve)[0]))
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -84,10 +90,25 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
         ([0, 1, 2, 3], [0, -1, -2, 0], {}, "above 0"),
         ([0, 1, 2], [0, 1, 0], {}, "3 points"),
         ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"duration": 3.0}, "duration = 3"),
-        ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"peak_force": math.nan}, r"peak_force = nan: must be .* \(in N\)"),
+        (
+            [0, 1, 2, 3, 4],
+            [0, 1, 2, 1, 0],
+            {"peak_force": math.nan},
+            r"peak_force = nan: must be .* \(in N\)",
+        ),
         (range(6), [0, 0, 5, 6, 0, 0], {"duration": 2.0, "start": None}, "no contact found"),
-        ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"duration": -1.0}, r"duration = -1: must be .* \(in s\)"),
-        ([0, 1e-294, 2e-294, 3e-294], [0, 1, 2, 0], {}, r"time: spans 3e-294: must be 1e-12 to 1e\+06 \(in s\)"),
+        (
+            [0, 1, 2, 3, 4],
+            [0, 1, 2, 1, 0],
+            {"duration": -1.0},
+            r"duration = -1: must be .* \(in s\)",
+        ),
+        (
+            [0, 1e-294, 2e-294, 3e-294],
+            [0, 1, 2, 0],
+            {},
+            r"time: spans 3e-294: must be 1e-12 to 1e\+06 \(in s\)",
+        ),
     ],
 )
 def test_what_is_no_force_history_is_refused(time, force, settings, message):
@@ -95,11 +116,17 @@ def test_what_is_no_force_history_is_refused(time, force, settings, message):
         from_first_touch(time, force, **settings)
 
 
-def record(curve=BRISTLE, step=1e-6, before=0.0, after=0.0, origin=0.0, baseline=0.0, noise=0.0, seed=0):
+def record(
+    curve=BRISTLE, step=1e-6, before=0.0, after=0.0, origin=0.0, baseline=0.0, noise=0.0, seed=0
+):
     """A contact as an oscilloscope records it: on a clock of its own, with samples before and after, offset and noise."""
     time = np.arange(-round(before / step), round((curve.duration + after) / step) + 1) * step
-    force = np.where((time >= 0.0) & (time <= curve.duration), curve(np.clip(time, 0.0, curve.duration)), 0.0)
-    return time + origin, force + baseline + noise * np.random.default_rng(seed).standard_normal(time.size)
+    force = np.where(
+        (time >= 0.0) & (time <= curve.duration), curve(np.clip(time, 0.0, curve.duration)), 0.0
+    )
+    return time + origin, force + baseline + noise * np.random.default_rng(seed).standard_normal(
+        time.size
+    )
 
 
 def found(fit):
@@ -125,11 +152,15 @@ def test_a_contact_is_found_on_any_clock(origin, before, after):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_contact_is_found_in_noise_and_above_a_baseline(seed, noise, baseline):
     true = {"start": 0.25, "baseline": baseline, "duration": BRISTLE.duration}
-    fit = fit_force_history(*record(before=2e-3, after=5e-3, origin=0.25, baseline=baseline, noise=noise, seed=seed))
+    fit = fit_force_history(
+        *record(before=2e-3, after=5e-3, origin=0.25, baseline=baseline, noise=noise, seed=seed)
+    )
     errors = dict(zip(fit.names, zip(fit.values, fit.standard_errors, strict=True), strict=True))
     for name, value in true.items():
         # Four standard errors and the 25 ns and 0.02 N of the printed offset: chance 6e-5 for each.
-        assert abs(errors[name][0] - value) < 4.0 * errors[name][1] + (0.02 if name == "baseline" else 3e-8)
+        assert abs(errors[name][0] - value) < 4.0 * errors[name][1] + (
+            0.02 if name == "baseline" else 3e-8
+        )
     # Six unknowns share the noise of about a hundred points; five standard deviations.
     assert found(fit)[2] == pytest.approx(56.88, abs=0.02 + 5.0 * noise * math.sqrt(6 / 100))
 

@@ -9,7 +9,9 @@ from scipy.integrate import quad
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve, segment_impulses
 
 STEADY = ForceCurve(2.0, 0.0, offset=26.0, swing=30.0, lead=1e-5, period=1.2e-4)
-CURVES = pytest.mark.parametrize("curve", [BALL, BRISTLE, STEADY], ids=["ball", "bristle", "steady"])
+CURVES = pytest.mark.parametrize(
+    "curve", [BALL, BRISTLE, STEADY], ids=["ball", "bristle", "steady"]
+)
 
 TABLE_3_1 = [0.13, 0.43, 0.79, 1.18, 1.56, 1.93, 2.24, 2.49, 2.67, 2.76]
 """Zhang 2020, table 3.1, in 1e-4 N s."""
@@ -25,7 +27,9 @@ def printed_bristle(t):
     return 1.0160 * np.exp(-5.4990 * t) * (26 - 30 * np.cos(2 * np.pi * (t + 0.00001) / 0.00012))
 
 
-@pytest.mark.parametrize(("curve", "formula", "end"), [(BALL, printed_ball, 5e-3), (BRISTLE, printed_bristle, 1e-4)])
+@pytest.mark.parametrize(
+    ("curve", "formula", "end"), [(BALL, printed_ball, 5e-3), (BRISTLE, printed_bristle, 1e-4)]
+)
 def test_printed_curves(curve, formula, end):
     t = np.linspace(0.0, end, 101).reshape(1, 101)
     # Two ways of writing one formula: rounding of terms up to 450 N, 1e-13 relative.
@@ -38,7 +42,9 @@ def test_printed_curves(curve, formula, end):
 def test_impulse_is_the_integral_of_the_force(curve):
     ends = curve.duration * np.array([0.1, 0.466, 1.0])
     start = 0.05 * curve.duration
-    expected = [quad(lambda t: float(curve(t)), start, end, epsrel=1e-12, epsabs=0.0)[0] for end in ends]
+    expected = [
+        quad(lambda t: float(curve(t)), start, end, epsrel=1e-12, epsabs=0.0)[0] for end in ends
+    ]
     # quad is requested to reach 1e-12 of the value.
     np.testing.assert_allclose(curve.impulse(ends, start), expected, rtol=1e-11)
     assert curve.impulse(start, start) == 0.0
@@ -80,9 +86,11 @@ def test_printed_peaks_and_impulses():
 
 
 def test_impact_curve_vanishes_at_both_ends_and_is_equation_3_3():
-    peak_force, duration = 335.0, 5e-3
+    peak_force = 335.0
+    duration = 5e-3
     curve = ForceCurve.of_impact(1.2, 100.0, peak_force, duration)
-    t_o, whole = duration / 10, duration + 2 * duration / 10
+    t_o = duration / 10
+    whole = duration + 2 * duration / 10
     t = np.linspace(0.0, duration, 7)
     bracket = np.cos(2 * np.pi * t_o / whole) - np.cos(2 * np.pi * (t + t_o) / whole)
     expected = 1.2 * np.exp(-100.0 * t) * peak_force / 2 * bracket
@@ -116,10 +124,14 @@ def test_a_curve_without_a_peak_is_refused():
 class TestEdges:
     def test_shares_up_to_a_given_time(self) -> None:
         """Without decay I(t) = cos 30 t - (sin(w t + 30) - sin 30)/w in units of F*/2: shares of it by hand."""
-        curve, turn = ForceCurve.of_impact(1.0, 0.0, 2.0, 1.0), 2.0 * math.pi / 1.2
+        curve = ForceCurve.of_impact(1.0, 0.0, 2.0, 1.0)
+        turn = 2.0 * math.pi / 1.2
 
         def impulse(time: float) -> float:
-            return math.cos(math.pi / 6.0) * time - (math.sin(turn * time + math.pi / 6.0) - 0.5) / turn
+            return (
+                math.cos(math.pi / 6.0) * time
+                - (math.sin(turn * time + math.pi / 6.0) - 0.5) / turn
+            )
 
         shares = segment_impulses(curve, 3.0, 2, compression_time=0.3)
         expected = 3.0 * impulse(0.15) / impulse(0.3)
@@ -132,4 +144,6 @@ def test_rescaled_curve_has_its_impulse_and_time():
     assert scaled.peak_time() == pytest.approx(5e-5, rel=1e-12)
     assert scaled.impulse(5e-5) == pytest.approx(1.619e-3, rel=1e-12)
     # The same shares in the same tenths (3.14).
-    np.testing.assert_allclose(segment_impulses(scaled, 1.0), segment_impulses(BALL, 1.0), rtol=1e-10)
+    np.testing.assert_allclose(
+        segment_impulses(scaled, 1.0), segment_impulses(BALL, 1.0), rtol=1e-10
+    )

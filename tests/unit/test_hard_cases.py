@@ -18,12 +18,19 @@ def interrupted(*_: object, **__: object) -> None:
 @pytest.mark.parametrize(
     ("module", "step", "run", "kept"),
     [
-        (report, "cases_of", lambda: report.hard_cases(report.HardCaseChoice("grazing", "quick")), "rows"),
+        (
+            report,
+            "cases_of",
+            lambda: report.hard_cases(report.HardCaseChoice("grazing", "quick")),
+            "rows",
+        ),
         (study, "_measure", lambda: study.accuracy_cost(Effort("quick", "none")), "curves"),
         (figures, "redrawn", lambda: figures.figures_report(figures.Selection("4.6")), None),
     ],
 )
-def test_an_interruption_keeps_what_is_finished(module, step, run, kept, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_keeps_what_is_finished(
+    module, step, run, kept, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, step, interrupted)
     with pytest.raises(Unfinished) as ended:
         run()
@@ -32,7 +39,10 @@ def test_an_interruption_keeps_what_is_finished(module, step, run, kept, monkeyp
 
 def test_hard_cases_that_break_their_promise_are_named() -> None:
     case = HardCase("chatter", "a ball", "rests", lambda: Finding("rests", True))
-    assert report.answer([(case, Finding("rests", True))]) == "Yes: all 1 hard cases keep their promise."
+    assert (
+        report.answer([(case, Finding("rests", True))])
+        == "Yes: all 1 hard cases keep their promise."
+    )
     broken = report.answer([(case, Finding("rests", True)), (case, Finding("sinks", False))])
     failing = HardCase("chatter", "a ball", "rests", lambda: Finding(str(1 / 0), True))
     assert failing.run() == Finding("ZeroDivisionError: division by zero", False)

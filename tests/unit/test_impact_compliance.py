@@ -20,7 +20,9 @@ from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, p
 
 
 @pytest.mark.parametrize(
-    ("size", "most_steps"), [(100, 600), pytest.param(20_000, 4000, marks=pytest.mark.nightly)], ids=["few", "many"]
+    ("size", "most_steps"),
+    [(100, 600), pytest.param(20_000, 4000, marks=pytest.mark.nightly)],
+    ids=["few", "many"],
 )
 def test_the_same_as_a_march_in_time(size: int, most_steps: int) -> None:
     """DOP853 by steps of a seventh of the fastest time scale is good to rounding; it adds up to 1e-10 in a hundred steps of slow slip."""
@@ -48,14 +50,16 @@ def test_springs_that_lose_nothing_swing_as_one_motion(determinant: float) -> No
 
     The law goes through 53, 501 and 1,114 phases of stick, with roundings of some 1e-14 in each of them.
     """
-    lever, squared = np.array([1.0, 1.0]), 0.01
+    lever = np.array([1.0, 1.0])
+    squared = 0.01
     across = np.array([1.0, -1.0])
     matrix = np.outer(lever, lever) + 0.25 * determinant * np.outer(across, across)
     start = np.array([-1.0, 0.9])
     root = np.array([1.0, 1.0 / math.sqrt(squared)])
     squares, modes = np.linalg.eigh(root[:, None] * matrix * root)
     squares[0] = np.linalg.det(matrix) / squared / squares[1]
-    rates, speeds = np.sqrt(squares), modes.T @ (root * start)
+    rates = np.sqrt(squares)
+    speeds = modes.T @ (root * start)
 
     def push(time: float) -> float:
         return -float(modes[0] @ (speeds * np.sin(rates * time) / rates))
@@ -66,7 +70,9 @@ def test_springs_that_lose_nothing_swing_as_one_motion(determinant: float) -> No
     end = brentq(push, times[first - 1], times[first], xtol=1e-16, rtol=1e-15)
     velocity = modes @ (speeds * np.cos(rates * end)) / root
     found = energetic_impact(matrix, start, 1e12, 1.0, tangential_compliance=squared)
-    np.testing.assert_allclose([found.velocity_normal, found.velocity_tangential], velocity, atol=1e-9)
+    np.testing.assert_allclose(
+        [found.velocity_normal, found.velocity_tangential], velocity, atol=1e-9
+    )
 
 
 def test_a_point_that_chatters_keeps_cone_and_energy() -> None:
@@ -75,13 +81,21 @@ def test_a_point_that_chatters_keeps_cone_and_energy() -> None:
     The impulse stays within the wider cone, dv = K p up to roundings of the terms, and the energy does not grow.
     """
     impacts = random_impacts(4, 1000, reach=0.99)
-    impacts |= {"friction": 0.2 * impacts["friction"], "restitution_friction": 1.0 + impacts["friction"]}
+    impacts |= {
+        "friction": 0.2 * impacts["friction"],
+        "restitution_friction": 1.0 + impacts["friction"],
+    }
     found = energetic_impact(**impacts)
-    matrix, start = impacts["inverse_mass"], impacts["velocity"]
+    matrix = impacts["inverse_mass"]
+    start = impacts["velocity"]
     impulse, end = np.split(impulse_and_velocity(found), 2, axis=-1)
     terms = np.abs(start).sum(-1) + np.einsum("kij,kj->k", np.abs(matrix), np.abs(impulse))
-    assert np.all(np.abs(end - start - np.einsum("kij,kj->ki", matrix, impulse)) < 1e-11 * terms[:, None])
-    assert np.all(np.abs(impulse[:, 1]) <= impacts["restitution_friction"] * impulse[:, 0] * (1.0 + 1e-12))
+    assert np.all(
+        np.abs(end - start - np.einsum("kij,kj->ki", matrix, impulse)) < 1e-11 * terms[:, None]
+    )
+    assert np.all(
+        np.abs(impulse[:, 1]) <= impacts["restitution_friction"] * impulse[:, 0] * (1.0 + 1e-12)
+    )
     before = 0.5 * np.einsum("ki,kij,kj->k", start, np.linalg.inv(matrix), start)
     assert np.all(found.energy_change <= 1e-11 * before)
     assert np.all(found.velocity_normal >= 0.0)
@@ -96,9 +110,12 @@ class TestBounds:
         if same_friction:
             impacts["restitution_friction"] = impacts["friction"]
         else:
-            impacts["restitution_friction"] = np.minimum(impacts["restitution_friction"], impacts["friction"])
+            impacts["restitution_friction"] = np.minimum(
+                impacts["restitution_friction"], impacts["friction"]
+            )
         found = energetic_impact(**impacts)
-        matrix, start = impacts["inverse_mass"], impacts["velocity"]
+        matrix = impacts["inverse_mass"]
+        start = impacts["velocity"]
         impulse, end = np.split(impulse_and_velocity(found), 2, axis=-1)
         terms = np.abs(start).sum(-1) + np.einsum("kij,kj->k", np.abs(matrix), np.abs(impulse))
         moved = np.einsum("kij,kj->ki", matrix, impulse)
@@ -108,24 +125,36 @@ class TestBounds:
         assert np.all(found.energy_change <= 1e-12 * before)
         assert np.all(found.velocity_normal >= 0.0)
         np.testing.assert_allclose(found.phase_impulse.sum(-1), found.impulse_normal, rtol=1e-13)
-        compressive, restitutive = found.compressive_work[0], found.restitutive_work[0]
-        np.testing.assert_allclose(restitutive, -(impacts["restitution"] ** 2) * compressive, rtol=1e-9)
+        compressive = found.compressive_work[0]
+        restitutive = found.restitutive_work[0]
+        np.testing.assert_allclose(
+            restitutive, -(impacts["restitution"] ** 2) * compressive, rtol=1e-9
+        )
 
     def test_mirror_symmetry(self) -> None:
         impacts = random_impacts(3, 500)
         plain = energetic_impact(**impacts)
         mirror = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        sides = {"inverse_mass": impacts["inverse_mass"] * mirror, "velocity": impacts["velocity"] * [1.0, -1.0]}
+        sides = {
+            "inverse_mass": impacts["inverse_mass"] * mirror,
+            "velocity": impacts["velocity"] * [1.0, -1.0],
+        }
         flipped = energetic_impact(**impacts | sides)
         signs = np.array([1.0, -1.0, 1.0, -1.0])
-        wanted, found = impulse_and_velocity(plain), impulse_and_velocity(flipped) * signs
+        wanted = impulse_and_velocity(plain)
+        found = impulse_and_velocity(flipped) * signs
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
 
     @pytest.mark.parametrize("law", [poisson_impact, newton_impact])
     def test_the_other_laws_have_no_springs(self, law) -> None:
         arguments = (np.eye(2), [-1.0, 0.5], 0.3, 0.5)
-        assert law(*arguments, tangential_compliance=0.0).impulse_normal == law(*arguments).impulse_normal
-        with pytest.raises(ValueError, match=r"^tangential_compliance = 1\.21: must be 0 in this law"):
+        assert (
+            law(*arguments, tangential_compliance=0.0).impulse_normal
+            == law(*arguments).impulse_normal
+        )
+        with pytest.raises(
+            ValueError, match=r"^tangential_compliance = 1\.21: must be 0 in this law"
+        ):
             law(*arguments, tangential_compliance=1.21)
 
     @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, 1.1e4, "1", True, [1.0, -1.0]])
@@ -138,7 +167,9 @@ class TestBounds:
 class TestLimits:
     def test_none_is_the_rigid_law_bit_for_bit(self) -> None:
         impacts = random_impacts(5, 2000) | {"tangential_compliance": 0.0}
-        rigid = energetic_impact(**{key: value for key, value in impacts.items() if key != "tangential_compliance"})
+        rigid = energetic_impact(
+            **{key: value for key, value in impacts.items() if key != "tangential_compliance"}
+        )
         for same in (
             energetic_impact(**impacts),
             energetic_impact(**impacts | {"tangential_compliance": np.zeros(2000)}),
@@ -146,7 +177,9 @@ class TestLimits:
             for each in dataclasses.fields(Impact):
                 np.testing.assert_array_equal(getattr(same, each.name), getattr(rigid, each.name))
 
-    @pytest.mark.parametrize("size", [200, pytest.param(20_000, marks=pytest.mark.nightly)], ids=["few", "many"])
+    @pytest.mark.parametrize(
+        "size", [200, pytest.param(20_000, marks=pytest.mark.nightly)], ids=["few", "many"]
+    )
     @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
     def test_the_rigid_law_is_reached_without_a_jump(self, e: float, size: int) -> None:
         """The stated bounds hold, 30 eta at eta^2 = 1e-4, and the impulse has no jump there nor at 0."""
@@ -154,9 +187,12 @@ class TestLimits:
         impacts["restitution_friction"] = impacts["friction"]
 
         def impulse(squared: float) -> np.ndarray:
-            return impulse_and_velocity(energetic_impact(**impacts | {"tangential_compliance": squared}))[:, :2]
+            return impulse_and_velocity(
+                energetic_impact(**impacts | {"tangential_compliance": squared})
+            )[:, :2]
 
-        rigid, least = impulse(0.0), impulse(1e-4)
+        rigid = impulse(0.0)
+        least = impulse(1e-4)
         largest = abs(rigid).max(axis=-1, keepdims=True)
         assert np.all(abs(least - rigid) < 30 * 1e-2 * largest)
         # The mean is linear in eta: a change of eta^2 by 1e-12 of it, or from 0 to 1e-24, leaves 30 times that.
@@ -166,14 +202,23 @@ class TestLimits:
     @pytest.mark.parametrize("e", [0.0, 0.5])
     def test_a_mean_with_the_rigid_law_keeps_cone_and_energy(self, e: float) -> None:
         """Sums of works are the change of the kinetic energy, which does not grow, and W_r = -e*^2 W_c, up to roundings of the terms."""
-        impacts = random_impacts(12, 1000) | {"restitution": np.full(1000, e), "tangential_compliance": 2.5e-5}
+        impacts = random_impacts(12, 1000) | {
+            "restitution": np.full(1000, e),
+            "tangential_compliance": 2.5e-5,
+        }
         impacts["restitution_friction"] = impacts["friction"]
         found = energetic_impact(**impacts)
-        matrix, start = impacts["inverse_mass"], impacts["velocity"]
+        matrix = impacts["inverse_mass"]
+        start = impacts["velocity"]
         impulse, end = np.split(impulse_and_velocity(found), 2, axis=-1)
-        before, after = (0.5 * np.einsum("ki,kij,kj->k", each, np.linalg.inv(matrix), each) for each in (start, end))
+        before, after = (
+            0.5 * np.einsum("ki,kij,kj->k", each, np.linalg.inv(matrix), each)
+            for each in (start, end)
+        )
         terms = np.abs(start).sum(-1) + np.einsum("kij,kj->k", np.abs(matrix), np.abs(impulse))
-        assert np.all(np.abs(end - start - np.einsum("kij,kj->ki", matrix, impulse)) < 1e-12 * terms[:, None])
+        assert np.all(
+            np.abs(end - start - np.einsum("kij,kj->ki", matrix, impulse)) < 1e-12 * terms[:, None]
+        )
         assert np.all(np.abs(impulse[:, 1]) <= impacts["friction"] * impulse[:, 0] * (1.0 + 1e-12))
         # A correlation of 0.95 makes the energies up to twenty times the terms of which they are sums.
         np.testing.assert_allclose(found.energy_change, after - before, atol=1e-12 * before.max())
@@ -193,17 +238,29 @@ class TestLimits:
 
     @pytest.mark.parametrize(
         ("mu", "e", "radial", "order"),
-        [(0.5, 0.6, False, 100.0), (0.25, 0.6, False, 10.0), (0.31, 0.42, True, 10.0), (0.5, 0.0, False, 10.0)],
+        [
+            (0.5, 0.6, False, 100.0),
+            (0.25, 0.6, False, 10.0),
+            (0.31, 0.42, True, 10.0),
+            (0.5, 0.0, False, 10.0),
+        ],
     )
-    def test_orders_in_which_it_tends_to_the_rigid_point(self, mu: float, e: float, radial: bool, order: float) -> None:
+    def test_orders_in_which_it_tends_to_the_rigid_point(
+        self, mu: float, e: float, radial: bool, order: float
+    ) -> None:
         """A hundredth of eta^2 leaves a hundredth of the difference where the point sticks, and a tenth where T must pass from edge to edge.
 
         That takes a time of order eta: where slip reverses, and in a radial strike. At e* = 0 it is the slip left in the swing.
         """
-        slips, lever = np.linspace(0.1, 0.4, 101), np.array([-math.sin(GAMMA), math.cos(GAMMA)])
-        matrix, start = np.array([[1.0, -0.45], [-0.45, 1.4]]), np.stack([np.full_like(slips, -1.0), slips], axis=-1)
+        slips = np.linspace(0.1, 0.4, 101)
+        lever = np.array([-math.sin(GAMMA), math.cos(GAMMA)])
+        matrix = np.array([[1.0, -0.45], [-0.45, 1.4]])
+        start = np.stack([np.full_like(slips, -1.0), slips], axis=-1)
         matrix, start = (np.outer(lever, lever), lever[np.newaxis]) if radial else (matrix, start)
-        ends = [energetic_impact(matrix, start, mu, e, tangential_compliance=squared) for squared in (0.0, 1e-2, 1e-4)]
+        ends = [
+            energetic_impact(matrix, start, mu, e, tangential_compliance=squared)
+            for squared in (0.0, 1e-2, 1e-4)
+        ]
         rigid, *values = [each.impulse_normal if e else each.velocity_tangential for each in ends]
         coarse, fine = (np.abs(value - rigid).max() for value in values)
         assert coarse / fine == pytest.approx(order, rel=0.3)
@@ -213,8 +270,11 @@ class TestLimits:
 
         v_t = cos(omega t), omega^2 = 3.5/eta^2, up to where N = 0; what the spring then holds is lost.
         """
-        squared, e = 1.21, 0.98
-        found = energetic_impact(np.diag([1.0, 3.5]), [-1.0, 0.3], 1e12, e, tangential_compliance=squared)
+        squared = 1.21
+        e = 0.98
+        found = energetic_impact(
+            np.diag([1.0, 3.5]), [-1.0, 0.3], 1e12, e, tangential_compliance=squared
+        )
         phase = math.sqrt(3.5 / squared) * 0.5 * math.pi * (1.0 + e)
         assert found.velocity_tangential == pytest.approx(0.3 * math.cos(phase), rel=1e-9)
         assert found.velocity_normal == pytest.approx(e, rel=1e-12)
@@ -237,14 +297,22 @@ class TestBristle:
 
     def test_a_foot_that_sticks_in_restitution(self) -> None:
         """Between the edges N and T are linear in the way x, u^2 is quadratic; beyond the second edge friction opposes."""
-        mu, squared, e = 0.31, 1.21, 0.42
+        mu = 0.31
+        squared = 1.21
+        e = 0.42
         sine, cosine = math.sin(GAMMA), math.cos(GAMMA)
         most = math.sqrt(sine / (sine + mu * cosine))
         way = 2.0 * mu * most / (cosine / squared + mu * sine / e**2)
         left = most - sine / e**2 * way
         bend = (sine / e) ** 2 + cosine**2 / squared
-        square = 2.0 * (sine + mu * cosine) * most * way - bend * way**2 + (sine - mu * cosine) * left**2 * e**2 / sine
-        assert self.strike(mu, squared).velocity_normal == pytest.approx(sine * math.sqrt(square), rel=1e-12)
+        square = (
+            2.0 * (sine + mu * cosine) * most * way
+            - bend * way**2
+            + (sine - mu * cosine) * left**2 * e**2 / sine
+        )
+        assert self.strike(mu, squared).velocity_normal == pytest.approx(
+            sine * math.sqrt(square), rel=1e-12
+        )
 
     def test_a_foot_that_holds_the_bristle_for_good(self) -> None:
         """mu >= tan gamma and a stiff spring: it swings about a balance inside the cone, and nothing ends the contact."""
@@ -259,7 +327,12 @@ def test_one_freedom_across_its_line_jams() -> None:
     sine, cosine = 0.5, math.sqrt(0.75)
     matrix = np.outer([-sine, cosine], [-sine, cosine])
     for squared in (0.0, 1e-4, 1e-3):
-        assert energetic_impact(matrix, [-1.0, -0.5], 1.0, 0.5, tangential_compliance=squared).outcome_name == "jam"
+        assert (
+            energetic_impact(
+                matrix, [-1.0, -0.5], 1.0, 0.5, tangential_compliance=squared
+            ).outcome_name
+            == "jam"
+        )
 
 
 @pytest.mark.parametrize("e", [0.0, 1e-200, 1e-3, 1.0])
@@ -271,9 +344,16 @@ def test_ends_of_the_ranges(e: float, squared: float, coupling: float, friction:
     matrix = np.array([[1.0, coupling], [coupling, 1.0]])
     for slip in (0.0, friction * squared if friction < 1e4 else 1.0, -0.7, 1e-9):
         for unit in (1.0, 1e-120, 1e120):
-            found = energetic_impact(matrix * unit, [-unit, slip * unit], friction, e, tangential_compliance=squared)
+            found = energetic_impact(
+                matrix * unit, [-unit, slip * unit], friction, e, tangential_compliance=squared
+            )
             values = impulse_and_velocity(found)
             assert np.all(np.isfinite(values))
             terms = np.array([1.0, abs(slip)]) * unit + np.abs(matrix * unit) @ np.abs(values[:2])
-            assert np.all(np.abs(values[2:] - [-unit, slip * unit] - matrix * unit @ values[:2]) <= 1e-9 * terms.max())
-            assert found.energy_change <= 1e-12 * (1.0 + abs(slip)) * np.abs(values[:2]).sum() * unit
+            assert np.all(
+                np.abs(values[2:] - [-unit, slip * unit] - matrix * unit @ values[:2])
+                <= 1e-9 * terms.max()
+            )
+            assert (
+                found.energy_change <= 1e-12 * (1.0 + abs(slip)) * np.abs(values[:2]).sum() * unit
+            )

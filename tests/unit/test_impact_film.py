@@ -43,7 +43,10 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
 
 def test_films_show_a_requested_duration_and_a_tip_that_stays() -> None:
     shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
-    assert (shown.timing, ImpactFilm(shown, width=320, height=180).motion.phases[-1].caption[:7]) == (
+    assert (
+        shown.timing,
+        ImpactFilm(shown, width=320, height=180).motion.phases[-1].caption[:7],
+    ) == (
         "contact_duration as requested",
         "rebound",
     )
@@ -52,7 +55,9 @@ def test_films_show_a_requested_duration_and_a_tip_that_stays() -> None:
 
 
 def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
-    tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
+    tiny = oblique_impact(
+        Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()
+    ).subject
     slow = rods(rate_1=-1e-5, rate_2=-2e-5)
     for impacts in (tiny, slow):
         shown = with_visible_contact(impacts)
@@ -62,7 +67,9 @@ def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> N
 
 def test_film_shows_the_motion(pendulum: Impacts) -> None:
     scene = ImpactFilm(pendulum, width=320, height=180, duration=4.0)
-    stop = next(phase.start for phase in scene.motion.phases if phase.caption == "restitution reverse slip")
+    stop = next(
+        phase.start for phase in scene.motion.phases if phase.caption == "restitution reverse slip"
+    )
     film_time = float(scene.warp.film_time(stop))
     scene.show(film_time)
     for marker, name, factor in scene.markers:
@@ -71,7 +78,10 @@ def test_film_shows_the_motion(pendulum: Impacts) -> None:
         assert instant == pytest.approx(stop, rel=1e-3)  # the warp is linear between 4001 nodes
         expected = scene.motion.at(name, instant) * factor
         assert y == pytest.approx(expected, abs=1e-9 * max(1.0, abs(expected)))
-    for later, caption in ((-0.1, "restitution: the tip slips"), (0.1, "restitution: the tip slips back")):
+    for later, caption in (
+        (-0.1, "restitution: the tip slips"),
+        (0.1, "restitution: the tip slips back"),
+    ):
         scene.show(film_time + later)
         assert scene.texts[0] == caption
     scene.show(scene.warp.film[-1])

@@ -12,7 +12,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bristle_sim.theory.impact import LAWS as BY_NAME
-from bristle_sim.theory.impact import OUTCOMES, PHASES, Impact, energetic_impact, newton_impact, poisson_impact
+from bristle_sim.theory.impact import (
+    OUTCOMES,
+    PHASES,
+    Impact,
+    energetic_impact,
+    newton_impact,
+    poisson_impact,
+)
 
 LAWS = list(BY_NAME.values())
 every_law = pytest.mark.parametrize("law", LAWS)
@@ -22,7 +29,10 @@ MIRROR = np.array([[1.0, -1.0], [-1.0, 1.0]])
 def inverse_mass(normal, correlation, tangential):
     """K with K_nt = correlation sqrt(K_nn K_tt), |correlation| <= 1."""
     coupling = correlation * np.sqrt(np.multiply(normal, tangential))
-    rows = [np.stack(np.broadcast_arrays(*row), axis=-1) for row in ((normal, coupling), (coupling, tangential))]
+    rows = [
+        np.stack(np.broadcast_arrays(*row), axis=-1)
+        for row in ((normal, coupling), (coupling, tangential))
+    ]
     return np.stack(rows, axis=-2)
 
 
@@ -38,7 +48,9 @@ def random_impacts(seed: int, size: int, reach: float = 0.999) -> dict[str, np.n
     velocity[:, 1] = sometimes(0.0, velocity[:, 1])
     correlation = sometimes(0.0, rng.uniform(-reach, reach, size))
     return {
-        "inverse_mass": inverse_mass(10.0 ** rng.uniform(-1, 1, size), correlation, 10.0 ** rng.uniform(-1, 1, size)),
+        "inverse_mass": inverse_mass(
+            10.0 ** rng.uniform(-1, 1, size), correlation, 10.0 ** rng.uniform(-1, 1, size)
+        ),
         "velocity": velocity,
         "friction": sometimes(0.0, rng.exponential(0.5, size)),
         "restitution": sometimes(0.0, sometimes(1.0, rng.uniform(0, 1, size))),
@@ -65,7 +77,9 @@ def total_impulse(result: Impact) -> np.ndarray:
 
 def assert_same(one: Impact, other: Impact, rtol: float) -> None:
     for each in dataclasses.fields(Impact):
-        np.testing.assert_allclose(getattr(one, each.name), getattr(other, each.name), rtol=rtol, atol=0)
+        np.testing.assert_allclose(
+            getattr(one, each.name), getattr(other, each.name), rtol=rtol, atol=0
+        )
 
 
 # Every law
@@ -77,7 +91,9 @@ def test_momentum_friction_cone_and_phases(law, same_friction):
     impacts = random_impacts(1, 20_000)
     impacts = impacts if same_friction else with_other_friction(impacts, 2)
     result = law(**impacts)
-    start, end, impulse = impacts["velocity"], final_velocity(result), total_impulse(result)
+    start = impacts["velocity"]
+    end = final_velocity(result)
+    impulse = total_impulse(result)
     matrix = impacts["inverse_mass"]
 
     # dv = K p, up to roundings of the terms, which are some ten times the result.
@@ -90,11 +106,16 @@ def test_momentum_friction_cone_and_phases(law, same_friction):
     assert np.all(result.impulse_normal > 0.0)
     assert np.all(result.velocity_normal >= 0.0)
     # No contact of two degrees of freedom jams.
-    assert set(np.unique(result.outcome)) <= {OUTCOMES.index("rebound"), OUTCOMES.index("no rebound")}
+    assert set(np.unique(result.outcome)) <= {
+        OUTCOMES.index("rebound"),
+        OUTCOMES.index("no rebound"),
+    }
 
     assert np.all(result.phase_impulse >= 0.0)
     np.testing.assert_allclose(result.phase_impulse.sum(-1), result.impulse_normal, rtol=1e-14)
-    np.testing.assert_allclose(result.phase_impulse[:, :2].sum(-1), result.compressive_impulse_normal, rtol=1e-14)
+    np.testing.assert_allclose(
+        result.phase_impulse[:, :2].sum(-1), result.compressive_impulse_normal, rtol=1e-14
+    )
     # Friction never drives, compression takes from the normal motion and restitution gives.
     assert np.all(result.phase_work_tangential <= 1e-15 * terms[:, None] * impulse[:, :1])
     assert np.all(result.phase_work_normal[:, :2] <= 0.0)
@@ -108,7 +129,9 @@ def test_works_add_up_to_the_energy(law):
     before = kinetic_energy(impacts["inverse_mass"], impacts["velocity"])
     after = kinetic_energy(impacts["inverse_mass"], final_velocity(result))
     # K^-1 has a condition of at most 1e4 here.
-    np.testing.assert_allclose(result.energy_change, after - before, rtol=1e-11, atol=1e-11 * before.max())
+    np.testing.assert_allclose(
+        result.energy_change, after - before, rtol=1e-11, atol=1e-11 * before.max()
+    )
 
 
 @every_law
@@ -116,14 +139,18 @@ def test_each_phase_moves_as_it_says(law):
     """Rebuild the velocities phase by phase from impulse, slip and friction; slip must not turn within a phase."""
     impacts = with_other_friction(random_impacts(5, 20_000), 6)
     result = law(**impacts)
-    matrix, velocity = impacts["inverse_mass"], impacts["velocity"]
+    matrix = impacts["inverse_mass"]
+    velocity = impacts["velocity"]
     slip_after = []
     for index in range(len(PHASES)):
-        impulse, slip = result.phase_impulse[:, index], result.phase_slip[:, index]
+        impulse = result.phase_impulse[:, index]
+        slip = result.phase_slip[:, index]
         mu = impacts["friction" if index < 2 else "restitution_friction"]
         ratio = np.where(slip == 0.0, -matrix[:, 0, 1] / matrix[:, 1, 1], -mu * slip)
         # Slip at rest takes as much friction as holds v_n.
-        resting = (index == 2) & (result.phase_work_normal[:, 2] == 0.0) & (slip != 0.0) & (impulse > 0.0)
+        resting = (
+            (index == 2) & (result.phase_work_normal[:, 2] == 0.0) & (slip != 0.0) & (impulse > 0.0)
+        )
         ratio = np.where(resting, -matrix[:, 0, 0] / np.where(resting, matrix[:, 0, 1], 1.0), ratio)
         step = np.stack([impulse, ratio * impulse], axis=-1)
         scale = np.abs(velocity).max() + np.einsum("kij,kj->k", np.abs(matrix), np.abs(step))
@@ -133,12 +160,20 @@ def test_each_phase_moves_as_it_says(law):
         assert np.all(np.abs(velocity[(slip == 0.0) & (impulse > 0.0), 1]) < 1e-12 * scale.max())
         slip_after.append(velocity[:, 1])
     np.testing.assert_allclose(velocity, final_velocity(result), atol=1e-12 * scale.max())
-    check_slip_stop(result, impacts["velocity"][:, 1], np.stack(slip_after, axis=-1), 1e-12 * scale.max())
+    check_slip_stop(
+        result, impacts["velocity"][:, 1], np.stack(slip_after, axis=-1), 1e-12 * scale.max()
+    )
 
 
-def check_slip_stop(result: Impact, initial: np.ndarray, slip_after: np.ndarray, small: float) -> None:
+def check_slip_stop(
+    result: Impact, initial: np.ndarray, slip_after: np.ndarray, small: float
+) -> None:
     """p_s is where the slip velocity first vanishes: at the start, after a phase in which it slips as it began, or never."""
-    slips = (initial != 0.0)[:, None] & (result.phase_slip == np.sign(initial)[:, None]) & (result.phase_impulse > 0.0)
+    slips = (
+        (initial != 0.0)[:, None]
+        & (result.phase_slip == np.sign(initial)[:, None])
+        & (result.phase_impulse > 0.0)
+    )
     as_begun = np.logical_and.accumulate(slips | (result.phase_impulse == 0.0), axis=-1)
     reached = np.cumsum(result.phase_impulse, axis=-1)
     lasts = np.isinf(result.slip_stop_impulse)
@@ -147,7 +182,9 @@ def check_slip_stop(result: Impact, initial: np.ndarray, slip_after: np.ndarray,
     assert np.all(result.slip_stop_impulse[initial == 0.0] == 0.0)
     stopped = ~lasts & (initial != 0.0)
     # The phase that ends at p_s leaves no slip.
-    ends = np.isclose(reached, result.slip_stop_impulse[:, None], rtol=1e-13, atol=0) & (result.phase_impulse > 0.0)
+    ends = np.isclose(reached, result.slip_stop_impulse[:, None], rtol=1e-13, atol=0) & (
+        result.phase_impulse > 0.0
+    )
     assert np.all((ends & as_begun & (np.abs(slip_after) < small)).any(axis=-1)[stopped])
 
 
@@ -156,7 +193,11 @@ def test_mirror_symmetry(law):
     impacts = with_other_friction(random_impacts(7, 5000), 8)
     plain = law(**impacts)
     flipped = law(
-        **impacts | {"inverse_mass": impacts["inverse_mass"] * MIRROR, "velocity": impacts["velocity"] * [1, -1]}
+        **impacts
+        | {
+            "inverse_mass": impacts["inverse_mass"] * MIRROR,
+            "velocity": impacts["velocity"] * [1, -1],
+        }
     )
     mirrored = dataclasses.replace(
         plain,
@@ -174,12 +215,18 @@ def test_scaling_of_speed_and_units(law):
     """v -> a v gives p -> a p, W -> a^2 W; K -> K/b gives p -> b p, W -> b W. Powers of two: exact."""
     impacts = with_other_friction(random_impacts(9, 5000), 10)
     plain = law(**impacts)
-    speed, mass = 2.0**10, 2.0**-30
-    changed = law(**impacts | {"inverse_mass": impacts["inverse_mass"] / mass, "velocity": impacts["velocity"] * speed})
+    speed = 2.0**10
+    mass = 2.0**-30
+    changed = law(
+        **impacts
+        | {"inverse_mass": impacts["inverse_mass"] / mass, "velocity": impacts["velocity"] * speed}
+    )
     factors = {"velocity": speed, "phase_work": speed**2 * mass, "phase_slip": 1.0, "outcome": 1.0}
     for each in dataclasses.fields(Impact):
         factor = next((factors[key] for key in factors if each.name.startswith(key)), speed * mass)
-        np.testing.assert_array_equal(getattr(changed, each.name), factor * getattr(plain, each.name))
+        np.testing.assert_array_equal(
+            getattr(changed, each.name), factor * getattr(plain, each.name)
+        )
 
 
 @every_law
@@ -190,19 +237,30 @@ def test_single_impacts_equal_the_array_whatever_they_are_given_as(law):
     for index in range(0, 20_000, 67):
         given = {key: value[index] for key, value in impacts.items()}
         floats = {key: value.item() for key, value in given.items() if value.shape == ()}
-        scene = floats | {"inverse_mass": given["inverse_mass"], "velocity": tuple(given["velocity"].tolist())}
+        scene = floats | {
+            "inverse_mass": given["inverse_mass"],
+            "velocity": tuple(given["velocity"].tolist()),
+        }
         lists = {key: value.tolist() for key, value in given.items()}
         for single in (law(**given), law(**scene), law(**lists)):
             assert isinstance(single.impulse_normal, float)
             for each in dataclasses.fields(Impact):
-                np.testing.assert_array_equal(getattr(single, each.name), getattr(whole, each.name)[index])
-    assert_same(law([[2, 1], [1, 2]], [-1, 1], 0, 1), law([[2.0, 1.0], [1.0, 2.0]], [-1.0, 1.0], 0.0, 1.0), 0.0)
+                np.testing.assert_array_equal(
+                    getattr(single, each.name), getattr(whole, each.name)[index]
+                )
+    assert_same(
+        law([[2, 1], [1, 2]], [-1, 1], 0, 1),
+        law([[2.0, 1.0], [1.0, 2.0]], [-1.0, 1.0], 0.0, 1.0),
+        0.0,
+    )
 
 
 @every_law
 def test_arguments_broadcast(law):
     impacts = random_impacts(13, 6)
-    shaped = law(impacts["inverse_mass"][:, None], impacts["velocity"], np.array([[[0.1]], [[0.5]]]), 0.5)
+    shaped = law(
+        impacts["inverse_mass"][:, None], impacts["velocity"], np.array([[[0.1]], [[0.5]]]), 0.5
+    )
     assert shaped.impulse_normal.shape == (2, 6, 6)
     assert shaped.phase_work_normal.shape == (2, 6, 6, len(PHASES))
     single = law(impacts["inverse_mass"][2], impacts["velocity"][4], 0.5, 0.5)
@@ -227,10 +285,16 @@ def test_the_rule_of_each_coefficient():
     impacts = with_other_friction(random_impacts(17, 120_000), 18)
     e = impacts["restitution"]
     works = energetic_impact(**impacts)
-    np.testing.assert_allclose(works.restitutive_work[0], -(e**2) * works.compressive_work[0], rtol=1e-13)
+    np.testing.assert_allclose(
+        works.restitutive_work[0], -(e**2) * works.compressive_work[0], rtol=1e-13
+    )
     impulses = poisson_impact(**impacts)
-    np.testing.assert_allclose(impulses.impulse_normal, (1 + e) * impulses.compressive_impulse_normal, rtol=1e-14)
-    np.testing.assert_allclose(newton_impact(**impacts).velocity_normal, -e * impacts["velocity"][:, 0], rtol=1e-12)
+    np.testing.assert_allclose(
+        impulses.impulse_normal, (1 + e) * impulses.compressive_impulse_normal, rtol=1e-14
+    )
+    np.testing.assert_allclose(
+        newton_impact(**impacts).velocity_normal, -e * impacts["velocity"][:, 0], rtol=1e-12
+    )
 
 
 def test_which_coefficients_gain_energy():
@@ -252,7 +316,16 @@ positive = st.floats(0.01, 100)
 
 
 @settings(max_examples=300, deadline=None)
-@example(normal=1.0, tangential=1.0, correlation=0.0, approach=0.6, slip=1.0, mu_1=5e-324, mu_2=5e-324, e=1.0)
+@example(
+    normal=1.0,
+    tangential=1.0,
+    correlation=0.0,
+    approach=0.6,
+    slip=1.0,
+    mu_1=5e-324,
+    mu_2=5e-324,
+    e=1.0,
+)
 @given(
     normal=positive,
     tangential=positive,
@@ -263,11 +336,18 @@ positive = st.floats(0.01, 100)
     mu_2=st.floats(0, 1e3),
     e=st.floats(1e-9, 1) | st.just(0.0),
 )
-def test_any_contact_ends_without_energy_gain(normal, tangential, correlation, approach, slip, mu_1, mu_2, e):
+def test_any_contact_ends_without_energy_gain(
+    normal, tangential, correlation, approach, slip, mu_1, mu_2, e
+):
     """Whatever the numbers, also on the borders between cases, results are finite and keep to the rules."""
     matrix = inverse_mass(normal, correlation, tangential)
     result = energetic_impact(matrix, [-approach, slip], mu_1, e, mu_2)
-    values = [result.impulse_normal, *final_velocity(result), *total_impulse(result), result.energy_change]
+    values = [
+        result.impulse_normal,
+        *final_velocity(result),
+        *total_impulse(result),
+        result.energy_change,
+    ]
     assert all(math.isfinite(value) for value in values)
     impulse = total_impulse(result)
     scale = (approach + abs(slip)) * np.abs(impulse).sum()
@@ -309,7 +389,11 @@ def test_massive_tangent():
     assert slipping.velocity_tangential == 0.7
     assert slipping.impulse_tangential == pytest.approx(-0.3 * slipping.impulse_normal, rel=1e-15)
     still = energetic_impact([[2.0, 0.0], [0.0, 0.0]], [-1.0, 0.0], 0.3, 0.5)
-    assert (still.impulse_tangential, still.velocity_normal, still.impulse_normal) == (0.0, 0.5, 0.75)
+    assert (still.impulse_tangential, still.velocity_normal, still.impulse_normal) == (
+        0.0,
+        0.5,
+        0.75,
+    )
 
 
 def test_rounding_of_the_matrix_is_accepted():
@@ -337,9 +421,21 @@ def test_works_too_small_for_floats(law, speed, e):
 
 BAD = [
     ("inverse_mass", [[1.0, 0.5], [0.4, 1.0]], r" = \(1, 0.5, 0.4, 1\): must be symmetric"),
-    ("inverse_mass", [[1.0, 2.0], [2.0, 1.0]], r" = \(1, 2, 2, 1\): must be positive semidefinite \(1/kg\)"),
-    ("inverse_mass", [[-1.0, 0.0], [0.0, 1.0]], r" = \(-1, 0, 0, 1\): must be positive semidefinite"),
-    ("inverse_mass", [[-1.0, 0.0], [0.0, 0.0]], r" = \(-1, 0, 0, 0\): must be positive semidefinite"),
+    (
+        "inverse_mass",
+        [[1.0, 2.0], [2.0, 1.0]],
+        r" = \(1, 2, 2, 1\): must be positive semidefinite \(1/kg\)",
+    ),
+    (
+        "inverse_mass",
+        [[-1.0, 0.0], [0.0, 1.0]],
+        r" = \(-1, 0, 0, 1\): must be positive semidefinite",
+    ),
+    (
+        "inverse_mass",
+        [[-1.0, 0.0], [0.0, 0.0]],
+        r" = \(-1, 0, 0, 0\): must be positive semidefinite",
+    ),
     ("inverse_mass", [[math.nan, 0.0], [0.0, 1.0]], r" = \(nan, 0, 0, 1\): must be finite"),
     ("inverse_mass", [1.0, 2.0], r", velocity of shapes \(2,\), \(2,\)"),
     ("inverse_mass", np.eye(2, dtype=bool), " = .*: must be real numbers"),
@@ -347,7 +443,11 @@ BAD = [
     ("inverse_mass", [[1e-200, 3e-200], [3e-200, 1e-200]], " = .*: must be positive semidefinite"),
     ("velocity", [-math.inf, 0.0], r" = \(-inf, 0\): must be finite \(m/s\)"),
     ("velocity", ("-1", "0"), r" = \('-1', '0'\): must be real numbers"),
-    ("velocity", (-1e200, 1e200), r" = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite"),
+    (
+        "velocity",
+        (-1e200, 1e200),
+        r" = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite",
+    ),
     ("velocity", (-1e160, 0.0), r" = \(-1e\+160, 0\) with inverse_mass .* v\^2/K are finite"),
     ("velocity", [(-1.0, 1.0), (-1e160, 0.0)], r" = \(-1e\+160, 0\) with inverse_mass"),
     ("friction", -0.1, r" = -0.1: must be from 0 to 1e\+150"),
@@ -362,7 +462,12 @@ BAD = [
 @every_law
 @pytest.mark.parametrize(("name", "value", "message"), BAD)
 def test_bad_input_is_named_in_one_line(law, name, value, message):
-    arguments = {"inverse_mass": [[1.0, 0.2], [0.2, 1.0]], "velocity": [-1.0, 0.5], "friction": 0.3, "restitution": 0.5}
+    arguments = {
+        "inverse_mass": [[1.0, 0.2], [0.2, 1.0]],
+        "velocity": [-1.0, 0.5],
+        "friction": 0.3,
+        "restitution": 0.5,
+    }
     with pytest.raises(ValueError, match=f"^{name}{message}") as refusal:
         law(**arguments | {name: value})
     assert "\n" not in str(refusal.value)
@@ -397,7 +502,9 @@ class TestEdges:
         assert np.asarray(result.impulse_normal).item() == pytest.approx(expected, rel=1e-8)
 
     @pytest.mark.parametrize("coupling", [1e-310, -1e-310])
-    def test_a_coupling_too_small_to_be_divided_by_is_none(self, law: Callable, lengthen: Callable, coupling) -> None:
+    def test_a_coupling_too_small_to_be_divided_by_is_none(
+        self, law: Callable, lengthen: Callable, coupling
+    ) -> None:
         """1/1e-310 is no float. Uncoupled, v = (-1, 5), mu = 0.3, e = 0.5: p_f = 1.5, and v_t falls by 0.45."""
         result = law([[1.0, coupling], [coupling, 1.0]], [-1.0, 5.0], lengthen(0.3), 0.5)
         assert np.asarray(result.impulse_normal).item() == pytest.approx(1.5, rel=1e-15)
@@ -430,4 +537,6 @@ def test_friction_that_just_suffices_sticks(side: float) -> None:
     """mu = |K_nt|/K_tt exactly, no slip before: Zhang 2020, eq. 2.90, counts equality as stick."""
     result = energetic_impact([[1.0, 0.5 * side], [0.5 * side, 1.0]], [-1.0, 0.0], 0.5, 0.5)
     assert result.phases == ("compression stick", "restitution stick")
-    assert result.impulse_tangential == pytest.approx(-0.5 * side * result.impulse_normal, rel=1e-15)
+    assert result.impulse_tangential == pytest.approx(
+        -0.5 * side * result.impulse_normal, rel=1e-15
+    )

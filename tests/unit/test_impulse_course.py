@@ -44,7 +44,9 @@ def test_course_ends_where_the_scene_does(chain: Chain, surface: Surface) -> Non
     speed = math.hypot(*contact.velocity_before)
     np.testing.assert_allclose(tip_velocity(chain), contact.velocity_before, rtol=ROUNDING)
     np.testing.assert_allclose(
-        (course.normal_velocity[-1], course.tangential_velocity[-1]), contact.velocity_after, atol=ROUNDING * speed
+        (course.normal_velocity[-1], course.tangential_velocity[-1]),
+        contact.velocity_after,
+        atol=ROUNDING * speed,
     )
     assert course.impulse[-1] == pytest.approx(contact.impulse[0], rel=ROUNDING)
     assert course.phases == contact.phases
@@ -58,14 +60,20 @@ def test_course_ends_where_the_scene_does(chain: Chain, surface: Surface) -> Non
         (0.7, 0.32345998, 0.51199185, ("slip", "slip", "stick")),
     ],
 )
-def test_course_of_identical_rods(friction: float, compressive: float, final: float, motions: tuple[str, ...]) -> None:
+def test_course_of_identical_rods(
+    friction: float, compressive: float, final: float, motions: tuple[str, ...]
+) -> None:
     """Impulses from Zhang 2020, eqs. 2.74-2.89, evaluated on their own to eight digits."""
     course = energetic_course(IDENTICAL_RODS, Surface(friction=friction, restitution=0.5))
     assert course.compression_end == pytest.approx(compressive, abs=5e-9)
     assert course.impulse[-1] == pytest.approx(final, abs=5e-9)
     assert tuple(phase.split(" ", 1)[1] for phase in course.phases) == motions
-    assert np.interp(course.compression_end, course.impulse, course.normal_velocity) == pytest.approx(0.0, abs=1e-15)
-    assert np.interp(course.slip_stop, course.impulse, course.tangential_velocity) == pytest.approx(0.0, abs=1e-15)
+    assert np.interp(
+        course.compression_end, course.impulse, course.normal_velocity
+    ) == pytest.approx(0.0, abs=1e-15)
+    assert np.interp(course.slip_stop, course.impulse, course.tangential_velocity) == pytest.approx(
+        0.0, abs=1e-15
+    )
 
 
 def test_course_without_approach_is_a_point() -> None:
@@ -89,4 +97,6 @@ def test_contact_resolved_in_time_lies_on_the_course(chain: Chain, surface: Surf
         expected = np.interp(recorded.impulse, course.impulse, getattr(course, name))
         change = np.ptp(getattr(course, name))
         # The same share of the impulse moves a velocity by at most its steepest slope, at most 3 times the mean here.
-        np.testing.assert_allclose(getattr(recorded, name), expected, atol=3.0 * trapezoidal * change)
+        np.testing.assert_allclose(
+            getattr(recorded, name), expected, atol=3.0 * trapezoidal * change
+        )

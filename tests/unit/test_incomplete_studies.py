@@ -54,7 +54,9 @@ from bristle_sim.tool_file import write_tool
 OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
 
 
-AT_REST, FLEXIBLE, UNBARRED = Tool(hub=Hub(speed=0.0)), Tool(bristle=Bristle(links=2)), Tool(bar=None)
+AT_REST = Tool(hub=Hub(speed=0.0))
+FLEXIBLE = Tool(bristle=Bristle(links=2))
+UNBARRED = Tool(bar=None)
 
 
 def row_of(tool: Tool, **row: float) -> object:
@@ -72,11 +74,22 @@ REFUSALS = [
     (partial(cost_figure, SimpleNamespace(cases=())), "^cases = "),  # type: ignore[arg-type]
     (partial(write_tool, 3, "tool.toml"), "^tool = 3: must be a Tool"),  # type: ignore[arg-type]
     (partial(Sampling, samples=3), "^samples = 3: must be a power of 2"),
-    (lambda: simulate(Tool(), Settings(hub_turn=0.1)).at(0.0, side="left"), "^side = 'left': must be before or after"),
+    (
+        lambda: simulate(Tool(), Settings(hub_turn=0.1)).at(0.0, side="left"),
+        "^side = 'left': must be before or after",
+    ),
     (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
-    (lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]), "^contact = energetic: must be compliant"),
+    (
+        lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]),
+        "^contact = energetic: must be compliant",
+    ),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
-    (lambda: bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)), "step budget spent"),
+    (
+        lambda: bent_bristles(
+            Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)
+        ),
+        "step budget spent",
+    ),
     (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
     (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
     (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
@@ -90,30 +103,50 @@ REFUSALS = [
     (lambda: driven(FLEXIBLE), "^wire_links = 2: must be 1"),
     (lambda: row_of(AT_REST), "^hub_speed = 0: must be above 0"),
     (lambda: row_of(FLEXIBLE), "^wire_links = 2: must be 1"),
-    (lambda: row_of(Tool(hub=Hub(radius=1e-4))), "^hub_radius = .*: must be above half of wire_diameter"),
+    (
+        lambda: row_of(Tool(hub=Hub(radius=1e-4))),
+        "^hub_radius = .*: must be above half of wire_diameter",
+    ),
     (lambda: row_of(Tool(), pitch_deg=1.0), "^pitch"),
     (lambda: row_of(Tool(), bristles=1), r"^bristles = 1.*: must be a whole number from 2 to 12"),
     (partial(periodic_turn, AT_REST, Settings()), "^hub_speed = 0: must be above 0"),
-    (partial(whole_tool, Tool(workpart=None), Assembly(), Settings()), "^workpart = None: must be a Workpart"),
+    (
+        partial(whole_tool, Tool(workpart=None), Assembly(), Settings()),
+        "^workpart = None: must be a Workpart",
+    ),
     (partial(whole_tool, FLEXIBLE, Assembly(), Settings()), "^wire_links = 2: must be 1"),
     (lambda: UNBARRED.bar_reach, "^bar = None: must be a Bar where its reach"),
     (lambda: UNBARRED.bar_clearance, "^bar = None: must be a Bar where its clearance"),
-    (lambda: Tool(workpart=None).workpart_depth, "^workpart = None: must be a Workpart where its depth"),
+    (
+        lambda: Tool(workpart=None).workpart_depth,
+        "^workpart = None: must be a Workpart where its depth",
+    ),
     (lambda: Measurement(__file__, force_per_volt=0.0), "^force_per_volt = 0: must be positive"),
     (lambda: Assembly(bristles=1.5), "^bristles = 1.5: must be a whole number"),
     (lambda: struck(Strike(impact_angle_deg=60.0)), "^impact_angle_deg = 60: must be less than 59"),
     (lambda: struck(Strike(impact_angle_deg=1e-12)), "it barely touches"),
     (lambda: struck(hub=Hub(speed=0.0)), "^hub_speed = 0: must be above 0"),
-    (lambda: struck(wire=Bristle(wire_diameter=0.0, mass=1e-4, links=2)), "^wire_diameter = 0: must be above 0"),
-    (partial(least_pitch, simulate(UNBARRED, Settings(hub_turn=0.1)), 0.0), "^wire_diameter = 0: must be above 0"),
-    (partial(least_pitch, simulate(AT_REST, Settings(hub_turn=0.1)), 7e-4), "^hub_speed = 0: must be above 0"),
+    (
+        lambda: struck(wire=Bristle(wire_diameter=0.0, mass=1e-4, links=2)),
+        "^wire_diameter = 0: must be above 0",
+    ),
+    (
+        partial(least_pitch, simulate(UNBARRED, Settings(hub_turn=0.1)), 0.0),
+        "^wire_diameter = 0: must be above 0",
+    ),
+    (
+        partial(least_pitch, simulate(AT_REST, Settings(hub_turn=0.1)), 7e-4),
+        "^hub_speed = 0: must be above 0",
+    ),
     (
         partial(least_pitch, simulate(Tool()), 7e-4, largest=0.1),
         "^largest = 0.1: must be a pitch at which wires do not",
     ),
     *(
         (
-            partial(tolerances, replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings()),
+            partial(
+                tolerances, replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings()
+            ),
             "must both be parts",
         )
         for absent in ("bar", "workpart")
@@ -146,7 +179,9 @@ def test_a_row_out_of_reach_is_filmed_to_the_end():
 def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_draw():
     creeping = Tool(belt=Belt(damping_ratio=1.5))
     figure = inertia_figure(driven(creeping).subject)
-    assert [line.get_label() for line in figure.axes[0].lines if not line.get_label().startswith("_")] == ["bar-cued"]
+    assert [
+        line.get_label() for line in figure.axes[0].lines if not line.get_label().startswith("_")
+    ] == ["bar-cued"]
 
 
 @pytest.mark.parametrize(
@@ -163,7 +198,9 @@ def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_dra
 )
 def test_a_pass_is_told_by_what_happened_in_it(tool: Tool):
     """No number is made up for what did not happen, and none differs from theory for it."""
-    report = whole_pass(tool, Settings(hub_turn=math.pi) if tool.hub.speed else Settings(hub_turn=1.0))
+    report = whole_pass(
+        tool, Settings(hub_turn=math.pi) if tool.hub.speed else Settings(hub_turn=1.0)
+    )
     values = {row.name: row.simulated for row in report.quantities}
     struck = report.outcome != "no contact"
     assert (values["contact_time"] is not None) is struck
@@ -176,7 +213,8 @@ def test_a_strike_while_the_bar_is_touched_is_not_cued():
     strike = run.first_contact("workpart")
     assert strike is not None
     contacts = [
-        replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each for each in run.contacts
+        replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each
+        for each in run.contacts
     ]
     pressed = replace(run, contacts=tuple(contacts))
     with pytest.raises(NotCuedError, match="must have left the bar when it strikes"):

@@ -37,23 +37,38 @@ def integrated(damping=0.0):
     def turning(_, state):
         return state[1]
 
-    radial.terminal, radial.direction = True, 1.0
-    run = solve_ivp(slope, (0.0, 0.1), (0.0, -SPEED), method="DOP853", rtol=1e-13, atol=1e-16, events=(radial, turning))
+    radial.terminal = True
+    radial.direction = 1.0
+    run = solve_ivp(
+        slope,
+        (0.0, 0.1),
+        (0.0, -SPEED),
+        method="DOP853",
+        rtol=1e-13,
+        atol=1e-16,
+        events=(radial, turning),
+    )
     return run.t_events[0][-1], run.y_events[0][-1][1], -run.y_events[1][0][0]
 
 
 def test_the_field_alone_is_a_pendulum():
     """sin(A/2) = omega/2 sqrt(I/g), half a period 2 sqrt(I/g) K(sin(A/2)^2)."""
     modulus = 0.5 * SPEED * math.sqrt(INERTIA / FIELD)
-    assert largest_retraction(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(2.0 * math.asin(modulus), rel=1e-14)
+    assert largest_retraction(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(
+        2.0 * math.asin(modulus), rel=1e-14
+    )
     half = 2.0 * math.sqrt(INERTIA / FIELD) * ellipk(modulus**2)
     assert time_to_radial(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(half, rel=1e-13)
 
 
 def test_a_bristle_that_would_lie_down_is_refused():
     limit = math.sqrt(STIFFNESS / INERTIA) * math.pi / 2.0
-    assert largest_retraction(INERTIA, STIFFNESS, 0.0, 0.999 * limit) == pytest.approx(0.999 * math.pi / 2.0)
-    with pytest.raises(ValueError, match=r"^stiffness = .*: must be enough to stop the bristle within 90 deg"):
+    assert largest_retraction(INERTIA, STIFFNESS, 0.0, 0.999 * limit) == pytest.approx(
+        0.999 * math.pi / 2.0
+    )
+    with pytest.raises(
+        ValueError, match=r"^stiffness = .*: must be enough to stop the bristle within 90 deg"
+    ):
         largest_retraction(INERTIA, STIFFNESS, 0.0, 1.001 * limit)
 
 
@@ -63,13 +78,19 @@ def test_scene_theory_and_reference_agree_with_an_integration(ratio):
     simulated, found = values(tool)
     assert [each.ok for each in found.quantities] == [True] * 5
     time, rate, lag = integrated(tool.belt_damping)
-    expected = {"time_to_radial": time, "relative_speed_at_radial": rate, "largest_retraction_deg": math.degrees(lag)}
+    expected = {
+        "time_to_radial": time,
+        "relative_speed_at_radial": rate,
+        "largest_retraction_deg": math.degrees(lag),
+    }
     for each in found.quantities[:4]:
         # Requested: 1e-9; promised: 1e-8 of either. Theory, for an undamped belt, is good to rounding.
         assert each.simulated == pytest.approx(each.reference, rel=1e-8)
         assert each.simulated == pytest.approx(expected.get(each.name, each.simulated), rel=1e-8)
         assert (each.theory is None) is (ratio > 0.0)
-        assert ratio > 0.0 or each.theory == pytest.approx(expected.get(each.name, each.theory), rel=1e-10)
+        assert ratio > 0.0 or each.theory == pytest.approx(
+            expected.get(each.name, each.theory), rel=1e-10
+        )
     if ratio == 0.0:
         assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
         assert found.answer == (
@@ -81,7 +102,11 @@ def test_scene_theory_and_reference_agree_with_an_integration(ratio):
 def test_an_overdamped_bristle_creeps_and_a_fast_one_lies_down():
     for tool in (
         Tool(belt=Belt(stiffness=STIFFNESS, damping_ratio=1.5)),
-        Tool(hub=Hub(radius=0.001, speed=3000.0), bristle=Bristle(), bar=Bar(horizontal=0.05, vertical=0.0)),
+        Tool(
+            hub=Hub(radius=0.001, speed=3000.0),
+            bristle=Bristle(),
+            bar=Bar(horizontal=0.05, vertical=0.0),
+        ),
     ):
         simulated, found = values(tool, with_reference=False)
         assert set(simulated.values()) == {None}

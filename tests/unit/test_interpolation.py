@@ -34,9 +34,13 @@ def test_motion_between_samples_is_the_polynomial_that_theory_bounds(swung: Traj
     """
     time = np.linspace(0.0, STRIKE, 1001)[1:-1]
     found = swung.at(time)
-    assert np.abs(found.retraction + swing(time)[0][0]).max() < 1e-13 * 10.0  # rounding of angles near 1, of 15 terms
+    assert (
+        np.abs(found.retraction + swing(time)[0][0]).max() < 1e-13 * 10.0
+    )  # rounding of angles near 1, of 15 terms
     assert np.abs(found.relative_rate - swing(time)[0][1]).max() < 1e-9 * AMPLITUDE * FREQUENCY
-    assert np.abs(found.hub_angle - (HUB_START + 261.8 * time)).max() < 1e-12  # linear: rounding alone
+    assert (
+        np.abs(found.hub_angle - (HUB_START + 261.8 * time)).max() < 1e-12
+    )  # linear: rounding alone
 
 
 def test_forces_and_energies_have_their_kinks_where_contacts_begin_and_end():
@@ -47,8 +51,11 @@ def test_forces_and_energies_have_their_kinks_where_contacts_begin_and_end():
     ramp = np.clip(run.time - begin, 0.0, end - begin)
     run = dataclasses.replace(run, contacts=(held,), potential_energy=ramp, normal_force=1.0 + ramp)
     time = np.setdiff1d(np.linspace(*run.time[[0, -1]], 700), run.time)
-    found, inside = run.at(time), (time > begin) & (time < end)
-    assert np.abs(found.potential_energy - np.clip(time - begin, 0.0, end - begin)).max() < 1e-15  # rounding of 1e-3 s
+    found = run.at(time)
+    inside = (time > begin) & (time < end)
+    assert (
+        np.abs(found.potential_energy - np.clip(time - begin, 0.0, end - begin)).max() < 1e-15
+    )  # rounding of 1e-3 s
     assert found.normal_force[inside] == pytest.approx(1.0 + time[inside] - begin, rel=1e-14)
     assert not found.normal_force[~inside].any()
 
@@ -58,7 +65,9 @@ def test_a_course_keeps_every_sample_and_both_sides_of_an_impact(swung: Trajecto
     assert (np.diff(course.time) >= 0.0).all()
     for name in SAMPLED:
         at_samples = getattr(course, name)[np.isin(course.time, swung.time)]
-        np.testing.assert_allclose(at_samples, getattr(swung, name), rtol=1e-12, atol=1e-15, err_msg=name)
+        np.testing.assert_allclose(
+            at_samples, getattr(swung, name), rtol=1e-12, atol=1e-15, err_msg=name
+        )
     assert swung.course(until=1e-3).time[-1] <= 1e-3
     for until in (0.0, np.nan):
         with pytest.raises(ValueError, match="until = "):
@@ -78,13 +87,24 @@ def test_motion_between_samples_is_that_of_a_run_stopped_there(tool: Tool):
     release = run.event_time("bar release", last=True, before=strike)
     assert release is not None
     close = np.random.default_rng(2).uniform(release - 3e-4, release, 8)
-    for time in (*close, 0.5 * release, release + 2e-5, 0.5 * (release + strike), strike - 1e-7, strike + 1e-7):
+    for time in (
+        *close,
+        0.5 * release,
+        release + 2e-5,
+        0.5 * (release + strike),
+        strike - 1e-7,
+        strike + 1e-7,
+    ):
         stopped = simulate(tool, Settings(hub_turn=tool.hub.speed * time))
         found = run.at(stopped.time[-1])
         np.testing.assert_allclose(found.angles, stopped.angles[-1], rtol=0.0, atol=1e-6)
-        np.testing.assert_allclose(found.rates, stopped.rates[-1], rtol=0.0, atol=1e-6 * np.abs(run.rates).max())
+        np.testing.assert_allclose(
+            found.rates, stopped.rates[-1], rtol=0.0, atol=1e-6 * np.abs(run.rates).max()
+        )
         size = np.abs(run.centre_line).max()
-        np.testing.assert_allclose(found.centre_line, stopped.centre_line[-1], rtol=0.0, atol=1e-6 * size)
+        np.testing.assert_allclose(
+            found.centre_line, stopped.centre_line[-1], rtol=0.0, atol=1e-6 * size
+        )
 
 
 def test_motion_at_an_impact_has_two_sides(run: Trajectory):
@@ -97,14 +117,18 @@ def test_motion_at_an_impact_has_two_sides(run: Trajectory):
     assert before.angles[0] == pytest.approx(strike.angles[0], rel=1e-12)
     assert before.angles == pytest.approx(after.angles, rel=1e-12)
     # The tip's normal velocity is vertical.
-    assert before.tip_velocity == pytest.approx([strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9)
+    assert before.tip_velocity == pytest.approx(
+        [strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9
+    )
 
 
 def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
     """Whose record tells the tip's velocity in the contact, at instants between the samples of the other run."""
     tool = Tool(contact=Contact("compliant", 1e-4))
-    run, fine = simulate(tool), simulate(tool, Settings(accuracy=1e-9), stop_after="strike")
-    own, strike = run.first_contact("workpart"), fine.first_contact("workpart")
+    run = simulate(tool)
+    fine = simulate(tool, Settings(accuracy=1e-9), stop_after="strike")
+    own = run.first_contact("workpart")
+    strike = fine.first_contact("workpart")
     assert own is not None
     assert strike is not None
     history = strike.history
@@ -114,18 +138,27 @@ def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
     during = run.at(time[inside])
     speed = np.hypot(*strike.velocity_before)
     # Both have accuracy 1e-6 or better, relative to the approach and to the depth.
-    np.testing.assert_allclose(during.tip_velocity[:, 1], history.normal_velocity[inside], rtol=0.0, atol=1e-6 * speed)
+    np.testing.assert_allclose(
+        during.tip_velocity[:, 1], history.normal_velocity[inside], rtol=0.0, atol=1e-6 * speed
+    )
     np.testing.assert_allclose(
         during.tip_velocity[:, 0], history.tangential_velocity[inside], rtol=0.0, atol=1e-6 * speed
     )
     np.testing.assert_allclose(
-        during.normal_force, history.normal_force[inside], rtol=0.0, atol=1e-6 * history.normal_force.max()
+        during.normal_force,
+        history.normal_force[inside],
+        rtol=0.0,
+        atol=1e-6 * history.normal_force.max(),
     )
     depth = during.tip[:, 1] - run.at(own.time).tip[1]
-    np.testing.assert_allclose(-depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max())
+    np.testing.assert_allclose(
+        -depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max()
+    )
 
 
 @pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])
 def test_motion_outside_the_run_is_refused(run: Trajectory, time):
-    with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
+    with pytest.raises(
+        ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"
+    ):
         run.at(time)

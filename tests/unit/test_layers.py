@@ -96,7 +96,9 @@ def faults(layer: str, source: str, homes: Mapping[str, tuple[str, ...]] = HOMES
             if target in RANKS and target not in ALONE.get(layer, RANKS):
                 found.append(f"{name}: {layer} needs nothing of {target}")
         found += [
-            f"{name}: only in {home}" for library, home in homes.items() if within(name, library) and layer not in home
+            f"{name}: only in {home}"
+            for library, home in homes.items()
+            if within(name, library) and layer not in home
         ]
     return found
 
@@ -104,7 +106,11 @@ def faults(layer: str, source: str, homes: Mapping[str, tuple[str, ...]] = HOMES
 def test_imports_go_one_way():
     found = {}
     for path in MODULES:
-        homes = {library: home for library, home in HOMES.items() if PEERS not in path.parents or "render" in home}
+        homes = {
+            library: home
+            for library, home in HOMES.items()
+            if PEERS not in path.parents or "render" in home
+        }
         door = ANNOTATED.get(path.name, "none")
         if (layer := layer_of(path)) != "__init__":
             all_faults = faults(layer, path.read_text(encoding="utf-8"), homes)
@@ -120,13 +126,16 @@ def test_no_files_import_each_other_in_a_circle():
 
 def module_name(path: Path) -> str:
     """Return the name by which a file of the package is imported."""
-    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(
+        ".__init__"
+    )
 
 
 def circle(sources: Mapping[str, str]) -> list[str]:
     """Return the modules that import each other in a circle, or between two circles, from their sources by name."""
     arrows = {
-        name: {other for other in imports(text) if other != name} & sources.keys() for name, text in sources.items()
+        name: {other for other in imports(text) if other != name} & sources.keys()
+        for name, text in sources.items()
     }
     left = dict(arrows)
     while True:
@@ -156,19 +165,30 @@ def test_a_run_is_drawn_by_the_module_that_it_names_and_does_not_import():
     """Whoever imports a result must not get the pictures with it; the module must have the functions that results call."""
     drawing = importlib.import_module(pictures.DRAWN_BY)
     promised = {"plot": 2, "film": 5, "view": 1, "summary_page": 1}
-    assert {name: len(inspect.signature(getattr(drawing, name)).parameters) for name in promised} == promised
+    assert {
+        name: len(inspect.signature(getattr(drawing, name)).parameters) for name in promised
+    } == promised
 
 
 def test_the_package_itself_imports_nothing():
     """Whoever imports one layer must not get others with it; what a type checker reads is not imported."""
     face = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
     top = [node for node in face.body if isinstance(node, ast.Import | ast.ImportFrom)]
-    assert list(imports(ast.unparse(ast.Module(top, [])))) == ["typing", "typing.TYPE_CHECKING", "typing.Any"]
+    assert list(imports(ast.unparse(ast.Module(top, [])))) == [
+        "typing",
+        "typing.TYPE_CHECKING",
+        "typing.Any",
+    ]
 
 
 def test_the_wheel_carries_every_folder_and_the_scripts():
-    packaged = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
-    folders = {".".join(path.parent.relative_to(ROOT / "src").parts) for path in PACKAGE.rglob("__init__.py")}
+    packaged = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+        "setuptools"
+    ]["packages"]
+    folders = {
+        ".".join(path.parent.relative_to(ROOT / "src").parts)
+        for path in PACKAGE.rglob("__init__.py")
+    }
     assert packaged == sorted({*folders, "bristle_sim.scenarios"})
 
 
@@ -183,10 +203,18 @@ def test_the_wheel_carries_every_folder_and_the_scripts():
         ("scene", "def later():\n    from scipy.integrate import solve_ivp", True),
         ("scene", "from ..reference import simulate_reference", True),
         ("studies", "import matplotlib.pyplot as plt", True),
-        ("theory", "from scipy.special import ellipk\nfrom bristle_sim.parameters import Tool", False),
+        (
+            "theory",
+            "from scipy.special import ellipk\nfrom bristle_sim.parameters import Tool",
+            False,
+        ),
         ("scene", "import pymunk\nfrom bristle_sim.theory.impact import energetic_impact", False),
         ("reference", "from scipy import integrate\nfrom bristle_sim import parameters", False),
-        ("render", "from matplotlib.figure import Figure\nfrom bristle_sim.studies.whole_pass import WholePass", False),
+        (
+            "render",
+            "from matplotlib.figure import Figure\nfrom bristle_sim.studies.whole_pass import WholePass",
+            False,
+        ),
     ],
 )
 def test_faults_are_seen_and_downward_imports_are_none(layer: str, source: str, faulty: bool):
@@ -206,7 +234,10 @@ def test_drawing_imports_nothing_that_integrates():
     """Studies compute, pictures are drawn from what they return."""
     for path in (PACKAGE / "render").glob("*.py"):
         found = [
-            name for name in imports(path.read_text(encoding="utf-8")) for each in INTEGRATING if within(name, each)
+            name
+            for name in imports(path.read_text(encoding="utf-8"))
+            for each in INTEGRATING
+            if within(name, each)
         ]
         assert found == [], path
 
@@ -218,9 +249,11 @@ def test_scripts_import_only_the_package_and_the_command_line_draws_only_when_as
         roots = {name.split(".")[0] for name in imports(source)}
         assert path not in SCRIPTS or roots <= {"bristle_sim", *sys.stdlib_module_names}, path
         top = [node for node in ast.parse(source).body if not isinstance(node, ast.FunctionDef)]
-        assert not [each for each in imports(ast.unparse(ast.Module(top, []))) if within(each, "bristle_sim.render")], (
-            path
-        )
+        assert not [
+            each
+            for each in imports(ast.unparse(ast.Module(top, [])))
+            if within(each, "bristle_sim.render")
+        ], path
 
 
 NOUNLESS = re.compile(r'(?:"""|#)\W*Returns? (?:what|who)\b')

@@ -28,7 +28,9 @@ from bristle_sim.theory.impact import energetic_impact
 
 FOLDER = os.environ.get("BRISTLE_MEASURED")
 FILE = Path(FOLDER or ".") / "ellipse_uniform.mat"
-measured = pytest.mark.skipif(FOLDER is None, reason="BRISTLE_MEASURED names no folder with ellipse_uniform.mat")
+measured = pytest.mark.skipif(
+    FOLDER is None, reason="BRISTLE_MEASURED names no folder with ellipse_uniform.mat"
+)
 
 
 def bounces() -> list[Any]:
@@ -44,7 +46,8 @@ def values(report: Report) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("squared", "most"), [(1.15, (0.045, 27.0, 0.47)), (1.21, (0.03, 26.0, 0.45)), (0.0, (0.055, 74.0, 1.2))]
+    ("squared", "most"),
+    [(1.15, (0.045, 27.0, 0.47)), (1.21, (0.03, 26.0, 0.45)), (0.0, (0.055, 74.0, 1.2))],
 )
 def test_spheres(squared: float, most: tuple[float, float, float]) -> None:
     """Nothing is fitted: the limits are the resolution of points that were read off figures."""
@@ -73,11 +76,16 @@ def test_a_damaged_file_is_refused(tmp_path: Path, place: int, bit: int) -> None
     from scipy.io import savemat
 
     path = tmp_path / "bounces.mat"
-    savemat(path, {"bounce_array": [{"states": np.arange(12.0) + i, "flags": np.zeros(2)} for i in range(5)]})
+    savemat(
+        path,
+        {"bounce_array": [{"states": np.arange(12.0) + i, "flags": np.zeros(2)} for i in range(5)]},
+    )
     damaged = bytearray(path.read_bytes())
     damaged[place] ^= 1 << bit
     path.write_bytes(damaged)
-    with pytest.raises(ValueError, match="must be a MATLAB file with an array bounce_array of states and flags"):
+    with pytest.raises(
+        ValueError, match="must be a MATLAB file with an array bounce_array of states and flags"
+    ):
         read_ellipse(str(path))
 
 
@@ -105,22 +113,28 @@ def test_ellipse() -> None:
     assert found["restitution"] == pytest.approx(0.54, abs=0.01)
 
 
-def through_a_space(state: np.ndarray, friction: float, restitution: float, compliance: float) -> np.ndarray:
+def through_a_space(
+    state: np.ndarray, friction: float, restitution: float, compliance: float
+) -> np.ndarray:
     """Velocities (x, y, clockwise turn) after an impact on a floor, in a pymunk space, from a state of the file.
 
     The ellipse at its angle touches the floor with its support point, where a small circle stands for its surface. It overlaps
     the floor by 1e-12 m, half of which is missing from arms of some 3e-2 m.
     """
     x, y, clockwise = state[:3]
-    space, body = pymunk.Space(), pymunk.Body(MASS, MASS * GYRATION**2)
-    body.position, body.angle = (x, y), -clockwise
-    body.velocity, body.angular_velocity = tuple(state[3:5].tolist()), -state[5]
+    space = pymunk.Space()
+    body = pymunk.Body(MASS, MASS * GYRATION**2)
+    body.position = (x, y)
+    body.angle = -clockwise
+    body.velocity = tuple(state[3:5].tolist())
+    body.angular_velocity = -state[5]
     down = np.array([math.sin(clockwise), -math.cos(clockwise)])  # in the body's axes
     lowest = np.square(HALF_AXES) * down / math.hypot(*(HALF_AXES * down))
     circle = pymunk.Circle(body, 1e-3, tuple((lowest - 1e-3 * down).tolist()))
     level = y - float(lowest @ down) + 1e-12
     floor = pymunk.Segment(space.static_body, (x - 1.0, level - 1.0), (x + 1.0, level - 1.0), 1.0)
-    circle.collision_type, floor.collision_type = 1, 2
+    circle.collision_type = 1
+    floor.collision_type = 2
     space.add(body, circle, floor)
     given = {"friction": friction, "restitution": restitution, "tangential_compliance": compliance}
     EnergeticContact(space, 1, 2, **given).step(1e-15)
@@ -129,7 +143,9 @@ def through_a_space(state: np.ndarray, friction: float, restitution: float, comp
 
 @measured
 @pytest.mark.parametrize("compliance", [0.0, 1.21])
-def test_the_ellipses_impacts_through_a_space_are_those_of_the_law_in_arrays(compliance: float) -> None:
+def test_the_ellipses_impacts_through_a_space_are_those_of_the_law_in_arrays(
+    compliance: float,
+) -> None:
     """From the state before to the state after: within 1e-9 of the velocity before, in the norm of the kinetic energy."""
     ellipse = read_ellipse(str(FILE))
     hit = ellipse.predicted(energetic_impact, 0.187, 0.54, tangential_compliance=compliance)

@@ -10,7 +10,13 @@ import pytest
 from bristle_sim.theory import monofilament as mono
 from bristle_sim.theory.monofilament import monofilament_impact
 
-MASS, LENGTH, HUB_RADIUS, HUB_SPEED, RATIO, ANGLE, E = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4), 0.42
+MASS = 8.387e-5
+LENGTH = 0.027
+HUB_RADIUS = 0.0275
+HUB_SPEED = 261.8
+RATIO = 3.23
+ANGLE = math.radians(23.4)
+E = 0.42
 TOOL = (MASS, LENGTH, HUB_RADIUS, HUB_SPEED, RATIO)
 
 # mu, p_cy, p_fy, W_y, W_x, final rate, rebound ratio: evaluated from Zhang 2020, eqs. 2.37-2.65, apart from this program.
@@ -69,14 +75,20 @@ def test_compressive_work_is_the_kinetic_energy_of_the_approach():
     """W_x + W_y = -m v_C^2/6 whatever friction and angle, and W_x/W_y = mu cot gamma."""
     strikes = random_strikes(1)
     result = monofilament_impact(**strikes)
-    speed = (strikes["speed_ratio"] * strikes["length"] + strikes["hub_radius"]) * strikes["hub_speed"]
+    speed = (strikes["speed_ratio"] * strikes["length"] + strikes["hub_radius"]) * strikes[
+        "hub_speed"
+    ]
     total = result.normal_compressive_work + result.tangential_compressive_work
     # A dozen roundings.
     np.testing.assert_allclose(total, -strikes["mass"] * speed**2 / 6.0, rtol=1e-14)
     ratio = strikes["friction"] / np.tan(strikes["impact_angle"])
-    np.testing.assert_allclose(result.tangential_compressive_work, ratio * result.normal_compressive_work, rtol=1e-13)
     np.testing.assert_allclose(
-        result.tangential_compressive_impulse, -strikes["friction"] * result.normal_compressive_impulse, rtol=1e-14
+        result.tangential_compressive_work, ratio * result.normal_compressive_work, rtol=1e-13
+    )
+    np.testing.assert_allclose(
+        result.tangential_compressive_impulse,
+        -strikes["friction"] * result.normal_compressive_impulse,
+        rtol=1e-14,
     )
 
 
@@ -109,13 +121,22 @@ def test_rebound_ratio_of_a_bristle_at_rest_is_refused():
 class TestEdges:
     def test_friction_of_restitution_is_that_of_compression_by_default(self) -> None:
         """Case 2 (2.59): p_fy = p_cy (1 + e* sqrt(s_1/s_2)), phi'_f = -(r_h/L) w - e* (v_C/L) sqrt(s_2/s_1), by hand."""
-        gamma, mu, e = 0.6, 0.3, 0.5
-        first, second = math.sin(gamma) + mu * math.cos(gamma), math.sin(gamma) - mu * math.cos(gamma)
-        result = mono.monofilament_impact(3.0, 0.5, 0.25, 4.0, 0.5, gamma, mu, e)  # v_C = (R L + r_h) w = 2
+        gamma = 0.6
+        mu = 0.3
+        e = 0.5
+        first, second = (
+            math.sin(gamma) + mu * math.cos(gamma),
+            math.sin(gamma) - mu * math.cos(gamma),
+        )
+        result = mono.monofilament_impact(
+            3.0, 0.5, 0.25, 4.0, 0.5, gamma, mu, e
+        )  # v_C = (R L + r_h) w = 2
         assert result.normal_final_impulse == pytest.approx(
             2.0 / first * (1.0 + e * math.sqrt(first / second)), rel=1e-14
         )
-        assert result.final_bristle_rate == pytest.approx(-2.0 - e * 4.0 * math.sqrt(second / first), rel=1e-14)
+        assert result.final_bristle_rate == pytest.approx(
+            -2.0 - e * 4.0 * math.sqrt(second / first), rel=1e-14
+        )
 
     def test_a_tip_at_rest_does_not_touch(self) -> None:
         """R = -r_h/L: v_C = (R L + r_h) w = 0, which is no approach."""

@@ -17,7 +17,11 @@ from bristle_sim.studies import least_pitch as module
 from bristle_sim.studies.least_pitch import least_pitch, polyline_distance
 from bristle_sim.studies.neighbours import neighbours
 
-ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
+ALONE = {
+    "relative_speed_at_contact": 877.09,
+    "lag_deg_at_contact": 2.743,
+    "normal_final_impulse": 2.751e-3,
+}
 """The strike of a bristle without neighbours, which two integrations agree on."""
 
 
@@ -38,7 +42,11 @@ def test_least_pitches_on_simulated_rows():
         assert row.simulated == pytest.approx(known, abs=within)
         assert abs(row.simulated - row.theory) <= 0.05
     own = found["least_pitch_to_own_strike_deg"]
-    assert found["least_pitch_to_strike_deg"].theory < own.theory == pytest.approx(own.simulated, abs=0.05)
+    assert (
+        found["least_pitch_to_strike_deg"].theory
+        < own.theory
+        == pytest.approx(own.simulated, abs=0.05)
+    )
 
 
 def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
@@ -46,8 +54,12 @@ def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
     found = rows(pitch_deg=50.0)
     assert found["wire_contacts"].simulated == 0
     for name, value in ALONE.items():
-        assert found[name].simulated == pytest.approx(value, rel=2e-4)  # of which four digits are known
-        assert found[name].simulated == pytest.approx(found[name].theory, rel=2e-4 if "lag" in name else 1e-5)
+        assert found[name].simulated == pytest.approx(
+            value, rel=2e-4
+        )  # of which four digits are known
+        assert found[name].simulated == pytest.approx(
+            found[name].theory, rel=2e-4 if "lag" in name else 1e-5
+        )
 
 
 def test_the_answer_names_pitches_and_what_a_touch_does():
@@ -63,26 +75,44 @@ def test_the_answer_names_pitches_and_what_a_touch_does():
     for name, value in ALONE.items():
         assert first[name] == pytest.approx(value, rel=2e-4)
     assert len(found.tables[0].rows) == 2
-    assert "At 50° bristle 2 strikes with 2.75 mN s, untouched until then;" in report(pitch_deg=50.0).answer
+    assert (
+        "At 50° bristle 2 strikes with 2.75 mN s, untouched until then;"
+        in report(pitch_deg=50.0).answer
+    )
 
 
 def test_a_pass_without_a_strike():
     """The workpart is out of reach: the whole pass has a least pitch, the strike has none."""
-    found = neighbours(Tool(workpart=Workpart(penetration=-0.01)), Neighbours(search="no"), Settings())
+    found = neighbours(
+        Tool(workpart=Workpart(penetration=-0.01)), Neighbours(search="no"), Settings()
+    )
     assert found.answer.endswith("At 15° bristle 2 does not strike: end of the planned time.")
     values = {each.name: each for each in found.quantities}
     assert found.outcome == "no contact"
     assert values["least_pitch_to_strike_deg"].theory is None
     assert values["least_pitch_whole_pass_deg"].theory > 0.0
     assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
-    figure = neighbours_figure(found.subject, [5.0, 10.0], dict.fromkeys(ALONE, np.full(2, math.nan)))
-    assert sum("no strike at any pitch" in text.get_text() for axes in figure.axes for text in axes.texts) == 3
+    figure = neighbours_figure(
+        found.subject, [5.0, 10.0], dict.fromkeys(ALONE, np.full(2, math.nan))
+    )
+    assert (
+        sum(
+            "no strike at any pitch" in text.get_text()
+            for axes in figure.axes
+            for text in axes.texts
+        )
+        == 3
+    )
 
 
 def test_a_pass_of_too_many_oscillations_is_not_searched(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "MOST_SAMPLES", 10)
-    found = neighbours(Tool(bar=None, workpart=None), Neighbours(search="no", pitch_deg=60.0), Settings())
-    assert any("not searched, as the pass has too many oscillations" in each for each in found.remarks)
+    found = neighbours(
+        Tool(bar=None, workpart=None), Neighbours(search="no", pitch_deg=60.0), Settings()
+    )
+    assert any(
+        "not searched, as the pass has too many oscillations" in each for each in found.remarks
+    )
 
 
 def test_wires_that_touch_at_every_pitch_are_not_searched():
@@ -96,7 +126,11 @@ def test_wires_that_touch_at_every_pitch_are_not_searched():
 def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
     """Friction in restitution locks the first strike: the second bristle, a pitch behind it, is on the bar then."""
     surface = Workpart(restitution_friction=1e8)
-    tool = Tool(belt=Belt(stiffness=0.094), bristle=Bristle(mass=8.387e-5, wire_diameter=1e-9), workpart=surface)
+    tool = Tool(
+        belt=Belt(stiffness=0.094),
+        bristle=Bristle(mass=8.387e-5, wire_diameter=1e-9),
+        workpart=surface,
+    )
     found = neighbours(tool, Neighbours(search="no"), Settings())
     assert found.outcome == "no contact"
     assert all(each.ok is None for each in found.quantities if each.name in ALONE)
@@ -117,7 +151,9 @@ def test_wires_that_turn_with_the_hub_touch_at_their_roots():
     free = Tool(bar=None, workpart=Workpart(penetration=-0.01))
     run = simulate(free, Settings(hub_turn=1.0))
     found = least_pitch(run, 7.1e-4, largest=math.radians(5.0))
-    assert found == pytest.approx(2.0 * math.asin(7.1e-4 / (2.0 * 0.0275)), rel=1e-6)  # tolerance of the root search
+    assert found == pytest.approx(
+        2.0 * math.asin(7.1e-4 / (2.0 * 0.0275)), rel=1e-6
+    )  # tolerance of the root search
 
 
 def test_distances_of_bent_lines_against_points_on_them():
@@ -128,7 +164,9 @@ def test_distances_of_bent_lines_against_points_on_them():
         np.concatenate([line[:, i, np.newaxis] * (1.0 - fraction) + line[:, i + 1, np.newaxis] * fraction for i in (0, 1)], axis=1)
         for line in lines
     ]  # fmt: skip
-    expected = np.linalg.norm(dense[0][:, :, np.newaxis] - dense[1][:, np.newaxis], axis=-1).min(axis=(1, 2))
+    expected = np.linalg.norm(dense[0][:, :, np.newaxis] - dense[1][:, np.newaxis], axis=-1).min(
+        axis=(1, 2)
+    )
     found = polyline_distance(*(lines @ np.array([1.0, 1j])))
     # Points are at most half of 1/199 of a piece, some 5 long, away from the nearest ones.
     assert found == pytest.approx(expected, abs=0.03)
@@ -150,7 +188,9 @@ class TestPictures:
         scene = row_film(subject, width=160, height=120, duration=4.0)
         strike = subject.bristles[1].first_contact("workpart")
         touch = [
-            each.time for each in subject.bristles[1].events if each.name == "wire touch" and each.time < strike.time
+            each.time
+            for each in subject.bristles[1].events
+            if each.name == "wire touch" and each.time < strike.time
         ][-1]
         scene.show(float(scene.warp.film_time(touch)) + 0.01)
         assert len(scene.rings.get_xdata()) == 1
@@ -161,7 +201,9 @@ class TestPictures:
 
 def test_the_reference_judges_the_last_bristle_of_a_row():
     """A touch between the wires leaves the row without theory; the independent row agrees within the tolerances."""
-    found = neighbours(Tool(), Neighbours(search="no"), Settings(1e-4, hub_turn=2.3), with_reference=True)
+    found = neighbours(
+        Tool(), Neighbours(search="no"), Settings(1e-4, hub_turn=2.3), with_reference=True
+    )
     judged = [each for each in found.quantities if each.tolerance is not None]
     assert {each.name for each in judged} >= {"wire_contacts", "normal_final_impulse"}
     assert all(each.judge_name == "reference" and each.ok for each in judged)

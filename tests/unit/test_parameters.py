@@ -29,13 +29,26 @@ def test_operating_point_is_the_printed_one():
     """Zhang 2020, eqs. 2.2 and 2.3, captions of figs. 2.7, 2.8 and 2.13."""
     tool = Tool()
     assert (tool.hub.speed, tool.hub.radius) == (261.8, 0.0275)
-    assert (tool.bristle.length, tool.bristle.mass, tool.bristle.wire_diameter) == (0.027, 8.387e-5, 7.1e-4)
+    assert (tool.bristle.length, tool.bristle.mass, tool.bristle.wire_diameter) == (
+        0.027,
+        8.387e-5,
+        7.1e-4,
+    )
     assert (tool.bar.horizontal, tool.bar.vertical) == (0.05037, 0.0225)
     assert tool.bar.centre == (-0.05037, -0.0225)
     assert tool.workpart.penetration == 0.0045
     assert (tool.workpart.friction, tool.workpart.restitution) == (0.31, 0.42)
-    assert (Strike().speed_ratio, Strike().impact_angle_deg, Release().retraction_deg) == (3.23, 23.4, 44.5)
-    assert (tool.belt.damping_ratio, tool.bar.friction, tool.bar.restitution, tool.gravity) == (0.0, 0.0, 0.0, 0.0)
+    assert (Strike().speed_ratio, Strike().impact_angle_deg, Release().retraction_deg) == (
+        3.23,
+        23.4,
+        44.5,
+    )
+    assert (tool.belt.damping_ratio, tool.bar.friction, tool.bar.restitution, tool.gravity) == (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
     assert tool.contact.law == "energetic"
 
 
@@ -54,7 +67,9 @@ def wire(bristle: Bristle, pieces: int = 100_000) -> np.ndarray:
     along = (np.arange(pieces) + 0.5) / pieces * bristle.length
     knee = bristle.knee_position * bristle.length
     beyond = np.maximum(along - knee, 0.0)
-    return -1j * (np.minimum(along, knee) + beyond * np.exp(1j * math.radians(bristle.knee_angle_deg)))
+    return -1j * (
+        np.minimum(along, knee) + beyond * np.exp(1j * math.radians(bristle.knee_angle_deg))
+    )
 
 
 @pytest.mark.parametrize("knee", [0.0, 30.0, -30.0, 90.0])
@@ -65,7 +80,9 @@ def test_mass_and_shape_of_a_wire(knee: float):
     centre = np.mean(points)
     # Midpoint sums of squares are low by 1/(12 n^2) of the length squared, n = 1e5; the last point is half a piece short.
     assert complex(*bristle.centre) == pytest.approx(centre, rel=1e-9)
-    assert bristle.inertia_about_centre == pytest.approx(0.02 * np.mean(abs(points - centre) ** 2), rel=1e-9)
+    assert bristle.inertia_about_centre == pytest.approx(
+        0.02 * np.mean(abs(points - centre) ** 2), rel=1e-9
+    )
     assert bristle.inertia_about_root == pytest.approx(0.02 * np.mean(abs(points) ** 2), rel=1e-9)
     assert complex(*bristle.tip) == pytest.approx(points[-1], abs=0.3 / 1e5)
     assert np.sign(bristle.tip[0]) == np.sign(knee)
@@ -81,7 +98,10 @@ LARGEST_BAR = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
     [
         ({"penetration": 0.027}, r"penetration = 0\.027: must be less .* 0\.027, .*\(in m\)$"),
         ({"penetration": 0.03}, r"penetration = 0\.03: must be less .* 0\.027, .*\(in m\)$"),
-        ({"bar_radius": 1.001 * LARGEST_BAR}, f"bar_radius = .*: must be less .* = {LARGEST_BAR:g}, .*in m"),
+        (
+            {"bar_radius": 1.001 * LARGEST_BAR},
+            f"bar_radius = .*: must be less .* = {LARGEST_BAR:g}, .*in m",
+        ),
         (
             {"contact": "engine", "contact_duration": 1e-4},
             r"contact_duration = 0\.0001: must be left out with .*in s\)$",
@@ -89,7 +109,10 @@ LARGEST_BAR = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
         ({"hub_sped": 1.0}, r"unknown key 'hub_sped'; did you mean hub_speed\?$"),
         ({"links": 2}, r"unknown key 'links'; did you mean wire_links\?$"),
         ({"hub_speed": -1.0}, r"hub_speed = -1\.0: must be"),
-        ({"bar_radius": 0.004, "bar": None}, r"bar = None: must be present where one of its keys is given$"),
+        (
+            {"bar_radius": 0.004, "bar": None},
+            r"bar = None: must be present where one of its keys is given$",
+        ),
         ({"bar": 3}, r"bar = 3: must be a Bar or None$"),
     ],
 )
@@ -99,15 +122,25 @@ def test_a_tool_that_there_cannot_be_is_refused(changes: dict[str, Any], line: s
 
 
 def test_values_that_just_fit_together():
-    Tool(bar=Bar(radius=0.999 * LARGEST_BAR), workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17))
-    assert Tool(workpart=Workpart(penetration=-0.1)).workpart_depth == pytest.approx(0.1545, rel=1e-15)
+    Tool(
+        bar=Bar(radius=0.999 * LARGEST_BAR),
+        workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17),
+    )
+    assert Tool(workpart=Workpart(penetration=-0.1)).workpart_depth == pytest.approx(
+        0.1545, rel=1e-15
+    )
     assert Contact("compliant", 1e-4).duration == 1e-4
 
 
 def test_a_tool_is_changed_by_the_keys_of_the_command_line():
     tool = Tool(contact=Contact("compliant", 1e-4))
     found = tool.replace(
-        hub_speed="3000rpm", friction=0.4, bristle_length="30 mm", penetration=0.007, bar=None, gravity=9.81
+        hub_speed="3000rpm",
+        friction=0.4,
+        bristle_length="30 mm",
+        penetration=0.007,
+        bar=None,
+        gravity=9.81,
     )
     assert found == Tool(
         Hub(speed="3000rpm"),
@@ -127,13 +160,23 @@ def test_a_mass_follows_from_the_wire_unless_it_is_given():
     """Density times pi/4 d^2 L; the printed wire of 83.87 mg has 7845.78 kg/m^3."""
     assert Bristle().density == pytest.approx(7845.78, abs=5e-3)
     thin = Tool().replace(wire_diameter="0.35 mm").replace(bristle_length=0.04, wire_density=8000.0)
-    assert thin.bristle.mass == pytest.approx(8000.0 * math.pi / 4.0 * 3.5e-4**2 * 0.04, rel=1e-14)  # roundings
-    assert dataclasses.replace(thin.bristle, length=0.02).mass == pytest.approx(0.5 * thin.bristle.mass, rel=1e-14)
+    assert thin.bristle.mass == pytest.approx(
+        8000.0 * math.pi / 4.0 * 3.5e-4**2 * 0.04, rel=1e-14
+    )  # roundings
+    assert dataclasses.replace(thin.bristle, length=0.02).mass == pytest.approx(
+        0.5 * thin.bristle.mass, rel=1e-14
+    )
     given = Tool().replace(bristle_mass=9e-5, bristle_length=0.03)
     assert given.bristle.mass == 9e-5
     assert given.replace(bristle_length=0.04, wire_diameter=1e-3).bristle.mass == 9e-5
-    assert Tool().replace(bristle_mass=Tool().bristle.mass).replace(bristle_length=0.04).bristle.mass == 8.387e-5
-    with pytest.raises(ValueError, match=r"^bristle_mass = 0\.0: must be .* it follows from bristle_length, wire_diam"):
+    assert (
+        Tool().replace(bristle_mass=Tool().bristle.mass).replace(bristle_length=0.04).bristle.mass
+        == 8.387e-5
+    )
+    with pytest.raises(
+        ValueError,
+        match=r"^bristle_mass = 0\.0: must be .* it follows from bristle_length, wire_diam",
+    ):
         Bristle(wire_diameter=0.0)
 
 
@@ -141,9 +184,12 @@ def first_covered(tool: Tool) -> float:
     """The hub angle at which the undeflected wire first touches the bar, from 100,000 angles of the bar seen from the root."""
     path = np.array([0.0, *(complex(-y, x) for x, y in tool.bristle.path)]) + tool.hub.radius
     turns = np.linspace(-math.pi, math.pi, 100_001)
-    centre, distance = math.hypot(*tool.bar.centre) * np.exp(1j * turns), np.full(turns.shape, math.inf)
+    centre = math.hypot(*tool.bar.centre) * np.exp(1j * turns)
+    distance = np.full(turns.shape, math.inf)
     for begin, end in itertools.pairwise(path):
-        along = np.clip((np.conj(end - begin) * (centre - begin)).real / abs(end - begin) ** 2, 0.0, 1.0)
+        along = np.clip(
+            (np.conj(end - begin) * (centre - begin)).real / abs(end - begin) ** 2, 0.0, 1.0
+        )
         distance = np.minimum(distance, abs(begin + along * (end - begin) - centre))
     covered = turns[distance < tool.bar_reach]
     return -math.atan2(tool.bar.horizontal, tool.bar.vertical) - covered.max(initial=-math.inf)
@@ -151,13 +197,21 @@ def first_covered(tool: Tool) -> float:
 
 def test_a_pass_starts_a_quarter_turn_before_the_workpart_or_5_deg_before_the_bar():
     """Against the distances of sampled places; every start is clear of the bar, which is met after less than a turn."""
-    rng, starts = np.random.default_rng(1), list[float]()
+    rng = np.random.default_rng(1)
+    starts = list[float]()
     for knee in np.where(rng.random(100) < 0.5, 0.0, rng.uniform(-90.0, 90.0, 100)):
-        direction, length = rng.uniform(0.0, math.pi), rng.uniform(0.01, 0.06)
+        direction = rng.uniform(0.0, math.pi)
+        length = rng.uniform(0.01, 0.06)
         away = 0.0275 + rng.uniform(0.3, 1.1) * length + 3e-3
         tool = Tool(
-            bar=Bar(radius=2e-3, horizontal=away * math.sin(direction), vertical=away * math.cos(direction)),
-            bristle=Bristle(length=length, knee_angle_deg=float(knee), knee_position=rng.uniform(0.1, 0.9)),
+            bar=Bar(
+                radius=2e-3,
+                horizontal=away * math.sin(direction),
+                vertical=away * math.cos(direction),
+            ),
+            bristle=Bristle(
+                length=length, knee_angle_deg=float(knee), knee_position=rng.uniform(0.1, 0.9)
+            ),
             workpart=None,
         )
         meeting = first_covered(tool)

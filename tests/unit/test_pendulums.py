@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact, stick_friction
+from bristle_sim.theory.pendulums import (
+    double_pendulum_impact,
+    single_pendulum_impact,
+    stick_friction,
+)
 
 PAIR = {"angle_1": math.radians(20), "angle_2": math.radians(30), "rate_1": -0.1, "rate_2": -0.2}
 RODS = {"rod_mass": 5.0, "rod_length": 1.0, "restitution": 0.5} | PAIR
@@ -45,7 +49,9 @@ def test_a_small_restitution_keeps_its_digits():
     1 - (1 - e*^2) would leave none of the second term, 7e-10.
     """
     for restitution, expected in ((1.93e-9, 0.37905577412066503815), (0.0, 0.37905577338908739551)):
-        result = double_pendulum_impact(mass_ratio=1, friction=0.5, **(RODS | {"restitution": restitution}))
+        result = double_pendulum_impact(
+            mass_ratio=1, friction=0.5, **(RODS | {"restitution": restitution})
+        )
         assert result.normal_final_impulse == pytest.approx(expected, rel=1e-13, abs=0.0)
 
 
@@ -55,14 +61,22 @@ def test_tabulated_phases():
     for mu, phases in ((0.3, slips_back), (0.5, slips_back), (0.7, sticks)):
         result = double_pendulum_impact(mass_ratio=1, friction=mu, **RODS)
         assert result.phases == phases
-        assert result.normal_compressive_impulse < result.slip_stop_impulse < result.normal_final_impulse
+        assert (
+            result.normal_compressive_impulse
+            < result.slip_stop_impulse
+            < result.normal_final_impulse
+        )
 
 
 def test_stick_friction_of_identical_rods():
     first, second = PAIR["angle_1"], PAIR["angle_2"]
     c = math.cos(first - second)
     above = math.sin(2 * first) + 4 * math.sin(2 * second) - 3 * math.sin(first + second) * c
-    below = 2 * math.cos(first) ** 2 + 8 * math.cos(second) ** 2 - 6 * math.cos(first) * math.cos(second) * c
+    below = (
+        2 * math.cos(first) ** 2
+        + 8 * math.cos(second) ** 2
+        - 6 * math.cos(first) * math.cos(second) * c
+    )
     # Six printed digits, then eq. 2.90 as printed.
     assert stick_friction(1, first, second) == pytest.approx(0.623401, abs=5e-7)
     assert stick_friction(1, first, second) == pytest.approx(above / below, rel=1e-14)
@@ -84,8 +98,12 @@ def test_single_pendulum_is_the_monofilament_on_a_point():
             mono = monofilament_impact(0.2, 0.5, 0.0, 3.0, 1.0, angle, mu, 0.42)
             assert single.outcome == mono.outcome_name
             assert single.rebound_ratio == pytest.approx(mono.rebound_ratio, rel=1e-13, abs=1e-300)
-            assert single.normal_compressive_impulse == pytest.approx(mono.normal_compressive_impulse, rel=1e-14)
-            assert single.normal_final_impulse == pytest.approx(mono.normal_final_impulse, rel=1e-13)
+            assert single.normal_compressive_impulse == pytest.approx(
+                mono.normal_compressive_impulse, rel=1e-14
+            )
+            assert single.normal_final_impulse == pytest.approx(
+                mono.normal_final_impulse, rel=1e-13
+            )
 
 
 def test_single_pendulum_formula():
@@ -95,9 +113,13 @@ def test_single_pendulum_formula():
     assert result.rebound_ratio == pytest.approx(-0.25, rel=1e-15)
     assert result.final_rate == pytest.approx(0.5, rel=1e-15)
     # p_c = m L |phi'|/(3 (sin gamma + mu cos gamma)) with sin gamma = 1/sqrt 5.
-    assert result.normal_compressive_impulse == pytest.approx(2 * math.sqrt(5) / (3 * 1.6), rel=1e-15)
+    assert result.normal_compressive_impulse == pytest.approx(
+        2 * math.sqrt(5) / (3 * 1.6), rel=1e-15
+    )
     # p_f = p_c (1 + e* sqrt(s_1/s_2)) = p_c (1 + e* 2).
-    assert result.normal_final_impulse == pytest.approx(2 * result.normal_compressive_impulse, rel=1e-15)
+    assert result.normal_final_impulse == pytest.approx(
+        2 * result.normal_compressive_impulse, rel=1e-15
+    )
 
 
 BAD = {
@@ -108,7 +130,9 @@ BAD = {
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_input_is_named_in_one_line(name):
-    arguments = {"mass_ratio": 1.0, "friction": 0.3, "restitution_friction": 0.2} | RODS | {name: BAD[name]}
+    arguments = (
+        {"mass_ratio": 1.0, "friction": 0.3, "restitution_friction": 0.2} | RODS | {name: BAD[name]}
+    )
     with pytest.raises(ValueError, match=f"^{name} = ") as refusal:
         double_pendulum_impact(**arguments)
     assert "\n" not in str(refusal.value)
@@ -119,7 +143,12 @@ def test_bad_input_is_named_in_one_line(name):
 class TestEdges:
     @pytest.mark.parametrize(
         ("friction", "restitution", "outcome"),
-        [(0.1, 0.0, "no rebound"), (9.0, 0.0, "no rebound"), (9.0, 0.5, "stiction"), (math.tan(0.6), 0.5, "stiction")],
+        [
+            (0.1, 0.0, "no rebound"),
+            (9.0, 0.0, "no rebound"),
+            (9.0, 0.5, "stiction"),
+            (math.tan(0.6), 0.5, "stiction"),
+        ],
     )
     def test_why_a_rod_stays(self, friction: float, restitution: float, outcome: str) -> None:
         """Without restitution nothing drives the rod back; with it, friction of tan gamma or more holds it."""
@@ -129,15 +158,23 @@ class TestEdges:
     @pytest.mark.parametrize("rate", [0.0, 2.0])
     def test_a_rod_that_does_not_approach_keeps_its_rate(self, rate: float) -> None:
         result = single_pendulum_impact(3.0, 0.5, 0.6, rate, 0.3, 0.5)
-        assert (result.outcome, result.final_rate, result.normal_final_impulse) == ("no contact", rate, 0.0)
+        assert (result.outcome, result.final_rate, result.normal_final_impulse) == (
+            "no contact",
+            rate,
+            0.0,
+        )
 
     @pytest.mark.parametrize("apart", [0.0, 1e-10, -1e-10, 5e-9])
     def test_rods_parallel_up_to_rounding_are_held_by_friction(self, apart: float) -> None:
         """Their tip moves along one line, so above tan theta no impulse parts it: energy lost is all but a drift."""
-        result = double_pendulum_impact(1.0, 2.0, 1.0, 0.4, 0.4 + apart, -1.0, -2.0, 1.5 * math.tan(0.4), 0.5)
+        result = double_pendulum_impact(
+            1.0, 2.0, 1.0, 0.4, 0.4 + apart, -1.0, -2.0, 1.5 * math.tan(0.4), 0.5
+        )
         assert result.outcome == "stiction"
         # All the tip's approach is stopped by m_eff v/(sin + mu cos); restitution adds nothing to that.
-        assert result.normal_final_impulse == pytest.approx(result.normal_compressive_impulse, rel=1e-6)
+        assert result.normal_final_impulse == pytest.approx(
+            result.normal_compressive_impulse, rel=1e-6
+        )
 
     def test_friction_of_the_threshold_itself_sticks(self) -> None:
         """Zhang 2020, eq. 2.90: mu >= mu_bar sticks."""

@@ -60,8 +60,14 @@ def test_the_commands_run(
         arguments.append("--list-keys")
     assert command.main(arguments) == 0
     assert capsys.readouterr().out
-    files = [value for option, value in itertools.pairwise(arguments) if option in ("--csv", "--json", "--plot")]
-    assert all((tmp_path / name).stat().st_size > 0 for name in files if "--list-keys" not in arguments)
+    files = [
+        value
+        for option, value in itertools.pairwise(arguments)
+        if option in ("--csv", "--json", "--plot")
+    ]
+    assert all(
+        (tmp_path / name).stat().st_size > 0 for name in files if "--list-keys" not in arguments
+    )
 
 
 def test_what_draws_the_other_media_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,24 +121,33 @@ def test_the_costs_are_those_of_the_kept_results() -> None:
 
 def test_every_scenario_is_in_the_table() -> None:
     table = README[README.index("| scenario | question") :].split("\n\n")[0]
-    assert set(re.findall(r"`(\w+)`", table)) == {path.stem for path in (ROOT / "scenarios").glob("*.py")}
+    assert set(re.findall(r"`(\w+)`", table)) == {
+        path.stem for path in (ROOT / "scenarios").glob("*.py")
+    }
 
 
 def test_named_files_and_headings_exist() -> None:
     """A picture is named in the commands that make it."""
     links = set(re.findall(r"\]\(([^)]+)\)", README))
     headings = {
-        re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in re.findall(r"^#+ (.*)", README, re.M)
+        re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-")
+        for each in re.findall(r"^#+ (.*)", README, re.M)
     }
     for link in links:
         assert link[1:] in headings if link.startswith("#") else (ROOT / link).exists(), link
     pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
-    pictures = {link for link in links if link.startswith("media/")} | set(re.findall(r"media/[\w.]+", pages))
-    assert pictures == {word for line in SHELL for word in line.split() if re.match(r"media/.*(?<!\.py)$", word)}
+    pictures = {link for link in links if link.startswith("media/")} | set(
+        re.findall(r"media/[\w.]+", pages)
+    )
+    assert pictures == {
+        word for line in SHELL for word in line.split() if re.match(r"media/.*(?<!\.py)$", word)
+    }
 
 
 def test_files_of_the_package_that_pages_name_exist() -> None:
     known = {path.relative_to(ROOT).as_posix() for path in (ROOT / "src").rglob("*")}
     for page in (*(ROOT / "docs").rglob("*.md"), ROOT / "CONTRIBUTING.md"):
         for named in re.findall(r"`((?:\w+/)*\w+\.py)`", page.read_text(encoding="utf-8")):
-            assert any(f"/{path}".endswith(f"/{named}") for path in known) or (ROOT / named).exists(), (page, named)
+            assert (
+                any(f"/{path}".endswith(f"/{named}") for path in known) or (ROOT / named).exists()
+            ), (page, named)

@@ -13,7 +13,10 @@ from bristle_sim.reference.forces import Acting, acting
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.theory.impact import energetic_impact
 
-GAMMA, RATIO, RESTITUTION, SPEED = math.radians(23.4), 3.23, 0.42, 261.8
+GAMMA = math.radians(23.4)
+RATIO = 3.23
+RESTITUTION = 0.42
+SPEED = 261.8
 
 
 class TestFreeWire:
@@ -27,7 +30,9 @@ class TestFreeWire:
         run = simulate_reference(tool, start_relative_angle=-0.5, duration=0.003, accuracy=1e-12)
         chain = Chain(tool, -0.5 * math.pi)
         place, velocity, turning = chain.pieces_motion(run.time, run.angles, run.rates)
-        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * turning).sum(axis=1)
+        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * turning).sum(
+            axis=1
+        )
         balance = run.total_energy - SPEED * moment
         assert np.ptp(balance) < 1e-10 * np.ptp(run.kinetic_energy)
 
@@ -39,7 +44,8 @@ def strike(links, duration, friction=0.0, accuracy=1e-9, longest=None):
     tool = Tool(bristle=Bristle(links=links), bar=None, workpart=workpart)
     inverse_mass = 3.0 * math.sin(GAMMA) ** 2 / tool.bristle.mass
     stiffness = (math.pi * (1.0 + RESTITUTION) / (2.0 * duration)) ** 2 / inverse_mass
-    angles, rates = [-GAMMA] * links, [RATIO * SPEED] * links
+    angles = [-GAMMA] * links
+    rates = [RATIO * SPEED] * links
     return strike_reference(
         tool, -GAMMA, angles, rates, stiffness, longest=longest or 3.0 * duration, accuracy=accuracy
     )
@@ -47,9 +53,12 @@ def strike(links, duration, friction=0.0, accuracy=1e-9, longest=None):
 
 class TestCompliantStrike:
     @pytest.mark.parametrize(
-        ("links", "impulse", "force", "duration"), [(1, 3.154e-3, 66.8, 73.7e-6), (8, 1.473e-3, 29.6, 104e-6)]
+        ("links", "impulse", "force", "duration"),
+        [(1, 3.154e-3, 66.8, 73.7e-6), (8, 1.473e-3, 29.6, 104e-6)],
     )
-    def test_rigid_bristle_gives_twice_the_impulse_of_the_wire(self, links, impulse, force, duration):
+    def test_rigid_bristle_gives_twice_the_impulse_of_the_wire(
+        self, links, impulse, force, duration
+    ):
         """Numbers of an independent prototype; half of their last digits, and the peak lies between two samples of 1 us."""
         contact = strike(links, 71e-6)
         assert contact.impulse[0] == pytest.approx(impulse, abs=0.51e-6)
@@ -64,21 +73,31 @@ class TestCompliantStrike:
         """
         contact = strike(2, 71e-6)
         history = contact.history
-        assert trapezoid(history.normal_force, history.time) == pytest.approx(contact.impulse[0], rel=1e-3)
+        assert trapezoid(history.normal_force, history.time) == pytest.approx(
+            contact.impulse[0], rel=1e-3
+        )
         assert history.penetration[0] == pytest.approx(0.0, abs=1e-16)
-        assert contact.restitutive_work[0] == pytest.approx(-(RESTITUTION**2) * contact.compressive_work[0], rel=1e-8)
+        assert contact.restitutive_work[0] == pytest.approx(
+            -(RESTITUTION**2) * contact.compressive_work[0], rel=1e-8
+        )
 
     def test_a_contact_that_does_not_end_is_refused(self):
-        with pytest.raises(ValueError, match=r"^longest = .*: must be a time in which the contact ends"):
+        with pytest.raises(
+            ValueError, match=r"^longest = .*: must be a time in which the contact ends"
+        ):
             strike(1, 71e-6, longest=1e-6)
 
 
 class TestContacts:
     def test_an_end_on_an_end(self):
         """The normal turns with the line from end to end: central differences over 1e-7 s of a contact that does not open."""
-        chain, angles = Chain(Tool(), -1.0, -1.3), np.array([-1.3, -1.05])
-        wires, point = WirePairs(2, Tool().bristle.wire_diameter, Surface()), Point("wire", 0, False)
-        at_rest = wires.touch(chain, chain.kinematics(1e-3, angles, np.array([400.0, 250.0])), point)
+        chain = Chain(Tool(), -1.0, -1.3)
+        angles = np.array([-1.3, -1.05])
+        wires = WirePairs(2, Tool().bristle.wire_diameter, Surface())
+        point = Point("wire", 0, False)
+        at_rest = wires.touch(
+            chain, chain.kinematics(1e-3, angles, np.array([400.0, 250.0])), point
+        )
         row = at_rest.normal_row
         rates = np.array([400.0, 250.0]) - row * at_rest.velocity[0] / (row @ row)
         wires.diameter += at_rest.gap
@@ -86,7 +105,10 @@ class TestContacts:
             wires.touch(chain, chain.kinematics(1e-3 + step, angles + rates * step, rates), point)
             for step in (-1e-7, 0.0, 1e-7)
         )
-        changes = [(later - earlier) / 2e-7 for earlier, later in zip(before.velocity, after.velocity, strict=True)]
+        changes = [
+            (later - earlier) / 2e-7
+            for earlier, later in zip(before.velocity, after.velocity, strict=True)
+        ]
         assert changes == pytest.approx(touch.bias, rel=1e-6, abs=0.1)
 
     def test_one_of_two_contacts_at_one_place_bears(self):
@@ -117,22 +139,38 @@ class TestTangentialSpring:
     def test_tends_to_the_law(self, links, squared, friction, restitution):
         """A hundred times the stiffness, a tenth of the error, but for a fiftieth of it: no other limit is as near."""
         rng = np.random.default_rng(links)
-        angles, rates = -GAMMA + 0.1 * rng.normal(size=links), RATIO * SPEED * (1.0 + 0.1 * rng.normal(size=links))
+        angles = -GAMMA + 0.1 * rng.normal(size=links)
+        rates = RATIO * SPEED * (1.0 + 0.1 * rng.normal(size=links))
         bristle = Bristle(links=links)
         tip = Chain(Tool(bristle=bristle), -GAMMA).centre_line(0.0, angles, rates)[0][-1]
         part = Workpart(friction[0], friction[1], restitution, 0.0545 + tip.imag)
-        tool = Tool(bristle=bristle, bar=None, workpart=part, contact=Contact(tangential_compliance=squared))
+        tool = Tool(
+            bristle=bristle, bar=None, workpart=part, contact=Contact(tangential_compliance=squared)
+        )
         chain = Chain(tool, -GAMMA)
         motion = chain.kinematics(0.0, angles, rates)
-        touch = obstacles_of(tool)["workpart"].touch(chain, motion, Point("workpart", links - 1, True))
+        touch = obstacles_of(tool)["workpart"].touch(
+            chain, motion, Point("workpart", links - 1, True)
+        )
         rows = np.array([touch.normal_row, touch.tangential_row])
         inverse_mass = rows @ np.linalg.solve(chain.mass_matrix(motion.turn), rows.T)
         law = energetic_impact(
-            0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction[0], restitution, friction[1], None, squared
+            0.5 * (inverse_mass + inverse_mass.T),
+            touch.velocity,
+            friction[0],
+            restitution,
+            friction[1],
+            None,
+            squared,
         )
         errors = []
         for stiffness in (1e9, 1e11):
             longest = 1e-2 / math.sqrt(stiffness / 1e5)
-            found = strike_reference(tool, -GAMMA, angles.tolist(), rates.tolist(), stiffness, longest=longest)
-            errors.append(np.subtract(found.impulse, (law.impulse_normal, law.impulse_tangential)) / law.impulse_normal)
+            found = strike_reference(
+                tool, -GAMMA, angles.tolist(), rates.tolist(), stiffness, longest=longest
+            )
+            errors.append(
+                np.subtract(found.impulse, (law.impulse_normal, law.impulse_tangential))
+                / law.impulse_normal
+            )
         assert np.abs(errors[1]).max() < 0.12 * np.abs(errors[0]).max() < 0.01

@@ -18,7 +18,12 @@ BARE = replace(TOOL, bar=None)
 
 def with_bar_at(distance: float, radius: float, angle: float = 1.2, **surface: float) -> Tool:
     """A bar at a distance from the hub's centre, in a direction ``angle`` before the workpart, and a thin wire."""
-    bar = Bar(radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle), **surface)
+    bar = Bar(
+        radius=radius,
+        horizontal=distance * math.sin(angle),
+        vertical=distance * math.cos(angle),
+        **surface,
+    )
     return replace(TOOL, bar=bar, bristle=Bristle(wire_diameter=0.0, mass=8.387e-5))
 
 
@@ -39,10 +44,14 @@ class TestStarts:
     GAMMA = math.acos(50.0 / 54.5)
 
     def test_in_contact_and_approaching(self) -> None:
-        run = simulate(BARE, start_hub_angle=-self.GAMMA, start_relative_rate=583.8, stop_after="strike")
+        run = simulate(
+            BARE, start_hub_angle=-self.GAMMA, start_relative_rate=583.8, stop_after="strike"
+        )
         assert run.event_time("strike") == 0.0
         assert run.contacts[0].rates_before[0] == pytest.approx(845.6, rel=1e-15)
-        with pytest.raises(ValueError, match="must have samples of two different instants to be interpolated"):
+        with pytest.raises(
+            ValueError, match="must have samples of two different instants to be interpolated"
+        ):
             run.at(0.0)
 
     def test_in_contact_and_at_rest(self) -> None:
@@ -63,12 +72,19 @@ class TestStarts:
     def test_on_the_very_centre_of_the_bar(self) -> None:
         """Where no direction is the normal's the gap is still minus the reach."""
         tool = replace(TOOL, bar=Bar(radius=0.005, horizontal=0.0, vertical=0.04), workpart=None)
-        with pytest.raises(ValueError, match=r"the bar must be clear of the bristle .* overlaps it by 0\.00536"):
+        with pytest.raises(
+            ValueError, match=r"the bar must be clear of the bristle .* overlaps it by 0\.00536"
+        ):
             simulate(tool, start_hub_angle=0.0)
 
     def test_end_on_without_friction(self) -> None:
         """A hub without radius turns the wire's end onto a bar: nothing jams, and no force turns the bristle away."""
-        bar = Bar(radius=0.005, horizontal=0.0, vertical=0.027 + 0.005 + 0.5 * TOOL.bristle.wire_diameter, friction=0.0)
+        bar = Bar(
+            radius=0.005,
+            horizontal=0.0,
+            vertical=0.027 + 0.005 + 0.5 * TOOL.bristle.wire_diameter,
+            friction=0.0,
+        )
         tool = replace(TOOL, hub=Hub(speed=0.0, radius=0.0), bar=bar, workpart=None)
         run = simulate(tool, Settings(hub_turn=1.0), start_hub_angle=0.0)
         assert "jam" not in [each.name for each in run.events]
@@ -106,7 +122,9 @@ def scaled(size: float, pace: float) -> Tool:
 
 
 class TestScaleAndRepetition:
-    @pytest.mark.parametrize(("size", "pace"), [(2.0**-15, 1.0), (2.0**9, 1.0), (1.0, 2.0**-10), (1.0, 2.0**8)])
+    @pytest.mark.parametrize(
+        ("size", "pace"), [(2.0**-15, 1.0), (2.0**9, 1.0), (1.0, 2.0**-10), (1.0, 2.0**8)]
+    )
     def test_powers_of_two_change_no_digit(self, size: float, pace: float) -> None:
         """They scale exactly in floating point, and the scene runs in its own units."""
         first, second = (simulate(tool, stop_after="strike") for tool in (TOOL, scaled(size, pace)))
@@ -118,7 +136,8 @@ class TestScaleAndRepetition:
 
 def test_what_a_law_says_of_a_later_contact_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """The run up to a contact that a law cannot resolve is a result, with the law's advice."""
-    resolve, calls = EnergeticLaw.resolve, []
+    resolve = EnergeticLaw.resolve
+    calls = []
 
     def gives_up(*given: Any) -> Any:
         calls.append(given)

@@ -14,7 +14,10 @@ from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION
 COARSE = bs.Settings(accuracy=1e-3)
 TOOLS = {
     "impacts": (bs.Tool(), {}),
-    "a contact in time": (bs.Tool(contact=bs.Contact("compliant", 1e-4)), {"stop_after": "workpart release"}),
+    "a contact in time": (
+        bs.Tool(contact=bs.Contact("compliant", 1e-4)),
+        {"stop_after": "workpart release"},
+    ),
     "friction at the bar": (bs.Tool(bar=bs.Bar(friction=0.3)), {"stop_after": "strike"}),
     "a wire of links": (bs.Tool(bristle=bs.Bristle(links=2)), {"stop_after": "strike"}),
 }
@@ -32,22 +35,32 @@ def test_snapshots_are_the_run_of_simulate(name: str) -> None:
     assert last.stop_reason is run.stop_reason
     assert {each.stop_reason for each in seen[:-2]} == {None}
     # A trajectory keeps one largest retraction, and names at its end the events that never happened.
-    expected = [(each.name, each.time) for each in run.events if each.name not in {*ABSENCES, LARGEST_RETRACTION}]
-    named = [(event, each.time) for each in seen for event in each.events if event != LARGEST_RETRACTION]
+    expected = [
+        (each.name, each.time)
+        for each in run.events
+        if each.name not in {*ABSENCES, LARGEST_RETRACTION}
+    ]
+    named = [
+        (event, each.time) for each in seen for event in each.events if event != LARGEST_RETRACTION
+    ]
     assert named == expected
     impacts = [each for snapshot in seen for each in snapshot.impacts]
-    assert [(each.obstacle, each.outcome, each.impulse) for each in sorted(impacts, key=lambda each: each.time)] == [
-        (each.obstacle, each.outcome, each.impulse) for each in run.contacts
-    ]
+    assert [
+        (each.obstacle, each.outcome, each.impulse)
+        for each in sorted(impacts, key=lambda each: each.time)
+    ] == [(each.obstacle, each.outcome, each.impulse) for each in run.contacts]
 
 
 @pytest.mark.parametrize("name", TOOLS)
 def test_contacts_are_those_that_decisions_left(name: str) -> None:
     """What began and has not ended is active; time passes only in intervals; only a decision changes rates."""
     tool, options = TOOLS[name]
-    time, active = 0.0, 0
+    time = 0.0
+    active = 0
     for snapshot in bs.snapshots(tool, COARSE, **options):
-        assert snapshot.time == pytest.approx(time + snapshot.interval, rel=1e-12)  # rounding of a difference and a sum
+        assert snapshot.time == pytest.approx(
+            time + snapshot.interval, rel=1e-12
+        )  # rounding of a difference and a sum
         assert len(snapshot.contacts) == active
         assert snapshot.event or snapshot.rates == snapshot.rates_before
         assert bool(snapshot.event) == bool(snapshot.subject)
@@ -62,7 +75,11 @@ def test_a_contact_in_time_loads_unloads_and_ends() -> None:
     tool, options = TOOLS["a contact in time"]
     modes = []
     for snapshot in bs.snapshots(tool, COARSE, **options):
-        modes += [each.mode for each in (*snapshot.began, *snapshot.changed) if each.obstacle == "workpart"]
+        modes += [
+            each.mode
+            for each in (*snapshot.began, *snapshot.changed)
+            if each.obstacle == "workpart"
+        ]
         for each in snapshot.contacts:
             if each.obstacle == "workpart" and each.normal_force:
                 # Coulomb: friction opposes slip, and mu is the ratio of the forces.
@@ -89,7 +106,8 @@ def test_an_abandoned_run_leaves_nothing_behind() -> None:
         return sum(isinstance(each, pymunk.Space) for each in gc.get_objects())
 
     tool, _ = TOOLS["impacts"]
-    before, first = spaces(), bs.simulate(tool, COARSE)
+    before = spaces()
+    first = bs.simulate(tool, COARSE)
     abandoned = iter(bs.snapshots(tool, COARSE))
     while not next(abandoned).contacts:
         pass

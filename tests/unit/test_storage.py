@@ -43,11 +43,15 @@ def test_a_file_holds_everything(run: Trajectory, tmp_path: Path, monkeypatch: p
 
 
 def refused(path: Path, why: str = "") -> None:
-    with pytest.raises(ValueError, match=rf"{re.escape(path.name)}: cannot be read as a trajectory [^\n]*{why}"):
+    with pytest.raises(
+        ValueError, match=rf"{re.escape(path.name)}: cannot be read as a trajectory [^\n]*{why}"
+    ):
         Trajectory.load(path)
 
 
-@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04 not a zip", b"\x80\x04K\x01.", b"\x93NUMPY"])
+@pytest.mark.parametrize(
+    "content", [b"", b"hello", b"PK\x03\x04 not a zip", b"\x80\x04K\x01.", b"\x93NUMPY"]
+)
 def test_other_files_are_refused(content: bytes, tmp_path: Path):
     (tmp_path / "other.npz").write_bytes(content)
     refused(tmp_path / "other.npz")
@@ -55,7 +59,12 @@ def test_other_files_are_refused(content: bytes, tmp_path: Path):
     refused(tmp_path / "arrays.npz")
 
 
-def rewrite(path: Path, change: Callable[[dict[str, Any]], Any] = lambda meta: meta, dtype: Any = None, **arrays: Any):
+def rewrite(
+    path: Path,
+    change: Callable[[dict[str, Any]], Any] = lambda meta: meta,
+    dtype: Any = None,
+    **arrays: Any,
+):
     """Change the metadata or arrays of a saved file."""
     with np.load(path) as stored:
         every = dict(stored)
@@ -84,7 +93,10 @@ def contact(meta: dict[str, Any], **values: Any) -> dict[str, Any]:
         (lambda meta: contact(meta, time=True), "ContactRecord.time: must be"),
         (lambda meta: contact(meta, impulse=[1.0]), "ContactRecord.impulse: must be"),
         (lambda meta: contact(meta, angles=[0.0, 0.0]), "angles: must be one for each link"),
-        (lambda meta: meta | {"contacts": meta["contacts"][-1:]}, ""),  # its history is stored under another number
+        (
+            lambda meta: meta | {"contacts": meta["contacts"][-1:]},
+            "",
+        ),  # its history is stored under another number
     ],
 )
 def test_other_metadata_are_refused(run: Trajectory, saved: Path, change, why: str):
@@ -103,7 +115,9 @@ ARRAYS = (
 CHANGES = {
     "must have the shape": (lambda array: array[:-3], lambda array: array[:, None]),
     "must be floats": (lambda array: array.astype(str), lambda array: array.astype(complex)),
-    "must be finite": (lambda array: np.where(np.arange(array.size).reshape(array.shape) == 5, np.nan, array),),
+    "must be finite": (
+        lambda array: np.where(np.arange(array.size).reshape(array.shape) == 5, np.nan, array),
+    ),
 }
 
 
@@ -111,7 +125,9 @@ CHANGES = {
 def test_other_arrays_are_refused(saved: Path, name: str):
     whole = saved.read_bytes()
     with np.load(saved) as stored:
-        number = next(key for key in stored if key.startswith("contact") and key.endswith("_time"))[:-4]
+        number = next(key for key in stored if key.startswith("contact") and key.endswith("_time"))[
+            :-4
+        ]
         own = name.replace("contact0_", number)
         array = stored[own]
     wrong = [(why, change(array)) for why, changes in CHANGES.items() for change in changes]
@@ -122,7 +138,9 @@ def test_other_arrays_are_refused(saved: Path, name: str):
         refused(saved, why)
 
 
-def test_a_small_file_of_large_arrays_is_refused_before_they_are_read(saved: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_small_file_of_large_arrays_is_refused_before_they_are_read(
+    saved: Path, monkeypatch: pytest.MonkeyPatch
+):
     """A run at rest packs to a thousandth, which is read below the bound."""
     with np.load(saved) as stored:
         every = dict(stored) | {"further": np.zeros(1_000_000)}
@@ -134,7 +152,10 @@ def test_a_small_file_of_large_arrays_is_refused_before_they_are_read(saved: Pat
 
 def test_damaged_files_are_refused_or_read_completely(run: Trajectory, saved: Path):
     """Single bytes anywhere, and files cut short: no other error than ValueError. Only names and dates are unguarded."""
-    whole, damaged, dice, refusals = saved.read_bytes(), saved.with_name("damaged.npz"), random.Random(1), 0
+    whole = saved.read_bytes()
+    damaged = saved.with_name("damaged.npz")
+    dice = random.Random(1)
+    refusals = 0
     for _ in range(100):
         content = bytearray(whole)
         content[dice.randrange(len(content))] ^= 1 << dice.randrange(8)
@@ -161,7 +182,9 @@ def test_no_code_is_written_to_a_file_nor_run_from_one(run: Trajectory, saved: P
         lambda: simulate(Tool(bristle=Bristle(knee_angle_deg=30.0, links=2)), stop_after="strike"),
         lambda: simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5),
         lambda: simulate_reference(Tool(), hub_turn=1.3),
-        lambda: simulate_row(Tool(), bristles=2, pitch=0.3, neighbour_friction=0.2, neighbour_restitution=0.4)[1],
+        lambda: simulate_row(
+            Tool(), bristles=2, pitch=0.3, neighbour_friction=0.2, neighbour_restitution=0.4
+        )[1],
     ],
     ids=["bent wire of links", "nothing to touch", "reference", "row"],
 )

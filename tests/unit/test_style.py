@@ -28,7 +28,9 @@ def test_figures_are_written_whole_and_alike(tmp_path, suffix):
     assert first.read_bytes().startswith(opening)
     if suffix == ".png":
         with Image.open(first) as picture:
-            assert picture.width == pytest.approx(16.0 / 2.54 * 200.0, abs=1.0)  # px: 16 cm at 200 dots per inch
+            assert picture.width == pytest.approx(
+                16.0 / 2.54 * 200.0, abs=1.0
+            )  # px: 16 cm at 200 dots per inch
 
 
 @pytest.mark.parametrize(

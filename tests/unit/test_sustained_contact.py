@@ -17,7 +17,9 @@ ROD = Mechanism((Link.rod(2.0, 1.0),))
 def test_friction_on_a_lone_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
     """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
     state = State(0.0, (0.7,), (rate,))
-    assert sense_of_slip(Gaps(ROD), WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
+    assert (
+        sense_of_slip(Gaps(ROD), WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
+    )
 
 
 def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
@@ -31,5 +33,7 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
     part = WorkpartPair(2.0 * math.cos(0.4), 0.3, 0.3, 0.0)
     for rounding in (1e-8, -1e-8):
         state = State(0.0, (0.4,), (-2.0 + rounding,))
-        assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(-8.0 / math.sin(0.4), rel=1e-4)
+        assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(
+            -8.0 / math.sin(0.4), rel=1e-4
+        )
         assert sense_of_slip(Gaps(mechanism), part, state, 1e-6) == -1

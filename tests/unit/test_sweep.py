@@ -48,7 +48,10 @@ def calls(folder: Path) -> list[float]:
         (SPACE, {"x": 4, "y": 2}),
         ({"x": ("sample", [1.0, 2.0, 3.0]), "y": ("sample", [4.0, 5.0, 6.0])}, {"sample": 3}),
         ({"x": ("sample", [1.0, 2.0]), "y": [0.5, 0.25, 2.0]}, {"sample": 2, "y": 3}),
-        ({"x": [1.0, 2.0], "y": (("z", "x"), [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])}, {"x": 2, "z": 3}),
+        (
+            {"x": [1.0, 2.0], "y": (("z", "x"), [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])},
+            {"x": 2, "z": 3},
+        ),
         ({"x": 2.0, "y": 3.0}, {}),
     ],
 )
@@ -69,18 +72,24 @@ def kind(word: Any) -> float:
 
 
 def test_words_and_numbers_stay_what_they_are(tmp_path: Path):
-    found = sweep(lambda self, function: len(self) * function, {"self": ["ab", "abc"], "function": [1, 10]})
+    found = sweep(
+        lambda self, function: len(self) * function, {"self": ["ab", "abc"], "function": [1, 10]}
+    )
     assert found["result"].values.tolist() == [[2.0, 20.0], [3.0, 30.0]]
     for store in (None, tmp_path, tmp_path):
         mixed = sweep(kind, {"word": [1, "a", "1"]}, store=store)
         assert mixed["result"].values.tolist() == [1.0, 0.0, 0.0]
         assert mixed["word"].values.tolist() == [1, "a", "1"]
-        fixed = sweep(kind, {"word": np.array(["a", "bc"])}, store=store)  # an array of words of one width
+        fixed = sweep(
+            kind, {"word": np.array(["a", "bc"])}, store=store
+        )  # an array of words of one width
         assert fixed["word"].values.tolist() == ["a", "bc"]
 
 
 def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
-    found = sweep(lambda x: 1.0 / x if x < 3.0 else {"result": [1.0, 2.0]}, {"x": [1.0, 0.0, 2.0, 3.0]})
+    found = sweep(
+        lambda x: 1.0 / x if x < 3.0 else {"result": [1.0, 2.0]}, {"x": [1.0, 0.0, 2.0, 3.0]}
+    )
     assert np.array_equal(found["result"].values, [1.0, math.nan, 0.5, math.nan], equal_nan=True)
     reasons = found["failure"].values.tolist()
     assert reasons[1] == "ZeroDivisionError: float division by zero"
@@ -112,7 +121,12 @@ def odd(x: float) -> dict[str, Any]:
 def test_odd_messages_and_empty_arrays_do_not_end_a_sweep(tmp_path: Path):
     for store in (None, tmp_path, tmp_path):
         found = sweep(odd, {"x": [0.0, 1.0, 2.0, 3.0]}, store=store)
-        assert found["failure"].values.tolist() == ["", "file \\udce9 is bad", "Mute: its message cannot be read", ""]
+        assert found["failure"].values.tolist() == [
+            "",
+            "file \\udce9 is bad",
+            "Mute: its message cannot be read",
+            "",
+        ]
         assert found["nothing"].shape == (4, 0)
         assert found["x_squared"].values[[0, 3]].tolist() == [0.0, 9.0]
 
@@ -120,30 +134,45 @@ def test_odd_messages_and_empty_arrays_do_not_end_a_sweep(tmp_path: Path):
 @pytest.mark.parametrize(
     ("function", "space", "words"),
     [
-        (power, {"x": [1.0], "z": [2.0]}, "unexpected keyword argument 'z'|missing a required argument"),
+        (
+            power,
+            {"x": [1.0], "z": [2.0]},
+            "unexpected keyword argument 'z'|missing a required argument",
+        ),
         (power, {"x": [1.0]}, "missing a required argument: 'y'"),
         (power, {"x": [], "y": [1.0]}, "x must hold at least one value"),
         (power, {"x": [object()], "y": 1.0}, "x must hold numbers or words"),
         (power, {"x": ("sample", [1.0, 2.0]), "y": ("sample", [1.0])}, "must be coordinates"),
         (lambda failure: failure, {"failure": [1.0]}, "failure must not be a parameter"),
         (lambda x: {"x": x}, {"x": [1.0]}, "must not have the name of a parameter or"),
-        (lambda x: {"sample": x}, {"x": ("sample", [1.0])}, "must not have the name of a parameter or dimension"),
+        (
+            lambda x: {"sample": x},
+            {"x": ("sample", [1.0])},
+            "must not have the name of a parameter or dimension",
+        ),
         (lambda x: {"a/b": x}, {"x": [1.0]}, "its result 'a/b' must have a name without /"),
         (lambda x: {"": x}, {"x": [1.0]}, "its result '' must have a name"),
         (dict, {"a/b": [1.0]}, "its parameter 'a/b' must have a name without /"),
         (3, {"x": [1.0]}, "function = 3: must be callable"),
-        *((power, SPACE | {"workers": each}, "workers = .*must be") for each in (0, True, 1.5, "two", 10**6)),
+        *(
+            (power, SPACE | {"workers": each}, "workers = .*must be")
+            for each in (0, True, 1.5, "two", 10**6)
+        ),
         *((power, SPACE | {"store": each}, "store = .*must be") for each in ("", 3, __file__)),
     ],
 )
 def test_bad_input_is_refused_in_one_line(function: Any, space: dict[str, Any], words: str):
     options = {name: space[name] for name in ("workers", "store") if name in space}
     with pytest.raises(ValueError, match=words) as refusal:
-        sweep(function, {name: each for name, each in space.items() if name not in options}, **options)
+        sweep(
+            function, {name: each for name, each in space.items() if name not in options}, **options
+        )
     assert "\n" not in str(refusal.value)
 
 
-def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+def test_progress_tells_the_time_left(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
     """Of a long sweep, where standard error is no terminal too, unless it is not wanted; of a short one if it is."""
     for patience, progress, words in (
         (5.0, True, "4/4 [00:0"),
@@ -180,7 +209,10 @@ def test_a_function_that_cannot_be_sent_is_refused_in_one_line():
     with ProcessPoolExecutor(1) as executor, pytest.raises(ValueError, match="must be picklable"):
         sweep(lambda x: x, {"x": [1.0]}, workers=executor)
     with ThreadPoolExecutor(1) as executor:
-        assert sweep(lambda x: x if LOCK else 0.0, {"x": [1.0]}, workers=executor)["result"].item() == 1.0
+        assert (
+            sweep(lambda x: x if LOCK else 0.0, {"x": [1.0]}, workers=executor)["result"].item()
+            == 1.0
+        )
 
 
 def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tmp_path: Path):
@@ -189,7 +221,11 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
     space = {"x": np.arange(24.0)}
     function = functools.partial(counted, folder=str(tmp_path), killed_at=11.0)
     cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, protocol="tcp://", dashboard_address=":0", silence_logs=50
+        n_workers=2,
+        threads_per_worker=1,
+        protocol="tcp://",
+        dashboard_address=":0",
+        silence_logs=50,
     )
     with cluster, distributed.Client(cluster) as client:
         with joblib.parallel_config(backend="dask"):
@@ -205,7 +241,9 @@ class StandInClient:
     """A Dask client whose cluster gets its only worker as soon as the log says that it has none."""
 
     def __init__(self, threads: ThreadPoolExecutor) -> None:
-        self.threads, self.started, self.futures = threads, threading.Event(), list[Any]()
+        self.threads = threads
+        self.started = threading.Event()
+        self.futures = list[Any]()
 
     get_executor = scheduler_info = None
 
@@ -217,7 +255,9 @@ class StandInClient:
         return self.threads.submit(lambda: self.started.wait() and call[0](*call[1:]))
 
 
-def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(monkeypatch: pytest.MonkeyPatch):
+def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+):
     monkeypatch.setattr(sweep_workers, "LOOK_EVERY", 0.01)
     monkeypatch.setattr(sweep_workers, "WITHOUT_WORKER", 0.05)
     lines = list[str]()
@@ -247,7 +287,8 @@ class Losing(ThreadPoolExecutor):
 
     def __init__(self, lost: Container[int]) -> None:
         super().__init__(1)
-        self.lost, self.number = lost, itertools.count()
+        self.lost = lost
+        self.number = itertools.count()
 
     def submit(self, *call: Any) -> Any:
         if next(self.number) not in self.lost:
@@ -274,9 +315,13 @@ def test_a_sweep_whose_workers_are_gone_ends_in_one_line_and_keeps_its_points(tm
     assert {*xarray.open_zarr(kept, consolidated=False)["failure"].values} == {"", "not computed"}
 
 
-def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(tmp_path: Path):
+def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(
+    tmp_path: Path,
+):
     dying = functools.partial(counted, folder=str(tmp_path), killed_at=3.0, times=99)
-    run = functools.partial(sweep, dying, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store")
+    run = functools.partial(
+        sweep, dying, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store"
+    )
     first = run().load()
     assert np.array_equal(first["result"], [0.0, 1.0, 4.0, math.nan, 16.0, 25.0], equal_nan=True)
     reasons = first["failure"].values.tolist()
@@ -323,7 +368,9 @@ def changed(path: Path) -> None:
 def renamed(path: Path) -> None:
     """One bit of the word "results" or "fill_value", which a description must have."""
     text = path.read_bytes()
-    path.write_bytes(text.replace(b'"results"', b'"resultr"').replace(b'"fill_value"', b'"fill_valud"'))
+    path.write_bytes(
+        text.replace(b'"results"', b'"resultr"').replace(b'"fill_value"', b'"fill_valud"')
+    )
 
 
 @pytest.mark.parametrize(
@@ -341,11 +388,18 @@ def renamed(path: Path) -> None:
     ],
 )
 def test_damaged_and_lost_parts_are_computed_again(
-    harm: Any, part: str, recomputed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
+    harm: Any,
+    part: str,
+    recomputed: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: Any,
 ):
     """Of the four chunks of two points those that are damaged; a damaged description costs none."""
     monkeypatch.setattr(sweep_store, "BLOCK", 2)
-    run = functools.partial(sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store")
+    run = functools.partial(
+        sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
+    )
     expected = run().load()
     (store,) = (tmp_path / "store").glob("*.zarr")
     harm(store / part)
@@ -358,14 +412,23 @@ def test_damaged_and_lost_parts_are_computed_again(
 def test_every_single_bit_of_a_description_may_be_wrong(tmp_path: Path):
     """One bit at a time, 61 bytes apart in each of three files: the results are those written, and none is computed again."""
     run = functools.partial(
-        sweep, functools.partial(counted, folder=str(tmp_path)), {"x": [1.0]}, store=tmp_path / "store"
+        sweep,
+        functools.partial(counted, folder=str(tmp_path)),
+        {"x": [1.0]},
+        store=tmp_path / "store",
     )
     expected = run().load()
     (store,) = (tmp_path / "store").glob("*.zarr")
-    for path in (store / "zarr.json", store / "result" / "zarr.json", store / "failure" / "zarr.json"):
+    for path in (
+        store / "zarr.json",
+        store / "result" / "zarr.json",
+        store / "failure" / "zarr.json",
+    ):
         intact = path.read_bytes()
         for place in range(0, len(intact), 61):
-            path.write_bytes(intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :])
+            path.write_bytes(
+                intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :]
+            )
             assert run().identical(expected)
             assert path.read_bytes() == intact
     assert len(calls(tmp_path)) == 1
@@ -376,13 +439,21 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """Full or read-only disks; an incomplete store ends in the disk's error, and no file is gone."""
-    run = functools.partial(sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store")
+    run = functools.partial(
+        sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
+    )
     expected = run().load()
 
     def refused(*_: Any, **__: Any) -> Any:
         raise OSError(number, os.strerror(number))
 
-    for owner, name in ((Path, "write_bytes"), (os, "replace"), (Path, "replace"), (Path, "rename"), (Path, "unlink")):
+    for owner, name in (
+        (Path, "write_bytes"),
+        (os, "replace"),
+        (Path, "replace"),
+        (Path, "rename"),
+        (Path, "unlink"),
+    ):
         monkeypatch.setattr(owner, name, refused)
     files = {path: path.read_bytes() for path in (tmp_path / "store").rglob("*") if path.is_file()}
     assert run().identical(expected)
@@ -429,9 +500,12 @@ def test_a_killed_program_leaves_what_it_had_finished(tmp_path: Path):
     folder = tmp_path / "run"
     folder.mkdir()
     script = tmp_path / "script.py"
-    here, store = str(Path(__file__).parents[1]), str(tmp_path / "store")
+    here = str(Path(__file__).parents[1])
+    store = str(tmp_path / "store")
     script.write_text(SCRIPT.format(here=here, folder=str(folder), store=store))
-    program = subprocess.Popen([sys.executable, script], start_new_session=True, stderr=subprocess.DEVNULL)
+    program = subprocess.Popen(
+        [sys.executable, script], start_new_session=True, stderr=subprocess.DEVNULL
+    )
     while not (folder / "calls").exists() or len(calls(folder)) < 60:
         assert program.poll() is None
         time.sleep(0.01)

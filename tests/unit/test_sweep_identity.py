@@ -94,7 +94,15 @@ def test_values_bound_to_a_function_are_part_of_it(bound: Callable[[float], Any]
 def test_functions_of_one_text_and_installed_ones_differ():
     one, two = (lambda x: x), (lambda x: 2 * x)
     assert identity_of(one) != identity_of(two)
-    assert len({identity_of(each) for each in (math.sin, max, np.sin, np.cos, functools.partial(max, 1))}) == 5
+    assert (
+        len(
+            {
+                identity_of(each)
+                for each in (math.sin, max, np.sin, np.cos, functools.partial(max, 1))
+            }
+        )
+        == 5
+    )
     assert identity_of(max) != identity_of(max, version="2")
 
 
@@ -121,10 +129,14 @@ LOCK = threading.Lock()
         (eval("lambda x: x", {"__name__": "__main__"}), "'<lambda>', which has no source text"),
     ],
 )
-def test_a_function_whose_changes_cannot_be_noticed_needs_a_version(function: Callable[..., Any], words: str):
+def test_a_function_whose_changes_cannot_be_noticed_needs_a_version(
+    function: Callable[..., Any], words: str
+):
     message = rf"^function = [^ ]+: a store cannot notice changes of {words}; pass version=\.\.\.$"
     with pytest.raises(ValueError, match=message):
         identity_of(function)
     assert (
-        identity_of(function, version="1") == identity_of(function, version="1") != identity_of(function, version="2")
+        identity_of(function, version="1")
+        == identity_of(function, version="1")
+        != identity_of(function, version="2")
     )

@@ -29,7 +29,9 @@ def test_the_impact_laws_have_examples() -> None:
 def test_the_formulas_have_examples() -> None:
     """Each file of formulas that a user calls; the laws' inner files are tested against them."""
     without = {
-        name.rpartition(".")[2] for name in MODULES if not doctest.testmod(importlib.import_module(name)).attempted
+        name.rpartition(".")[2]
+        for name in MODULES
+        if not doctest.testmod(importlib.import_module(name)).attempted
     }
     assert without <= {
         "crater_kinematics", "force_fit", "impact_compliance", "impact_events", "impact_phases", "impact_stick", "numbers",

@@ -12,7 +12,15 @@ from bristle_sim.comparison import Unfinished
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import strike_of_keys
-from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, answer, propagated, sobol_study, tolerances
+from bristle_sim.studies.tolerances import (
+    OUTPUTS,
+    Sampling,
+    Spreads,
+    answer,
+    propagated,
+    sobol_study,
+    tolerances,
+)
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
 
@@ -24,7 +32,10 @@ def linear(a: float, b: float, c: float, d: float) -> dict[str, float]:
 
 def ishigami(x: float, y: float, z: float) -> dict[str, float]:
     """Ishigami and Homma 1990, whose indices are known; and a product, which is all interaction."""
-    return {"ishigami": math.sin(x) + 7.0 * math.sin(y) ** 2 + 0.1 * z**4 * math.sin(x), "product": x * y}
+    return {
+        "ishigami": math.sin(x) + 7.0 * math.sin(y) ** 2 + 0.1 * z**4 * math.sin(x),
+        "product": x * y,
+    }
 
 
 def test_a_linear_model_has_its_squared_slopes_as_indices():
@@ -58,7 +69,8 @@ def test_interactions_are_in_the_total_index_alone():
 
 def test_small_spreads_of_a_pass_agree_with_error_propagation():
     """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
-    tool, settings = Tool(), Settings(accuracy=1e-8)
+    tool = Tool()
+    settings = Settings(accuracy=1e-8)
     half_widths = {"hub_speed": 0.02, "belt_stiffness": 2e-5, "penetration": 5e-6}
     values = {
         "hub_speed": tool.hub.speed,
@@ -89,7 +101,9 @@ def test_nothing_spread_is_refused():
 
 
 @pytest.mark.parametrize("finished", [15, 1])
-def test_an_interrupted_study_keeps_the_passes_that_are_finished(finished: int, monkeypatch: pytest.MonkeyPatch):
+def test_an_interrupted_study_keeps_the_passes_that_are_finished(
+    finished: int, monkeypatch: pytest.MonkeyPatch
+):
     """When the user interrupts, the first sample and seven points of the second one are done; one pass alone has no mean."""
     passes = []
 
@@ -103,7 +117,9 @@ def test_an_interrupted_study_keeps_the_passes_that_are_finished(finished: int, 
     with pytest.raises(Unfinished) as ended:
         tolerances(Tool(), Spreads(), Sampling(samples=8), Settings())
     found = {each.name: each.simulated for each in ended.value.report.quantities}
-    assert ended.value.report.remarks == (f"{finished} of 120 passes are finished; indices need all of them",)
+    assert ended.value.report.remarks == (
+        f"{finished} of 120 passes are finished; indices need all of them",
+    )
     assert bool(found) is (finished > 1)
     if found:
         assert found[f"{OUTPUTS[0]}_mean"] == np.mean(passes)
@@ -111,20 +127,33 @@ def test_an_interrupted_study_keeps_the_passes_that_are_finished(finished: int, 
 
 
 def test_an_output_without_a_value_is_not_propagated():
-    assert propagated(lambda x: {"y": 2.0 * x, "z": None}, {"x": 1.0}, {"x": 0.5}) == {"y": {"x": 1.0}}
+    assert propagated(lambda x: {"y": 2.0 * x, "z": None}, {"x": 1.0}, {"x": 0.5}) == {
+        "y": {"x": 1.0}
+    }
 
 
 def test_the_tolerance_that_matters_most_ranks_first_for_most_outputs() -> None:
-    speed, friction = ({"total": 0.9}, {"total": 0.1})
+    speed = {"total": 0.9}
+    friction = {"total": 0.1}
     rows = [
-        {"output": "tip_speed_at_contact", "mean": 37.9, "std": 0.6, "indices": {"speed": speed, "friction": friction}},
+        {
+            "output": "tip_speed_at_contact",
+            "mean": 37.9,
+            "std": 0.6,
+            "indices": {"speed": speed, "friction": friction},
+        },
         {
             "output": "normal_final_impulse",
             "mean": 2.75e-3,
             "std": 3e-4,
             "indices": {"speed": friction, "friction": speed},
         },
-        {"output": "lag_deg_at_contact", "mean": 2.7, "std": 1.5, "indices": {"speed": speed, "friction": friction}},
+        {
+            "output": "lag_deg_at_contact",
+            "mean": 2.7,
+            "std": 1.5,
+            "indices": {"speed": speed, "friction": friction},
+        },
     ]
     found = answer(rows)
     assert found.startswith("Speed matters most: it ranks first for 2 of 3 measures of the strike.")

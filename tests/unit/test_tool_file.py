@@ -19,8 +19,10 @@ tools = st.builds(
     belt=st.builds(Belt, damping_ratio=ratio),
     bristle=st.builds(Bristle, mass=st.floats(1e-30, 1.0), knee_angle_deg=st.floats(-90.0, 20.0)),
     bar=st.none() | st.builds(Bar, friction=ratio),
-    workpart=st.none() | st.builds(Workpart, penetration=st.floats(0.0, 1e-3), restitution_friction=st.none() | ratio),
-    contact=st.just(Contact("compliant", 1e-4)) | st.builds(Contact, st.sampled_from(["energetic", "engine"])),
+    workpart=st.none()
+    | st.builds(Workpart, penetration=st.floats(0.0, 1e-3), restitution_friction=st.none() | ratio),
+    contact=st.just(Contact("compliant", 1e-4))
+    | st.builds(Contact, st.sampled_from(["energetic", "engine"])),
     gravity=ratio,
 )
 
@@ -35,13 +37,19 @@ def test_a_tool_comes_back_as_it_was_written(tmp_path: Path, tool: Tool):
 def test_a_comment_tells_meaning_unit_and_source(tmp_path: Path):
     write_tool(Tool(), tmp_path / "tool.toml")
     text = (tmp_path / "tool.toml").read_text()
-    assert "# speed of the hub's rotation; rad/s (default: Zhang 2020, eq. 2.2)\nhub_speed = 261.8\n" in text
+    assert (
+        "# speed of the hub's rotation; rad/s (default: Zhang 2020, eq. 2.2)\nhub_speed = 261.8\n"
+        in text
+    )
     assert "# restitution_friction = none" in text
     assert tomllib.loads(text)["friction"] == 0.31
 
 
 def test_only_a_mass_that_was_given_is_written(tmp_path: Path):
-    for tool, mass in ((Tool().replace(bristle_length=0.03), 2.0), (Tool().replace(bristle_mass=1e-4), 1.0)):
+    for tool, mass in (
+        (Tool().replace(bristle_length=0.03), 2.0),
+        (Tool().replace(bristle_mass=1e-4), 1.0),
+    ):
         write_tool(tool, tmp_path / "tool.toml")
         longer = read_tool(tmp_path / "tool.toml").replace(bristle_length=2.0 * tool.bristle.length)
         assert longer.bristle.mass == pytest.approx(mass * tool.bristle.mass, rel=1e-15)
@@ -55,11 +63,15 @@ def read(tmp_path: Path, text: str) -> Tool:
 
 def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_path: Path):
     tool = read(tmp_path, 'bar = false\n[hub]\nhub_speed = "3000rpm"\n[workpart]\nfriction = 1\n')
-    assert tool.hub.speed == pytest.approx(100.0 * 3.141592653589793, rel=1e-15)  # 3000/60 turns a second
+    assert tool.hub.speed == pytest.approx(
+        100.0 * 3.141592653589793, rel=1e-15
+    )  # 3000/60 turns a second
     assert tool.bar is None
     assert tool.workpart == Workpart(friction=1.0)
     assert tool.bristle == Bristle()
-    assert read(tmp_path, "\ufeffhub_speed = 300\n") == Tool(hub=Hub(speed=300.0))  # after a byte order mark
+    assert read(tmp_path, "\ufeffhub_speed = 300\n") == Tool(
+        hub=Hub(speed=300.0)
+    )  # after a byte order mark
 
 
 @pytest.mark.parametrize(
@@ -72,7 +84,10 @@ def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_pat
         ("hub = false", r"hub = False: must be a table \[hub\]"),
         ("bar = true", r"bar = True: must be a table \[bar\], or false where there is none"),
         ("[hub]\nhub_speed = 1" + 400 * "0", "hub_speed = '10000"),
-        ("[hub]\nhub_speed = -3", r"hub_speed = '-3': must be a finite number with 0 <= hub_speed <= 1e\+06"),
+        (
+            "[hub]\nhub_speed = -3",
+            r"hub_speed = '-3': must be a finite number with 0 <= hub_speed <= 1e\+06",
+        ),
         ("[hub]\nhub_speed = true", "hub_speed = True: must be a number or a text with a unit"),
         ('[contact]\ncontact = "rubber"', "contact = 'rubber': must be one of"),
         ("[workpart]\npenetration = 1", "penetration = 1: must be less"),
@@ -93,6 +108,9 @@ def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path:
 
 def test_further_keys_stand_above_the_tables(tmp_path: Path):
     (tmp_path / "tool.toml").write_text("accuracy = 1e-8\nhub_speed = 3\n")
-    assert read_keys(tmp_path / "tool.toml", ["accuracy"]) == {"accuracy": "1e-08", "hub_speed": "3"}
+    assert read_keys(tmp_path / "tool.toml", ["accuracy"]) == {
+        "accuracy": "1e-08",
+        "hub_speed": "3",
+    }
     with pytest.raises(ValueError, match="unknown key 'accuracy'"):
         read_keys(tmp_path / "tool.toml")

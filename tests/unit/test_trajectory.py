@@ -23,7 +23,12 @@ SVG = "{http://www.w3.org/2000/svg}"
 @pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
     """A run in closed form, of no tool that it knows."""
-    events = (Event("bar touch", 1e-4), Event("bar release", 1.5e-4), Event("bar touch", 2e-4), Event("strike", 1.4e-3))
+    events = (
+        Event("bar touch", 1e-4),
+        Event("bar release", 1.5e-4),
+        Event("bar touch", 2e-4),
+        Event("strike", 1.4e-3),
+    )
     run = make_trajectory(events=events)
     on_bar = dataclasses.replace(run.contacts[0], obstacle="bar", time=1e-4)
     return dataclasses.replace(run, contacts=(on_bar, *run.contacts, run.contacts[0]))
@@ -37,17 +42,27 @@ def run() -> Trajectory:
 
 def test_a_run_is_summarized_in_five_lines(run: Trajectory):
     lines = repr(run).splitlines()
-    assert [line.split(":")[0] for line in lines] == ["Trajectory", "strike", "events", "stopped", "cost"]
+    assert [line.split(":")[0] for line in lines] == [
+        "Trajectory",
+        "strike",
+        "events",
+        "stopped",
+        "cost",
+    ]
     assert "rebound at 4.53 ms" in lines[1]  # the finding of README
     assert "strike: none" in repr(simulate(Tool(workpart=None)))
 
 
-def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajectory, tmp_path: Path):
+def test_a_notebook_shows_a_drawing_to_scale(
+    run: Trajectory, trajectory: Trajectory, tmp_path: Path
+):
     page = ET.fromstring(run._repr_html_())
     circles = [float(each.attrib["r"]) for each in page.iter(f"{SVG}circle")]
     assert circles == pytest.approx([Tool().hub.radius, Bar().radius], rel=1e-5)  # six digits
     path = next(page.iter(f"{SVG}polyline")).attrib["points"].split()
-    assert [float(each) for each in path[0].split(",")] == pytest.approx(run.tip[0], rel=1e-5)  # six digits
+    assert [float(each) for each in path[0].split(",")] == pytest.approx(
+        run.tip[0], rel=1e-5
+    )  # six digits
     # A run of no tool still shows its path, and a tool without bar and workpart its hub and wire.
     assert "polyline" in trajectory._repr_html_()
     bare = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
@@ -66,8 +81,12 @@ def test_the_tool_is_known_to_its_run(run: Trajectory, trajectory: Trajectory):
 
 
 def test_tables_hold_every_sample_with_its_unit(run: Trajectory):
-    columns, frame, table = run.columns(), run.to_dataframe(), run.to_xarray()
-    assert all(len(column) == len(run.time) and name.endswith(")") for name, column in columns.items())
+    columns = run.columns()
+    frame = run.to_dataframe()
+    table = run.to_xarray()
+    assert all(
+        len(column) == len(run.time) and name.endswith(")") for name, column in columns.items()
+    )
     np.testing.assert_array_equal(columns["angle_1 (rad)"], run.angles[:, 0])
     np.testing.assert_array_equal(columns["tip_y (m)"], run.tip[:, 1])
     assert list(frame["time"]) == run.time.tolist()
@@ -80,14 +99,22 @@ def test_tables_hold_every_sample_with_its_unit(run: Trajectory):
     units = {variable.attrs.get("units") for variable in table.data_vars.values()}
     assert units <= {"s", "rad", "rad/s", "m", "m/s", "J", "N"}
     middle = table.interp(time=0.5 * (run.time[3] + run.time[4]))
-    assert float(middle["angle"].sel(link=1)) == pytest.approx(0.5 * (run.angles[3, 0] + run.angles[4, 0]), rel=1e-14)
+    assert float(middle["angle"].sel(link=1)) == pytest.approx(
+        0.5 * (run.angles[3, 0] + run.angles[4, 0]), rel=1e-14
+    )
     assert float(table["event_time"].sel(event="strike")) == run.event_time("strike")
 
 
-@pytest.mark.parametrize(("library", "method"), [("pandas", "to_dataframe"), ("xarray", "to_xarray")])
-def test_a_missing_library_is_named_with_its_remedy(run: Trajectory, library: str, method: str, monkeypatch):
+@pytest.mark.parametrize(
+    ("library", "method"), [("pandas", "to_dataframe"), ("xarray", "to_xarray")]
+)
+def test_a_missing_library_is_named_with_its_remedy(
+    run: Trajectory, library: str, method: str, monkeypatch
+):
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(ImportError, match=rf"^{library}: must be installed: pip install bristle-sim\[sweep\]$"):
+    with pytest.raises(
+        ImportError, match=rf"^{library}: must be installed: pip install bristle-sim\[sweep\]$"
+    ):
         getattr(run, method)()
 
 
@@ -96,7 +123,11 @@ def test_events_and_contacts_are_found_by_name(trajectory: Trajectory):
     assert trajectory.event_time("bar touch", last=True) == 2e-4
     assert trajectory.event_time("bar touch", last=True, before=1.9e-4) == 1e-4
     assert trajectory.event_time("bar touch", last=True, before=2e-4) == 2e-4
-    for name, options in (("bar touch", {"before": 0.5e-4}), ("jam", {}), ("workpart not reached", {})):
+    for name, options in (
+        ("bar touch", {"before": 0.5e-4}),
+        ("jam", {}),
+        ("workpart not reached", {}),
+    ):
         assert trajectory.event_time(name, **options) is None
     assert trajectory.first_contact("bar") is trajectory.contacts[0]
     assert trajectory.first_contact("workpart") is trajectory.contacts[1]
@@ -105,11 +136,20 @@ def test_events_and_contacts_are_found_by_name(trajectory: Trajectory):
 
 @pytest.mark.parametrize(
     ("name", "likely"),
-    [("strik", "strike"), ("Strike", "strike"), ("bar relese", "bar release"), ("work part", "workpart")],
+    [
+        ("strik", "strike"),
+        ("Strike", "strike"),
+        ("bar relese", "bar release"),
+        ("work part", "workpart"),
+    ],
 )
-def test_an_unknown_name_is_refused_with_the_likely_one(trajectory: Trajectory, name: str, likely: str):
+def test_an_unknown_name_is_refused_with_the_likely_one(
+    trajectory: Trajectory, name: str, likely: str
+):
     call = trajectory.first_contact if likely == "workpart" else trajectory.event_time
-    with pytest.raises(ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"):
+    with pytest.raises(
+        ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"
+    ):
         call(name)
 
 
@@ -123,7 +163,9 @@ def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp
         assert Trajectory.load(tmp_path / "run.npz").stop_reason is reason
     jammed = dataclasses.replace(trajectory, stop_reason=StopReason.JAM)
     assert jammed.stop_advice.startswith("less friction")
-    assert dataclasses.replace(jammed, contacts=trajectory.contacts[:1]).stop_advice.startswith("less bar_friction")
+    assert dataclasses.replace(jammed, contacts=trajectory.contacts[:1]).stop_advice.startswith(
+        "less bar_friction"
+    )
 
 
 def test_runs_are_equal_by_value(trajectory: Trajectory):

@@ -21,9 +21,12 @@ DECLARED = {part: declarations(part) for each in SCENARIOS.values() for part in 
 def test_a_declaration_documents_its_field_and_names_its_key_in_refusals(part: type) -> None:
     text = " ".join(("", *(part.__doc__ or "").rpartition("Attributes:")[2].split()))
     for field, declared in DECLARED[part].items():
-        entry, key = text.partition(f" {field}: ")[2], "" if field == declared.key else f" Key {declared.key}."
+        entry = text.partition(f" {field}: ")[2]
+        key = "" if field == declared.key else f" Key {declared.key}."
         unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
-        assert entry.startswith(f"{declared.meaning}{unit}.{key} Must be {declared.allowed}. Default "), field
+        assert entry.startswith(
+            f"{declared.meaning}{unit}.{key} Must be {declared.allowed}. Default "
+        ), field
         assert f" ({declared.source})" in entry, field
         with pytest.raises(ValueError, match=rf"^{declared.key} = "):
             part(**{field: object()})
@@ -33,7 +36,10 @@ def test_a_declaration_documents_its_field_and_names_its_key_in_refusals(part: t
 
 def test_a_tool_file_and_replace_have_the_keys_of_the_command_line(tmp_path: Path) -> None:
     bs.write_tool(bs.Tool(), tmp_path / "tool.toml")
-    lines = [line.removeprefix("# ") for line in (tmp_path / "tool.toml").read_text(encoding="utf-8").splitlines()]
+    lines = [
+        line.removeprefix("# ")
+        for line in (tmp_path / "tool.toml").read_text(encoding="utf-8").splitlines()
+    ]
     for part, keys in tool_keys().items():
         for key, (field, declared) in keys.items():
             assert any(line.startswith(f"{key} = ") for line in lines), key

@@ -42,10 +42,15 @@ class TestStart:
         assert struck == pytest.approx(-math.acos(0.063 / 0.0675), abs=1e-3)
 
     @pytest.mark.parametrize("solve", [simulate, simulate_reference])
-    def test_an_earlier_start_delays_everything_by_its_turn(self, solve: Callable[..., Trajectory]) -> None:
+    def test_an_earlier_start_delays_everything_by_its_turn(
+        self, solve: Callable[..., Trajectory]
+    ) -> None:
         """A straight wire without gravity turns with the hub, unchanged, until it meets the bar; to the requested accuracy."""
         options = {"settings": Settings(accuracy=1e-9)} if solve is simulate else {"accuracy": 1e-9}
-        runs = [solve(Tool(start_hub_angle_deg=degrees), stop_after="strike", **options) for degrees in (-90.0, -150.0)]
+        runs = [
+            solve(Tool(start_hub_angle_deg=degrees), stop_after="strike", **options)
+            for degrees in (-90.0, -150.0)
+        ]
         first, later = (run.event_time("strike") for run in runs)
         assert later - first == pytest.approx(math.radians(60.0) / 261.8, rel=1e-7)
 
@@ -107,7 +112,10 @@ class TestAnswer:
                 r"does not strike the workpart: its tip stays [\d.]+ mm above it",
             ),
             (Tool(workpart=None), r"does not strike the workpart: the tool has no workpart"),
-            (Tool(bar=None), r"ms, not released by a bar, radial, turning with the hub, its tip at 14\.3 m/s,"),
+            (
+                Tool(bar=None),
+                r"ms, not released by a bar, radial, turning with the hub, its tip at 14\.3 m/s,",
+            ),
             (Tool(workpart=Workpart(restitution=0.0)), r"\(no rebound\)"),
         ],
     )
@@ -119,7 +127,9 @@ class TestAnswer:
 class TestInvariants:
     def test_what_holds_is_one_sentence_and_no_row(self) -> None:
         report = whole_pass(Tool(), SETTINGS)
-        sentence = re.fullmatch(r"energy, gap, impulse law and friction are satisfied to (\S+)", report.remarks[0])
+        sentence = re.fullmatch(
+            r"energy, gap, impulse law and friction are satisfied to (\S+)", report.remarks[0]
+        )
         assert sentence
         largest = max(abs(each) for each in report.extra["invariants"].values())
         assert float(sentence[1]) == pytest.approx(largest, rel=0.5)
@@ -133,9 +143,9 @@ class TestInvariants:
             return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
 
         monkeypatch.setattr("bristle_sim.scene.impacts.energetic_impact", wrong)
-        assert [each.name for each in whole_pass(Tool(), SETTINGS).quantities if each.ok is False] == [
-            "restitution_work_error"
-        ]
+        assert [
+            each.name for each in whole_pass(Tool(), SETTINGS).quantities if each.ok is False
+        ] == ["restitution_work_error"]
 
     def test_a_pass_without_a_strike_confirms_nothing(self) -> None:
         """Its release and largest retraction agree with the reference's, which says nothing of a strike."""
@@ -188,7 +198,9 @@ def test_invariants_are_kept(name: str, settings: Settings) -> None:
 
 
 def only(name: str, found: dict[str, bool | None]) -> bool:
-    return found[name] is False and all(ok is not False for other, ok in found.items() if other != name)
+    return found[name] is False and all(
+        ok is not False for other, ok in found.items() if other != name
+    )
 
 
 class TestNoticed:
@@ -218,21 +230,33 @@ class TestNoticed:
             else each
             for each in run.contacts
         ]
-        assert verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(contacts)))["impulse_momentum_error"] is False
+        assert (
+            verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(contacts)))[
+                "impulse_momentum_error"
+            ]
+            is False
+        )
 
     def test_other_restitution_and_friction(self, run: Trajectory) -> None:
         """A tangential impulse lies outside the cone of a smooth surface, whatever it is."""
-        springy, smooth = Tool(workpart=Workpart(restitution=0.5)), Tool(workpart=Workpart(friction=0.0))
+        springy = Tool(workpart=Workpart(restitution=0.5))
+        smooth = Tool(workpart=Workpart(friction=0.0))
         assert only("restitution_work_error", verdicts(springy, SETTINGS, run))
         assert only("friction_cone_excess", verdicts(smooth, SETTINGS, run))
 
     def test_friction_that_does_work_on_the_wire(self, run: Trajectory) -> None:
         """Friction's work in a sustained contact with its sign turned; the cone is not left."""
-        drag = next(each for each in run.contacts if each.law == "sustained" and each.obstacle == "workpart")
+        drag = next(
+            each for each in run.contacts if each.law == "sustained" and each.obstacle == "workpart"
+        )
         assert drag.compressive_work is not None
         normal, tangential = drag.compressive_work
         assert tangential < 0.0
         helping = [
-            replace(each, compressive_work=(normal, -tangential)) if each is drag else each for each in run.contacts
+            replace(each, compressive_work=(normal, -tangential)) if each is drag else each
+            for each in run.contacts
         ]
-        assert verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(helping)))["friction_work"] is False
+        assert (
+            verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(helping)))["friction_work"]
+            is False
+        )

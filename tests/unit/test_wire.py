@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Tool
-from bristle_sim.theory.wire import beam_frequencies, chain_frequencies, hinge_damping, hinge_stiffness
+from bristle_sim.theory.wire import (
+    beam_frequencies,
+    chain_frequencies,
+    hinge_damping,
+    hinge_stiffness,
+)
 
 TOOL = Tool()
 WIRE = (TOOL.bristle.mass, TOOL.bristle.length, TOOL.bristle.wire_diameter, TOOL.bristle.modulus)
@@ -55,18 +60,24 @@ def test_the_ends_of_all_ranges_give_finite_numbers(function: Callable) -> None:
 def test_two_links_by_hand() -> None:
     """det(K - omega^2 M) = 0 of two rods of m/2 and L/2: M = (m l^2/2) ((4/3, 1/2), (1/2, 1/3)), spring k between them."""
     mass, length = WIRE[:2]
-    spring, half = hinge_stiffness(WIRE[2], length, WIRE[3], 2), mass / 2.0 * (length / 2.0) ** 2
+    spring = hinge_stiffness(WIRE[2], length, WIRE[3], 2)
+    half = mass / 2.0 * (length / 2.0) ** 2
     a, b, c = (
         half**2 * (4.0 / 9.0 - 0.25),
         half * (4.0 / 3.0 + 1.0 + 1.0 / 3.0) * spring + half / 3.0 * BELT,
         spring * BELT,
     )
     root = math.sqrt(b**2 - 4.0 * a * c)
-    expected = [math.sqrt(2.0 * c / (b + root)) / math.tau, math.sqrt((b + root) / (2.0 * a)) / math.tau]
+    expected = [
+        math.sqrt(2.0 * c / (b + root)) / math.tau,
+        math.sqrt((b + root) / (2.0 * a)) / math.tau,
+    ]
     assert chain_frequencies(*WIRE, BELT, 2) == pytest.approx(expected, rel=1e-11)
 
 
-@pytest.mark.parametrize(("links", "expected"), [(8, (167.14, 3060.6, 9813.0)), (16, (166.57, 3061.9, 9823.0))])
+@pytest.mark.parametrize(
+    ("links", "expected"), [(8, (167.14, 3060.6, 9813.0)), (16, (166.57, 3061.9, 9823.0))]
+)
 def test_the_chain_at_rest(links: int, expected: tuple[float, ...]) -> None:
     """To the digits that are known of it from another program."""
     found = chain_frequencies(*WIRE, BELT, links)[:3]

@@ -16,7 +16,9 @@ SIZE = Units(0.027, 8.387e-5, 1.0)
 
 
 @pytest.mark.parametrize("links", [1, 2, 3, 8, 64])
-@pytest.mark.parametrize(("position", "angle"), [(0.75, 0.0), (0.75, 30.0), (0.5, -90.0), (0.017, 45.0)])
+@pytest.mark.parametrize(
+    ("position", "angle"), [(0.75, 0.0), (0.75, 30.0), (0.5, -90.0), (0.017, 45.0)]
+)
 def test_links_make_the_whole_bristle(links: int, position: float, angle: float) -> None:
     """Mass, centre of mass, inertia and tip are the bristle's when all links have one angle; lengths are equal.
 
@@ -30,10 +32,14 @@ def test_links_make_the_whole_bristle(links: int, position: float, angle: float)
     inertia = sum(link.inertia for link in cut) + float(mass @ (centre**2).sum(axis=1))
     assert mass == pytest.approx(np.full(links, 1.0 / links), rel=1e-11)
     assert mass @ centre == pytest.approx(np.array(bristle.centre) / SIZE.length, abs=1e-12)
-    assert inertia * SIZE.mass * SIZE.length**2 == pytest.approx(bristle.inertia_about_root, rel=1e-12)
+    assert inertia * SIZE.mass * SIZE.length**2 == pytest.approx(
+        bristle.inertia_about_root, rel=1e-12
+    )
     assert np.array(poses[-1].tip) == pytest.approx(np.array(bristle.tip) / SIZE.length, abs=1e-12)
     for link in cut:
-        length = sum(math.dist(a, b) for a, b in itertools.pairwise(((0.0, 0.0), *link.knees, link.tip)))
+        length = sum(
+            math.dist(a, b) for a, b in itertools.pairwise(((0.0, 0.0), *link.knees, link.tip))
+        )
         assert length == pytest.approx(1.0 / links, rel=1e-10)
     # A knee is inside a link, unless it is at a joint.
     at_joint = math.isclose(position * links, round(position * links))
@@ -47,7 +53,9 @@ def test_hinges() -> None:
     stiffness = 2e11 * math.pi * 7.1e-4**4 / 64.0 * 8.0 / 0.027
     damping = 0.2 * stiffness / (math.tau * 3062.10)
     assert len(hinges) == 7
-    assert hinges[3] == pytest.approx((stiffness / SIZE.energy, damping / SIZE.angular_damping), rel=5e-6)
+    assert hinges[3] == pytest.approx(
+        (stiffness / SIZE.energy, damping / SIZE.angular_damping), rel=5e-6
+    )
 
 
 def test_pairs_are_of_different_wires() -> None:

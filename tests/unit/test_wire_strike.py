@@ -14,16 +14,23 @@ from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import chain_frequencies
 from bristle_sim.trajectory import ContactRecord
 
-GAMMA, RATE, DURATION = math.radians(23.4), 3.23 * 261.8, 71e-6
+GAMMA = math.radians(23.4)
+RATE = 3.23 * 261.8
+DURATION = 71e-6
 
 
 def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[float]) -> Tool:
     """The tool whose workpart is at the end of a wire."""
-    tip = Links(Tool(bristle=bristle, bar=None), hub_angle).centre_line(0.0, np.array(angles), np.zeros(len(angles)))
+    tip = Links(Tool(bristle=bristle, bar=None), hub_angle).centre_line(
+        0.0, np.array(angles), np.zeros(len(angles))
+    )
     x, y = bristle.tip
     reach = math.hypot(x, Hub().radius - y)
     part = Workpart(
-        surface.friction, surface.restitution_friction, surface.restitution, penetration=reach + float(tip[0][-1].imag)
+        surface.friction,
+        surface.restitution_friction,
+        surface.restitution,
+        penetration=reach + float(tip[0][-1].imag),
     )
     return Tool(bristle=bristle, bar=None, workpart=part)
 
@@ -31,11 +38,19 @@ def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[fl
 def stiffness(tool: Tool, duration: float) -> float:
     """That of the rigid bristle's frictionless contact of the duration: (pi (1 + e*)/(2 T))^2/K_nn, K_nn = 3 sin^2/m."""
     restitution = tool.workpart.restitution
-    return (math.pi * (1.0 + restitution) / (2.0 * duration)) ** 2 * tool.bristle.mass / (3.0 * math.sin(GAMMA) ** 2)
+    return (
+        (math.pi * (1.0 + restitution) / (2.0 * duration)) ** 2
+        * tool.bristle.mass
+        / (3.0 * math.sin(GAMMA) ** 2)
+    )
 
 
 def both(
-    tool: Tool, hub_angle: float, angles: list[float], rates: list[float], duration: float = DURATION
+    tool: Tool,
+    hub_angle: float,
+    angles: list[float],
+    rates: list[float],
+    duration: float = DURATION,
 ) -> tuple[ContactRecord, ContactRecord]:
     """A strike through the scene and by the independent solution."""
     start = (tool, hub_angle, angles, rates, stiffness(tool, duration))
@@ -49,9 +64,13 @@ def assert_equal(scene: ContactRecord, reference: ContactRecord) -> None:
     """To ten times the accuracy of 1e-6, impulses and works relative to the normal ones."""
     size = reference.impulse[0]
     assert scene.impulse == pytest.approx(reference.impulse, rel=0.0, abs=1e-5 * size)
-    assert scene.compressive_impulse == pytest.approx(reference.compressive_impulse, rel=0.0, abs=1e-5 * size)
+    assert scene.compressive_impulse == pytest.approx(
+        reference.compressive_impulse, rel=0.0, abs=1e-5 * size
+    )
     assert scene.duration == pytest.approx(reference.duration, rel=1e-5)
-    assert scene.history.normal_force.max() == pytest.approx(reference.history.normal_force.max(), rel=1e-5)
+    assert scene.history.normal_force.max() == pytest.approx(
+        reference.history.normal_force.max(), rel=1e-5
+    )
     fastest = np.abs(reference.rates_after).max()
     assert scene.rates_after == pytest.approx(reference.rates_after, rel=0.0, abs=1e-5 * fastest)
 
@@ -82,7 +101,8 @@ def test_scene_and_reference_agree(name: str) -> None:
 
 def test_slip_that_stops_and_resumes_within_an_interval() -> None:
     """Vibration takes the slip through zero and back in a microsecond: two of eight phases are that short."""
-    angles, rates = [-0.25, -0.31, -0.42, -0.29], [950.0, 920.0, 810.0, 1020.0]
+    angles = [-0.25, -0.31, -0.42, -0.29]
+    rates = [950.0, 920.0, 810.0, 1020.0]
     tool = radial(Bristle(links=4), Surface(0.57), -0.36, angles)
     assert_equal(*both(tool, -0.36, angles, rates, 1.711e-4))
 
@@ -93,8 +113,12 @@ def test_a_spring_that_is_loaded_again_returns_its_part_of_the_work() -> None:
     for duration in (100e-6, 200e-6):
         scene, reference = both(tool, -GAMMA, [-GAMMA] * 4, [RATE] * 4, duration)
         for record in (scene, reference):
-            assert record.restitutive_work[0] == pytest.approx(-(0.6**2) * record.compressive_work[0], rel=1e-6)
-    assert scene.phases.count("compression slip") + scene.phases.count("compression reverse slip") > 1
+            assert record.restitutive_work[0] == pytest.approx(
+                -(0.6**2) * record.compressive_work[0], rel=1e-6
+            )
+    assert (
+        scene.phases.count("compression slip") + scene.phases.count("compression reverse slip") > 1
+    )
 
 
 def test_slip_between_two_frictions_stays_at_rest_where_the_wire_presses_on() -> None:
@@ -104,7 +128,8 @@ def test_slip_between_two_frictions_stays_at_rest_where_the_wire_presses_on() ->
     some 600 steps for 1e-6 of that time. The two accuracies agree to ten times the coarser one; friction is within its limits
     to rounding, which it reaches where rest begins and ends.
     """
-    surface, angles = Surface(0.87, 0.04, 0.26), [-GAMMA] * 6
+    surface = Surface(0.87, 0.04, 0.26)
+    angles = [-GAMMA] * 6
     tool = radial(Bristle(links=6), surface, -GAMMA, angles)
     coarse, fine = (
         strike_wire(
@@ -119,9 +144,12 @@ def test_slip_between_two_frictions_stays_at_rest_where_the_wire_presses_on() ->
         for accuracy in (1e-4, 1e-7)
     )
     assert coarse.impulse == pytest.approx(fine.impulse, rel=0.0, abs=1e-3 * fine.impulse[0])
-    assert coarse.rates_after == pytest.approx(fine.rates_after, rel=0.0, abs=1e-3 * max(map(abs, fine.rates_after)))
+    assert coarse.rates_after == pytest.approx(
+        fine.rates_after, rel=0.0, abs=1e-3 * max(map(abs, fine.rates_after))
+    )
     history = fine.history
-    normal, friction = history.normal_force, np.abs(history.tangential_force)
+    normal = history.normal_force
+    friction = np.abs(history.tangential_force)
     rests = (np.abs(history.normal_velocity) < 1e-6) & (history.tangential_velocity > 1.0)
     assert np.count_nonzero(rests) > 3
     assert (friction[rests] >= 0.04 * normal[rests] * (1.0 - 1e-6)).all()
@@ -135,13 +163,16 @@ def test_a_spring_that_lets_go_for_a_moment_within_an_interval(accuracy: float) 
     At e* = 0.078 restitution is 166 times as stiff as compression; at an accuracy a hundred times as fine the contact lasts
     100.6282 us, and by the independent solution.
     """
-    angle, links = math.radians(10.09), 8
+    angle = math.radians(10.09)
+    links = 8
     tool = radial(Bristle(links=links), Surface(0.0, None, 0.07754), -angle, [-angle] * links)
     impact = (tool, -angle, [-angle] * links, [RATE] * links)
     inverse_mass = 3.0 * math.sin(angle) ** 2 / tool.bristle.mass
     spring = ContactStiffness().stiffness(inverse_mass, 0.07754)
     reference = strike_reference(*impact, spring, longest=1e-3)
-    scene = strike_wire(*impact, spring, Settings(accuracy=accuracy), duration=ContactStiffness().duration).contact
+    scene = strike_wire(
+        *impact, spring, Settings(accuracy=accuracy), duration=ContactStiffness().duration
+    ).contact
     assert scene.impulse[0] == pytest.approx(reference.impulse[0], rel=10.0 * accuracy)
     assert scene.duration == pytest.approx(reference.duration, rel=10.0 * accuracy)
 
@@ -173,5 +204,7 @@ def test_too_many_evaluations_are_refused() -> None:
     """A step of the integrator takes twelve, and a contact some steps."""
     tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
     impact = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
-    with pytest.raises(TooStiffError, match=r"stiffness = .*: must be less for the independent solution"):
+    with pytest.raises(
+        TooStiffError, match=r"stiffness = .*: must be less for the independent solution"
+    ):
         strike_reference(*impact, longest=10.0 * DURATION, most_evaluations=24)

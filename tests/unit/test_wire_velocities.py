@@ -15,9 +15,12 @@ from bristle_sim.scene.tool import build_tool
 @pytest.mark.parametrize("damping", [0.0, 0.3])
 def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> None:
     """Halving the step leaves a quarter of the error, and a sixteenth of what extrapolation from two steps leaves."""
-    tool = Tool(bristle=Bristle(links=3, bending_damping_ratio=damping), belt=Belt(damping_ratio=damping))
+    tool = Tool(
+        bristle=Bristle(links=3, bending_damping_ratio=damping), belt=Belt(damping_ratio=damping)
+    )
     scene, _ = build_tool(tool)
-    state, duration = State(0.0, (-1.5, -1.4, -1.6), (1.0, 2.0, -1.0)), 0.02
+    state = State(0.0, (-1.5, -1.4, -1.6), (1.0, 2.0, -1.0))
+    duration = 0.02
     ends = []
     for count in (16, 32, 64, 128):
         step = duration / count

@@ -46,19 +46,30 @@ class Scene:
     space: pymunk.Space
     bodies: list[pymunk.Body] = field(default_factory=list)
     others: list[pymunk.Body] = field(default_factory=list)
-    rows: list[tuple[dict[pymunk.Body, tuple[float, float, float]], float, bool]] = field(default_factory=list)
+    rows: list[tuple[dict[pymunk.Body, tuple[float, float, float]], float, bool]] = field(
+        default_factory=list
+    )
     links: list[tuple[pymunk.Body, pymunk.Body]] = field(default_factory=list)
 
     def reached(self, *ends: pymunk.Body) -> np.ndarray:
         """Which velocities belong to bodies that joints connect to these."""
         found = {each for each in ends if each in self.bodies}
         for _ in self.bodies:
-            found |= {each for link in self.links if found & set(link) for each in link if each in self.bodies}
+            found |= {
+                each
+                for link in self.links
+                if found & set(link)
+                for each in link
+                if each in self.bodies
+            }
         return np.repeat([each in found for each in self.bodies], 3)
 
-    def matrix(self, rows: list[dict[pymunk.Body, tuple[float, float, float]]]) -> tuple[np.ndarray, np.ndarray]:
+    def matrix(
+        self, rows: list[dict[pymunk.Body, tuple[float, float, float]]]
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Rows by dynamic bodies, and what the others' motion adds to each."""
-        dense, moved = np.zeros((len(rows), 3 * len(self.bodies))), np.zeros(len(rows))
+        dense = np.zeros((len(rows), 3 * len(self.bodies)))
+        moved = np.zeros(len(rows))
         for at, row in enumerate(rows):
             for body, factors in row.items():
                 if body in self.bodies:
@@ -69,14 +80,19 @@ class Scene:
         return dense, moved
 
     def masses(self) -> np.ndarray:
-        return np.array([each for body in self.bodies for each in (body.mass, body.mass, body.moment)])
+        return np.array(
+            [each for body in self.bodies for each in (body.mass, body.mass, body.moment)]
+        )
 
     def velocities(self) -> np.ndarray:
-        return np.array([each for body in self.bodies for each in (*body.velocity, body.angular_velocity)])
+        return np.array(
+            [each for body in self.bodies for each in (*body.velocity, body.angular_velocity)]
+        )
 
     def set_velocities(self, values: np.ndarray) -> None:
         for body, (x, y, turn) in zip(self.bodies, values.reshape(-1, 3).tolist(), strict=True):
-            body.velocity, body.angular_velocity = (x, y), turn
+            body.velocity = (x, y)
+            body.angular_velocity = turn
 
 
 def centre(body: pymunk.Body) -> np.ndarray:
@@ -92,11 +108,15 @@ def point_row(
     row = {}
     for body, sign in ((first, -1.0), (second, 1.0)):
         arm = point - centre(body)
-        row[body] = tuple(sign * np.array([*direction, arm[0] * direction[1] - arm[1] * direction[0]]))
+        row[body] = tuple(
+            sign * np.array([*direction, arm[0] * direction[1] - arm[1] * direction[0]])
+        )
     return row
 
 
-def kkt(mass: np.ndarray, held: np.ndarray, force: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def kkt(
+    mass: np.ndarray, held: np.ndarray, force: np.ndarray, rate: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """dV and the joints' impulses lambda of M dV - J^T lambda = force, J dV = rate; scaled, joints may repeat others."""
     root = np.sqrt(mass)
     scaled = held / root
@@ -113,11 +133,16 @@ def kkt(mass: np.ndarray, held: np.ndarray, force: np.ndarray, rate: np.ndarray)
 
 
 def march(  # noqa: PLR0912
-    scene: Scene, contact: np.ndarray, moved: np.ndarray, held: np.ndarray, coefficients: tuple[float, float, float]
+    scene: Scene,
+    contact: np.ndarray,
+    moved: np.ndarray,
+    held: np.ndarray,
+    coefficients: tuple[float, float, float],
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Velocities after the impact and the joints' impulses; None for a jam."""
     friction, restitution, later_friction = coefficients
-    mass, values = scene.masses(), scene.velocities()
+    mass = scene.masses()
+    values = scene.velocities()
     total = np.zeros(len(held))
     speed = contact @ values + moved
 
@@ -125,11 +150,18 @@ def march(  # noqa: PLR0912
         change, impulses = kkt(mass, held, contact.T @ np.array([1.0, ratio]), np.zeros(len(held)))
         return contact @ change, change, impulses
 
-    normal_only, both = gains(0.0)[0], gains(1.0)[0]
-    coupling, tangential = normal_only[1], both[1] - normal_only[1]
-    if normal_only[0] * tangential - coupling**2 < LOOSE * normal_only[0] * tangential or normal_only[0] < LOOSE:
+    normal_only = gains(0.0)[0]
+    both = gains(1.0)[0]
+    coupling = normal_only[1]
+    tangential = both[1] - normal_only[1]
+    if (
+        normal_only[0] * tangential - coupling**2 < LOOSE * normal_only[0] * tangential
+        or normal_only[0] < LOOSE
+    ):
         return None
-    work, wanted, compressing = 0.0, math.inf, True
+    work = 0.0
+    wanted = math.inf
+    compressing = True
     slipping = math.copysign(1.0, speed[1]) if abs(speed[1]) > 1e-12 else 0.0
     for _ in range(12):
         mu = friction if compressing else later_friction
@@ -169,7 +201,9 @@ def march(  # noqa: PLR0912
     return None
 
 
-def expected(scene: Scene, contact: list, coefficients: tuple[float, float, float]) -> np.ndarray | None:
+def expected(
+    scene: Scene, contact: list, coefficients: tuple[float, float, float]
+) -> np.ndarray | None:
     """Velocities after the impact with the one set of limits that push and are not passed; None if there are others."""
     dense, moved = scene.matrix(contact)
     joints, carried = scene.matrix([row for row, _, _ in scene.rows])
@@ -189,7 +223,9 @@ def expected(scene: Scene, contact: list, coefficients: tuple[float, float, floa
             scale = np.abs(values).max()
             if (impulses[len(always) :] >= -1e-9).all() and (after >= -1e-9 * scale).all():
                 answers.append(values)
-    if not answers or any(np.abs(each - answers[0]).max() > 1e-9 * np.abs(answers[0]).max() for each in answers):
+    if not answers or any(
+        np.abs(each - answers[0]).max() > 1e-9 * np.abs(answers[0]).max() for each in answers
+    ):
         return None
     return np.asarray(answers[0])
 
@@ -237,7 +273,8 @@ def join(  # noqa: PLR0915
     at, to = chance.uniform(-1.0, 1.0, 2), chance.uniform(-1.0, 1.0, 2)
     ends = [tuple(first.world_to_local(tuple(at))), tuple(second.world_to_local(tuple(to)))]
     distance = float(np.linalg.norm(to - at))
-    along, turned = (to - at) / distance, {first: (0.0, 0.0, -1.0), second: (0.0, 0.0, 1.0)}
+    along = (to - at) / distance
+    turned = {first: (0.0, 0.0, -1.0), second: (0.0, 0.0, 1.0)}
     angle = second.angle - first.angle
     state = chance.integers(3)
 
@@ -246,18 +283,27 @@ def join(  # noqa: PLR0915
         own = point_row(first, second, at, direction)
         return {first: own[first], second: point_row(first, second, to, direction)[second]}
 
-    def negative(row: dict[pymunk.Body, tuple[float, float, float]]) -> dict[pymunk.Body, tuple[float, float, float]]:
+    def negative(
+        row: dict[pymunk.Body, tuple[float, float, float]],
+    ) -> dict[pymunk.Body, tuple[float, float, float]]:
         return {body: tuple(-each for each in factors) for body, factors in row.items()}  # type: ignore[misc]
 
     rows: list = []
     if kind == "pivot":
         joint = pymunk.PivotJoint(first, second, tuple(at))
-        rows = [(point_row(first, second, at, np.array(each)), 0.0, False) for each in ((1.0, 0.0), (0.0, 1.0))]
+        rows = [
+            (point_row(first, second, at, np.array(each)), 0.0, False)
+            for each in ((1.0, 0.0), (0.0, 1.0))
+        ]
     elif kind == "pin":
         joint = pymunk.PinJoint(first, second, *ends)
         rows = [(spread(along), 0.0, False)]
     elif kind == "slide":
-        bounds = ((0.5 * distance, distance), (distance, 2.0 * distance), (0.5 * distance, 2.0 * distance))[state]
+        bounds = (
+            (0.5 * distance, distance),
+            (distance, 2.0 * distance),
+            (0.5 * distance, 2.0 * distance),
+        )[state]
         joint = pymunk.SlideJoint(first, second, *ends, *bounds)
         rows = [[(negative(spread(along)), 0.0, True)], [(spread(along), 0.0, True)], []][state]
     elif kind == "groove":
@@ -304,7 +350,8 @@ def join(  # noqa: PLR0915
 def random_scene(chance: np.random.Generator) -> Scene:
     """One to four bodies in a tree of joints, some with further joints that close loops; some hang on what moves or not."""
     scene = Scene(pymunk.Space())
-    ground, carrier = random_body(chance, pymunk.Body.STATIC), random_body(chance, pymunk.Body.KINEMATIC)
+    ground = random_body(chance, pymunk.Body.STATIC)
+    carrier = random_body(chance, pymunk.Body.KINEMATIC)
     scene.others = [ground, carrier]
     scene.bodies = [random_body(chance) for _ in range(chance.integers(1, 5))]
     scene.space.add(*scene.others, *scene.bodies)
@@ -319,18 +366,23 @@ def random_scene(chance: np.random.Generator) -> Scene:
     return scene
 
 
-def touch(scene: Scene, chance: np.random.Generator) -> tuple[list, pymunk.Body, pymunk.Body, np.ndarray]:
+def touch(
+    scene: Scene, chance: np.random.Generator
+) -> tuple[list, pymunk.Body, pymunk.Body, np.ndarray]:
     """Let two bodies touch at a random point by small circles, beside circles that sense only or are filtered."""
     first = scene.bodies[chance.integers(len(scene.bodies))]
     partners = [each for each in (*scene.bodies, *scene.others) if each is not first]
     second = partners[chance.integers(len(partners))]
-    point, angle = chance.uniform(-1.0, 1.0, 2), chance.uniform(-math.pi, math.pi)
+    point = chance.uniform(-1.0, 1.0, 2)
+    angle = chance.uniform(-math.pi, math.pi)
     normal = np.array([math.cos(angle), math.sin(angle)])
-    radius, overlap = 0.05, 1e-9
+    radius = 0.05
+    overlap = 1e-9
     for body, sign, kind in ((first, 1.0, 2), (second, -1.0, 1)):
         place = tuple(body.world_to_local(tuple(point + sign * (radius - overlap) * normal)))
         solid, sensor, passing = (pymunk.Circle(body, radius, place) for _ in range(3))
-        sensor.sensor, passing.filter = True, pymunk.ShapeFilter(group=7)
+        sensor.sensor = True
+        passing.filter = pymunk.ShapeFilter(group=7)
         for each in (solid, sensor, passing):
             each.collision_type = kind
         others = (sensor,) if sign > 0.0 else (passing,)
@@ -339,7 +391,12 @@ def touch(scene: Scene, chance: np.random.Generator) -> tuple[list, pymunk.Body,
             others = (sensor, passing)
         scene.space.add(solid, *(each for each in others if each is not solid and sign > 0.0))
     tangent = np.array([normal[1], -normal[0]])
-    return [point_row(second, first, point, each) for each in (normal, tangent)], first, second, point
+    return (
+        [point_row(second, first, point, each) for each in (normal, tangent)],
+        first,
+        second,
+        point,
+    )
 
 
 def left_by_engine(seed: int, values: np.ndarray) -> np.ndarray:
@@ -364,7 +421,10 @@ def one_impact(seed: int) -> float | None:
     if closed is not None:
         closed = np.where(scene.reached(first, second), closed, before)
     dense, moved = scene.matrix(contact)
-    if closed is None or max((dense @ each + moved)[0] for each in (values, before, closed)) > -1e-3:
+    if (
+        closed is None
+        or max((dense @ each + moved)[0] for each in (values, before, closed)) > -1e-3
+    ):
         return None
     scene.set_velocities(closed)
     coefficients = (
@@ -392,7 +452,9 @@ def one_impact(seed: int) -> float | None:
     assert len(impacts) == 1, seed
     assert set(impacts[0].bodies) == {first, second}
     assert math.dist(impacts[0].point, point) < 1e-8
-    return float(np.abs(scene.velocities() - after).max() / max(np.abs(after).max(), np.abs(values).max()))
+    return float(
+        np.abs(scene.velocities() - after).max() / max(np.abs(after).max(), np.abs(values).max())
+    )
 
 
 def test_random_impacts_against_the_referee() -> None:
@@ -425,4 +487,6 @@ def test_joints_are_closed_with_the_least_change(seed: int) -> None:
     if after is None:
         pytest.skip("joints that contradict each other")
     close_joints(*joined(scene.bodies))
-    np.testing.assert_allclose(scene.velocities(), after, rtol=0.0, atol=1e-10 * max(1.0, np.abs(after).max()))
+    np.testing.assert_allclose(
+        scene.velocities(), after, rtol=0.0, atol=1e-10 * max(1.0, np.abs(after).max())
+    )

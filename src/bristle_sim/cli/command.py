@@ -34,7 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the scenario or the command that the first argument names, or list all; return the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
-    name, known = first.removesuffix(".py"), script_paths()
+    name = first.removesuffix(".py")
+    known = script_paths()
     if "_ARGCOMPLETE" in os.environ:
         _complete(known)
     try:
@@ -47,7 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         elif name in known:
             return run(load_scenario(known[name]), given[1:], program=f"{PROGRAM} {name}")
         elif name.startswith("-"):
-            raise ValueError(f"{name}: must come after the name of a scenario; {PROGRAM} alone lists them")
+            raise ValueError(
+                f"{name}: must come after the name of a scenario; {PROGRAM} alone lists them"
+            )
         else:
             advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
             raise ValueError(f"unknown scenario {first!r}; {advice}")
@@ -74,7 +77,8 @@ def _command(name: str, given: Sequence[str]) -> int:
     from bristle_sim.cli.explore import entry
 
     run_command = {"compare": compare.main, "explore": entry.main, "limits": limits.main}[name]
-    about, program = COMMANDS[name].partition(":")[0], f"{PROGRAM} {name}"
+    about = COMMANDS[name].partition(":")[0]
+    program = f"{PROGRAM} {name}"
     parser = argparse.ArgumentParser(
         prog=program, description=f"{about.capitalize()}.", allow_abbrev=False, exit_on_error=False
     )
@@ -95,7 +99,11 @@ def overview() -> str:
     """
     known = script_paths()
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
-    questions = {name: found[1] for name, text in texts.items() if (found := re.search(r'question="(.*)",', text))}
+    questions = {
+        name: found[1]
+        for name, text in texts.items()
+        if (found := re.search(r'question="(.*)",', text))
+    }
     width = max(map(len, known), default=0)
     lines = [f"  {name:{width}}  {words}" for name, words in questions.items()]
     lines += ["", *(f"  {name:{width}}  {words}" for name, words in COMMANDS.items())]

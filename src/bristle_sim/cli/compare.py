@@ -21,15 +21,28 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     """
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
-    parser.add_argument("--report", metavar="FILE.html", help="write a page with the numbers and the pictures")
+    parser.add_argument(
+        "--report", metavar="FILE.html", help="write a page with the numbers and the pictures"
+    )
     options = parser.parse_args(arguments)
-    target = None if options.report is None else checked_target(options.report, (".html",), option="--report")
+    target = (
+        None
+        if options.report is None
+        else checked_target(options.report, (".html",), option="--report")
+    )
     names = (Path(options.first).stem, Path(options.second).stem)
-    one, two = (pass_of.values_of(pass_of.assignments_from(path)[0]) for path in (options.first, options.second))
+    one, two = (
+        pass_of.values_of(pass_of.assignments_from(path)[0])
+        for path in (options.first, options.second)
+    )
     reports = [pass_of.answer(one), pass_of.answer(two)]
-    changed = [[key, format_value(one[key]), format_value(two[key])] for key in one if one[key] != two[key]]
+    changed = [
+        [key, format_value(one[key]), format_value(two[key])] for key in one if one[key] != two[key]
+    ]
     others = {each.name: each for each in reports[1].quantities}
-    shown = [each for each in reports[0].quantities if each.tolerance is None and each.name in others]
+    shown = [
+        each for each in reports[0].quantities if each.tolerance is None and each.name in others
+    ]
     rows = [_row(each, others[each.name]) for each in shown]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
     keys = aligned([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)

@@ -15,7 +15,11 @@ from bristle_sim.units import Choice
 
 def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
     """Answer the shell and exit; ``names`` are those of all scenarios and commands."""
-    parser = argparse.ArgumentParser() if scenario is None else parser_of(scenario, scenario.name, sweeping=True)
+    parser = (
+        argparse.ArgumentParser()
+        if scenario is None
+        else parser_of(scenario, scenario.name, sweeping=True)
+    )
     for action in parser._actions:
         if scenario is not None and action.dest in ("set", "sweep"):
             words = dict.fromkeys(_assignments(scenario, sweeping=action.dest == "sweep"), "")

@@ -21,8 +21,12 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         ValueError: for bad input.
         OSError: naming the file, if the JSON cannot be written.
     """
-    parser.add_argument("range", metavar="KEY=FROM:TO", help="a key of the tool and the range of its values")
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="another key of the tool")
+    parser.add_argument(
+        "range", metavar="KEY=FROM:TO", help="a key of the tool and the range of its values"
+    )
+    parser.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="another key of the tool"
+    )
     parser.add_argument("--json", metavar="FILE|-", help="write the limits as JSON")
     options = parser.parse_args(arguments)
     key, _, ends = options.range.partition("=")
@@ -31,8 +35,14 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         raise ValueError(f"{options.range!r}: unknown key {key!r}; {likely_key(key, keys)}")
     declared = keys[key][0]
     if ends.count(":") != 1 or not isinstance(declared, Range):
-        raise ValueError(f"{options.range!r}: must be KEY=FROM:TO with two numbers, such as friction=0.1:0.6")
-    target = None if options.json in (None, "-") else checked_target(options.json, (".json",), option="--json")
+        raise ValueError(
+            f"{options.range!r}: must be KEY=FROM:TO with two numbers, such as friction=0.1:0.6"
+        )
+    target = (
+        None
+        if options.json in (None, "-")
+        else checked_target(options.json, (".json",), option="--json")
+    )
     values = pass_of.values_of(options.set)
     tool = build_parameters(Tool, values)
     low, high = (float(declared.parse(end)) for end in ends.split(":"))
@@ -40,7 +50,10 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     unit = "" if declared.unit == "1" else f" {declared.unit}"
     answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome does not change."
     if changes:
-        places = ", ".join(f"at {format_value(each.at)}{unit} ({each.below}, then {each.above})" for each in changes)
+        places = ", ".join(
+            f"at {format_value(each.at)}{unit} ({each.below}, then {each.above})"
+            for each in changes
+        )
         answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome changes {places}."
     found = [{"at": each.at, "below": each.below, "above": each.above} for each in changes]
     text = json_of("limits", answer, values, changes=found)

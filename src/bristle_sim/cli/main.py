@@ -40,7 +40,10 @@ KINDS = {
 
 ON_STANDARD_OUTPUT = ("json", "csv")  # options that take - for it
 
-MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit statuses; the last is a shell's after SIGINT
+# exit statuses; the last is a shell's after SIGINT
+MISSED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:
@@ -48,15 +51,21 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
     ``program`` is the name of the command in messages; by default the script's.
     """
-    arguments, remarks, status = sys.argv[1:] if arguments is None else arguments, list[str](), 0
+    arguments = sys.argv[1:] if arguments is None else arguments
+    remarks = list[str]()
+    status = 0
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
     program = program or f"{scenario.name}.py"
     with ending_in_order(), progress(program), catch_warnings():
-        simplefilter("ignore", UnusualValueWarning)  # those of typed values are printed in one line each
+        simplefilter(
+            "ignore", UnusualValueWarning
+        )  # those of typed values are printed in one line each
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
-            options = parser_of(scenario, program, sweeping="--sweep" in command).parse_args(arguments)
+            options = parser_of(scenario, program, sweeping="--sweep" in command).parse_args(
+                arguments
+            )
             if options.list_keys:
                 print_line(scenario.key_list())
                 return 0
@@ -68,11 +77,14 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 try:
                     report = scenario.answer(values)
                 except Unfinished as interruption:
-                    report, status = interruption.report, INTERRUPTED
+                    report = interruption.report
+                    status = INTERRUPTED
                 except ArithmeticError as error:
                     if not options.set:
                         raise
-                    raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
+                    raise ValueError(
+                        f"{', '.join(options.set)}: must be less extreme ({error})"
+                    ) from error
                 status = work.deliver(report, status)
         except (ValueError, OSError) as error:
             print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
@@ -113,7 +125,8 @@ class Work:
 
     def deliver(self, report: Report, status: int) -> int:
         """Write the requested files, of an interrupted run the JSON alone, and print the answer; return the exit status."""
-        texts, options = {}, self.options
+        texts = {}
+        options = self.options
         if self.scenario.series is not None and options.csv is not None and not status:
             texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
         if options.json is not None:
@@ -128,7 +141,9 @@ class Work:
                 else:
                     _write(self, option, target, report)
             except OSError as error:
-                raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
+                raise OSError(
+                    f"{_flag(option)} = {str(target)!r}: {error.strerror or error}"
+                ) from error
             if option != "json":
                 print_error(f"{_flag(option)}: wrote {target}")
         shown = "json" if options.json == "-" else "csv" if options.csv == "-" else ""
@@ -144,13 +159,19 @@ class Work:
 
 def _write(work: Work, option: str, target: Path, report: Report) -> None:
     """Write the picture, film, tool or page that an option requests."""
-    scenario, options = work.scenario, work.options
+    scenario = work.scenario
+    options = work.options
     if option == "plot":
         _draw(scenario, report, target)
     elif option == "video" and scenario.film is not None:
-        scenario.film(report, **(options.size or {})).write(target, **({"fps": options.fps} if options.fps else {}))
+        scenario.film(report, **(options.size or {})).write(
+            target, **({"fps": options.fps} if options.fps else {})
+        )
     elif option == "write_tool":
-        write_tool(build_parameters(Tool, work.values) if scenario.tool is None else scenario.tool(report), target)
+        write_tool(
+            build_parameters(Tool, work.values) if scenario.tool is None else scenario.tool(report),
+            target,
+        )
     else:
         from bristle_sim.render.report import write_report
 
@@ -187,7 +208,8 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
 
     A device such as /dev/null may serve several options.
     """
-    found, seen = dict[str, Path](), dict[str, str]()
+    found = dict[str, Path]()
+    seen = dict[str, str]()
     if not options.sweep and (options.workers is not None or options.store is not None):
         raise ValueError("--workers, --store: must be given with --sweep")
     if options.json == options.csv == "-":
@@ -203,7 +225,9 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
         suffix = Path(path).suffix.lower()
         folder = name == "plot" and scenario.plots is not None and suffix != ".pdf"
         if folder and suffix in suffixes:
-            raise ValueError(f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf")
+            raise ValueError(
+                f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf"
+            )
         any_kind = suffixes if name != "csv" or not is_special(Path(path)) else ()
         found[name] = checked_target(path, any_kind, option=_flag(name), folder=folder)
     named = [("--parameters", options.parameters)]
@@ -212,9 +236,12 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
             named.append((key, values[key]))
     for option, path in [*named, *found.items()]:
         if path is not None and not is_special(Path(path)):
-            place, shown = os.path.realpath(path), _flag(option) if option in KINDS else option
+            place = os.path.realpath(path)
+            shown = _flag(option) if option in KINDS else option
             if place in seen:
-                raise ValueError(f"{shown} = {str(path)!r}: must differ from the file of {seen[place]}")
+                raise ValueError(
+                    f"{shown} = {str(path)!r}: must differ from the file of {seen[place]}"
+                )
             seen[place] = shown
     return found
 
@@ -225,7 +252,11 @@ class _Parser(argparse.ArgumentParser):
         unknown = message.removeprefix("unrecognized arguments: ")
         if unknown != message:
             setting = "=" in unknown and not unknown.startswith("-")
-            advice = f"did you mean --set {unknown}?" if setting else f"{self.prog} --help lists the options"
+            advice = (
+                f"did you mean --set {unknown}?"
+                if setting
+                else f"{self.prog} --help lists the options"
+            )
             raise ValueError(f"{message}; {advice}")
         raise ValueError(message)
 
@@ -234,7 +265,9 @@ def _size(text: str) -> dict[str, int]:
     """Return width and height of a picture."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if found is None:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)"
+        )
     return {"width": int(found[1]), "height": int(found[2])}
 
 
@@ -259,9 +292,12 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
 """Metavariable, help and further settings of each option."""
 
 
-def parser_of(scenario: Scenario, program: str, *, sweeping: bool = False) -> argparse.ArgumentParser:
+def parser_of(
+    scenario: Scenario, program: str, *, sweeping: bool = False
+) -> argparse.ArgumentParser:
     """Return a parser of the options of the scenario, or of a sweep of it; any other option has the value None."""
-    parser, left_out = _Parser(prog=program, description=scenario.question, allow_abbrev=False), set[str]()
+    parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
+    left_out = set[str]()
     if "hub_speed" not in scenario.keys():  # noqa: SIM118
         left_out |= {"parameters", "write_tool"}
     if scenario.film is None:

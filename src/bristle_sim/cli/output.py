@@ -26,7 +26,9 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.version import __version__, named_commit
 
 SILENCE = 15.0  # longest time without a word on the progress of long work, s
-SIGNALLED = 128  # exit status of a shell whose command was ended by a signal, less the signal's number
+SIGNALLED = (
+    128  # exit status of a shell whose command was ended by a signal, less the signal's number
+)
 LATER = 1e-3  # seconds after which a signal that came at a bad moment is tried again
 
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
@@ -41,9 +43,11 @@ def progress(program: str) -> Iterator[None]:
     if sys.stderr is None:
         yield
         return
-    log, ended = logging.getLogger("bristle_sim"), threading.Event()
+    log = logging.getLogger("bristle_sim")
+    ended = threading.Event()
     shown = _Progress(program, terminal=sys.stderr.isatty())
-    reminder, level = threading.Thread(target=shown.remind, args=(ended,), daemon=True), log.level
+    reminder = threading.Thread(target=shown.remind, args=(ended,), daemon=True)
+    level = log.level
     log.addHandler(shown)
     log.setLevel(logging.INFO)
     reminder.start()
@@ -62,7 +66,10 @@ class _Progress(logging.Handler):
 
     def __init__(self, program: str, *, terminal: bool) -> None:
         super().__init__(logging.INFO)
-        self.program, self.terminal, self.last, self.started = program, terminal, "computing", time.monotonic()
+        self.program = program
+        self.terminal = terminal
+        self.last = "computing"
+        self.started = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
         """Note a report."""
@@ -80,13 +87,19 @@ class _Progress(logging.Handler):
             if getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
                 continue
             passed = f"{time.monotonic() - self.started:.0f} s"
-            print(f"{before}{self.program}: {passed}: {self.last}", end=end, file=sys.stderr, flush=True)
+            print(
+                f"{before}{self.program}: {passed}: {self.last}",
+                end=end,
+                file=sys.stderr,
+                flush=True,
+            )
 
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
     """Let SIGINT raise KeyboardInterrupt, SIGTERM and SIGHUP SystemExit, where there is no other handler for them."""
-    before, hook = {}, sys.unraisablehook
+    before = {}
+    hook = sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
         for number, handler in USUAL.items():
             if signal.getsignal(number) is handler:
@@ -105,7 +118,9 @@ def _end(number: int, frame: FrameType | None) -> None:
     while frame is not None:
         code = frame.f_code
         callback = (
-            code.co_filename.endswith("_callbacks.py") or code.co_name.endswith("free") or code.co_name == "freebody"
+            code.co_filename.endswith("_callbacks.py")
+            or code.co_name.endswith("free")
+            or code.co_name == "freebody"
         )
         in_hook = code.co_name == _end_again.__name__ and frame.f_globals is globals()
         if ("pymunk" in code.co_filename and callback) or in_hook:
@@ -141,12 +156,20 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
         "cost": {"wall_s": report.wall_s, "steps": report.steps},
         **report.extra,
     }
-    return json_of(name, report.answer, values, **found, **({} if finished else {"finished": False}))
+    return json_of(
+        name, report.answer, values, **found, **({} if finished else {"finished": False})
+    )
 
 
 def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -> str:
     """Return the JSON of a scenario's results: answer, version and key values first."""
-    head = {"scenario": name, "answer": answer, "version": __version__, **named_commit(), "parameters": dict(values)}
+    head = {
+        "scenario": name,
+        "answer": answer,
+        "version": __version__,
+        **named_commit(),
+        "parameters": dict(values),
+    }
     return json.dumps(plain(head | results), indent=1, allow_nan=False)
 
 
@@ -177,7 +200,9 @@ def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
 
 def in_words(report: Report) -> str:
     """Return the answer, the table, the outcome where the question is about an impact, and the remarks."""
-    width = max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
+    width = (
+        max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
+    )
     lines = [*_wrapped(report.answer), ""] if report.answer else []
     lines.append(table(report.quantities, width))
     if report.outcome is not None:

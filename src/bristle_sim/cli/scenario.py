@@ -91,14 +91,18 @@ class Scenario:
             found[key] = (dataclasses.replace(declared, highest=limit, meaning=meaning), default)
         return found
 
-    def values_of(self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None) -> dict[str, Any]:
+    def values_of(
+        self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None
+    ) -> dict[str, Any]:
         """Return every key's value: its default, the last that the ``KEY=VALUE`` assignments give it, or one of the numbers.
 
         Raises:
             ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
                 without effect.
         """
-        keys, typed, values = self.keys(), dict[str, Any](), dict[str, Any]()
+        keys = self.keys()
+        typed = dict[str, Any]()
+        values = dict[str, Any]()
         for assignment in assignments:
             key, equals, text = assignment.partition("=")
             if not equals:
@@ -116,7 +120,9 @@ class Scenario:
             if other not in values:
                 continue
             held = values[other]
-            if (held is None if wanted == "none" else held == type(held)(wanted)) is (relation == "="):
+            if (held is None if wanted == "none" else held == type(held)(wanted)) is (
+                relation == "="
+            ):
                 continue
             if key in typed and (declared.optional or typed[key] != default):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
@@ -126,7 +132,8 @@ class Scenario:
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
         """Return one line for each typed value that is unusual, with the unit that may have been meant."""
-        keys, found = self.keys(), {}
+        keys = self.keys()
+        found = {}
         for assignment in assignments:
             key, _, text = assignment.partition("=")
             found[key] = unusual_value(*keys[key], values[key], text)
@@ -139,12 +146,16 @@ class Scenario:
             ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
                 an absent part.
         """
-        keys, assignments, idle = self.keys(), list[str](), list[str]()
+        keys = self.keys()
+        assignments = list[str]()
+        idle = list[str]()
         known = {each[0].key: each for part in TOOL for each in declared_fields(part).values()}
         try:
             typed = read_keys(path, keys)
         except OSError as error:
-            raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
+            raise ValueError(
+                f"--parameters = {path!r}: must be a readable file ({error.strerror})"
+            ) from error
         for key, text in typed.items():
             if key in MAY_BE_ABSENT:
                 if PARTS[key][0] in self.parts:
@@ -169,21 +180,39 @@ class Scenario:
 
     def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
         """Return declaration, value and default of every key, for a page."""
-        return [(declared, values[key], default) for key, (declared, default) in self.keys().items()]
+        return [
+            (declared, values[key], default) for key, (declared, default) in self.keys().items()
+        ]
 
     def key_list(self) -> str:
         """Return two lines or more for each key, 100 columns wide: default, unit and range, then meaning and source."""
         rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
-            shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
+            shown = (
+                "none"
+                if default is None
+                else default
+                if isinstance(default, str)
+                else f"{default:.9g}"
+            )
             only = f"; only with {declared.needs}" if declared.needs else ""
             note = f"{declared.meaning}{only} (default: {declared.source})"
-            rows.append((key, shown, "" if declared.unit in ("1", "word") else declared.unit, declared.allowed, note))
+            rows.append(
+                (
+                    key,
+                    shown,
+                    "" if declared.unit in ("1", "word") else declared.unit,
+                    declared.allowed,
+                    note,
+                )
+            )
         widths = [max(len(row[column]) for row in rows) for column in range(3)]
         lines = []
         for *cells, allowed, note in rows:
             head = "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=True))
-            lines += textwrap.wrap(allowed, WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
+            lines += textwrap.wrap(
+                allowed, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
+            )
             lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
         lines.insert(2, "-" * WIDTH)
         return "\n".join(lines)

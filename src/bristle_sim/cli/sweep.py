@@ -33,7 +33,9 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     try:
         from bristle_sim.studies.sweep import sweep_scenario
     except ImportError as error:
-        raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+        raise ValueError(
+            f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})"
+        ) from error
     keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):
@@ -41,8 +43,11 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     point = functools.partial(answer_at, scenario, tuple(options.set))
     units = {key: keys[key][0].unit for key in axes}
     found = sweep_scenario(point, axes, units=units, workers=options.workers, store=options.store)
-    columns, answer = table_columns(found), _summary(found, axes)
-    fixed = {key: value for key, value in scenario.values_of(options.set).items() if key not in axes}
+    columns = table_columns(found)
+    answer = _summary(found, axes)
+    fixed = {
+        key: value for key, value in scenario.values_of(options.set).items() if key not in axes
+    }
     json_text = json_of(scenario.name, answer, fixed, columns=columns)
     texts = {"csv": csv_text(columns).removesuffix("\n"), "json": json_text}
     for name, target in targets.items():
@@ -68,12 +73,17 @@ def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
     import numpy as np
 
     key, _, interval = text.partition("=")
-    ends, keys = interval.split(":"), scenario.keys()
+    ends = interval.split(":")
+    keys = scenario.keys()
     refused = f"--sweep = {text!r}"
     if len(ends) != 3 or not ends[2].isdecimal() or not 1 <= int(ends[2]) <= MOST_POINTS:
-        raise ValueError(f"{refused}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9")
+        raise ValueError(
+            f"{refused}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9"
+        )
     if key not in keys:
-        raise ValueError(f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}")
+        raise ValueError(
+            f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
+        )
     declared = keys[key][0]
     if not isinstance(declared, Range):
         raise ValueError(f"{refused}: must name a key that is a number, not a word")
@@ -85,11 +95,17 @@ def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
     """Return keys, quantities and reasons by name and unit, one entry a point."""
     import xarray as xr
 
-    names = [*map(str, found.dims), *(str(name) for name in found.data_vars if name != "failure"), "failure"]
+    names = [
+        *map(str, found.dims),
+        *(str(name) for name in found.data_vars if name != "failure"),
+        "failure",
+    ]
     full = dict(zip(names, xr.broadcast(*(found[name] for name in names)), strict=True))
     units = {name: found[name].attrs.get("units", "") for name in names}
     return {
-        f"{name} ({units[name]})" if units[name] not in ("", "1") else name: each.values.ravel().tolist()
+        f"{name} ({units[name]})"
+        if units[name] not in ("", "1")
+        else name: each.values.ravel().tolist()
         for name, each in full.items()
     }
 
@@ -101,8 +117,12 @@ def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
     reasons, numbers = np.unique(found["failure"].values, return_counts=True)
     over = " and ".join(f"{len(values)} values of {key}" for key, values in axes.items())
     pairs = zip(reasons.tolist(), numbers.tolist(), strict=True)
-    why = "; ".join(f"{number} lack results: {reason.rstrip('.')}" for reason, number in pairs if reason)
-    return f"{over}: {found['failure'].size} points" + (f", {why}." if why else ", all with results.")
+    why = "; ".join(
+        f"{number} lack results: {reason.rstrip('.')}" for reason, number in pairs if reason
+    )
+    return f"{over}: {found['failure'].size} points" + (
+        f", {why}." if why else ", all with results."
+    )
 
 
 def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
@@ -113,9 +133,15 @@ def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
     quantities = [str(name) for name in found.data_vars if name != "failure"]
     for name, values in zip((*axes, *quantities), table_columns(found).values(), strict=False):
         unit, size = readable_unit(str(found[name].attrs.get("units", "1")), values)
-        head = str(found[name].attrs.get("long_name", name)) + (f" ({unit})" if unit not in ("", "1") else "")
-        columns.append((head, *(f"{value / size:.5g}" if math.isfinite(value) else "-" for value in values)))
-    keys, rest, tables = columns[: len(axes)], columns[len(axes) :], []
+        head = str(found[name].attrs.get("long_name", name)) + (
+            f" ({unit})" if unit not in ("", "1") else ""
+        )
+        columns.append(
+            (head, *(f"{value / size:.5g}" if math.isfinite(value) else "-" for value in values))
+        )
+    keys = columns[: len(axes)]
+    rest = columns[len(axes) :]
+    tables = []
     while rest:
         taken = [*keys, rest.pop(0)]
         while rest and sum(max(map(len, each)) + 2 for each in (*taken, rest[0])) <= WIDTH:

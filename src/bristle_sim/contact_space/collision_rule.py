@@ -17,7 +17,9 @@ from bristle_sim.contact_space.joints import Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.theory.numbers import checked_numbers
 
-MOST_TYPES = (1 << 64) - 1  # collision types are machine words, the last of which stands for any type
+MOST_TYPES = (
+    1 << 64
+) - 1  # collision types are machine words, the last of which stands for any type
 
 
 def refusal(name: str, value: Any, rule: str) -> ValueError:
@@ -89,15 +91,22 @@ class CollisionRule:
                 raise refusal("tangential_compliance", compliance, unknown) from error
             answer = None
         if not isinstance(answer, Impact):
-            raise refusal("law", law, "must be a function like energetic_impact, which returns an Impact")
+            raise refusal(
+                "law", law, "must be a function like energetic_impact, which returns an Impact"
+            )
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
         """Return the impact by the pair's law, without restitution for a contact that comes to rest."""
         return self._call(
-            space.inverse_mass, space.velocity, 0.0 if rests else self.restitution, space.stick_compliance
+            space.inverse_mass,
+            space.velocity,
+            0.0 if rests else self.restitution,
+            space.stick_compliance,
         )
 
-    def _call(self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float) -> Impact:
+    def _call(
+        self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float
+    ) -> Impact:
         further = {"stick_compliance": stick_compliance} if self._knows_stick else {}
         coefficients = (self.friction, restitution, self.restitution_friction)
         return self._law(inverse_mass, velocity, *coefficients, **further, **self._further)

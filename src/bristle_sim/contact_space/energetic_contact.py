@@ -71,7 +71,9 @@ class EnergeticContact:
         if not (report is None or callable(report)):
             raise refusal("report", report, "must be None or a function of one LocatedImpact")
         if self.of(space) is not None:
-            raise ValueError("space: has an EnergeticContact already; use its add_pair for further collision types")
+            raise ValueError(
+                "space: has an EnergeticContact already; use its add_pair for further collision types"
+            )
         (self.resting_speed,) = checked_numbers(resting_speed=resting_speed)
         self.space = space
         self.report = report
@@ -109,9 +111,13 @@ class EnergeticContact:
                 accepts that, and with ``tangential_compliance`` unless it is 0.
         """
         given = (collision_type_a, collision_type_b)
-        pair = CollisionRule(given, friction, restitution, restitution_friction, tangential_compliance, law)
+        pair = CollisionRule(
+            given, friction, restitution, restitution_friction, tangential_compliance, law
+        )
         if given in self.pairs or given[::-1] in self.pairs:
-            raise ValueError(f"collision_type_a, collision_type_b = {given}: must be a pair that is not added yet")
+            raise ValueError(
+                f"collision_type_a, collision_type_b = {given}: must be a pair that is not added yet"
+            )
         self.pairs[given] = pair
         self.space.on_collision(*given)
         self._attach()
@@ -177,7 +183,9 @@ class EnergeticContact:
                     handler.pre_solve = functools.partial(self._notice, pair)
                 self._callbacks[types] = handler.pre_solve
 
-    def _notice(self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+    def _notice(
+        self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any
+    ) -> None:
         """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
         try:
             if pair.chained is not None:

@@ -44,7 +44,9 @@ from bristle_sim.contact_space.joints import (
 
 CANCELS = 100.0  # parts of the tangential velocity over their sum from which that is applied: two digits are kept
 
-SINGULAR = 64.0 * sys.float_info.epsilon  # motion in stick over the normal column below which it is rounding
+SINGULAR = (
+    64.0 * sys.float_info.epsilon
+)  # motion in stick over the normal column below which it is rounding
 
 WEAK = 1e-2  # the same below which it has lost digits worth getting back
 
@@ -85,7 +87,9 @@ class ContactSpace:
             return None
         pushes = self.limit_response @ impulse
         least = int(pushes.argmin())
-        return self.limits[least] if pushes[least] < -OPENS * (self.sizes @ np.abs(impulse)) else None
+        return (
+            self.limits[least] if pushes[least] < -OPENS * (self.sizes @ np.abs(impulse)) else None
+        )
 
     def apply(self, impulse: Vector, velocity_after: Vector | None = None) -> None:
         """Apply an impulse to all bodies' velocities; ``velocity_after``, if known, keeps them accurate under cancellation."""
@@ -129,7 +133,11 @@ def contact_space(
     rows = [row for joint in joints for row in joint_rows(joint)]
     limited = any(row.limit for row in rows)
     if limited:
-        rows = [row for row in rows if not (row.limit and (row.joint in released or _opens(row, bodies)))]
+        rows = [
+            row
+            for row in rows
+            if not (row.limit and (row.joint in released or _opens(row, bodies)))
+        ]
     contact, velocity = _relative_motion(ends, point, normal, surface_velocity)
     columns, scale = scaled_columns([*[row.entries for row in rows], *contact], bodies)
     basis, triangle = _free_part(columns, len(rows))
@@ -144,7 +152,9 @@ def contact_space(
     )
     if limited and any(limits := [row.limit for row in rows]):
         touch = columns[:, :-3:-1]
-        impulses = np.asarray(np.linalg.lstsq(of_length_one(columns[:, :-2]), touch, rcond=DEPENDENT)[0], dtype=float)
+        impulses = np.asarray(
+            np.linalg.lstsq(of_length_one(columns[:, :-2]), touch, rcond=DEPENDENT)[0], dtype=float
+        )
         space.limits = tuple(row for row in rows if row.limit)
         space.limit_response = -impulses[limits]
         space.sizes = np.sqrt((touch**2).sum(axis=0))
@@ -156,7 +166,8 @@ def _relative_motion(
 ) -> tuple[list[list[Entry]], Vector]:
     """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
     x, y = normal
-    relative_x, relative_y = -surface_velocity[0], -surface_velocity[1]
+    relative_x = -surface_velocity[0]
+    relative_y = -surface_velocity[1]
     tangential = []
     across = []
     for body, sign in zip(ends, (1.0, -1.0), strict=False):
@@ -173,7 +184,9 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
     basis, triangle = np.linalg.qr(columns)
     pivots: list[float] = np.abs(triangle.diagonal()).tolist()
     lengths: list[float] = np.sqrt((columns[:, : joints + 1] ** 2).sum(axis=0)).tolist()
-    apart = [pivot > DEPENDENT * length for pivot, length in zip(pivots, lengths[:joints], strict=False)]
+    apart = [
+        pivot > DEPENDENT * length for pivot, length in zip(pivots, lengths[:joints], strict=False)
+    ]
     if len(pivots) >= joints and all(apart):
         moves = len(pivots) == joints + 2 and pivots[-2] > SINGULAR * lengths[-1]
         if moves and pivots[-1] < WEAK * max(abs(triangle[-2, -1]), pivots[-1]):
@@ -218,8 +231,12 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
     """Whether a reached limit is opening already, so that it cannot push; compared in the norm of the kinetic energy."""
     energies = [each.mass * each.velocity.dot(each.velocity) for each in bodies]
-    energies += [each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf]
+    energies += [
+        each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf
+    ]
     entries = [entry for entry in limit.entries if entry[0] in bodies]
-    length = sum((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in entries)
+    length = sum(
+        (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in entries
+    )
     excess, size = limit.excess()
     return excess > OPENS * max(size, math.sqrt(length * sum(energies)))

@@ -46,7 +46,9 @@ REACHED = 1e-9
 
 CLOSED = 1e-14  # a rate below this fraction of the terms that it is the sum of is rounding
 
-DEPENDENT = 1e-12  # singular values below this fraction of the largest belong to joints that repeat others
+DEPENDENT = (
+    1e-12  # singular values below this fraction of the largest belong to joints that repeat others
+)
 
 
 class JointRow(NamedTuple):
@@ -105,23 +107,32 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
             for joint in body.constraints if body._constraints else ():
                 if joint not in joints and _transmits_impulse(joint):
                     joints.append(joint)
-                    waiting += [each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC]
+                    waiting += [
+                        each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC
+                    ]
     return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
 
 
 def _transmits_impulse(joint: pymunk.Constraint) -> bool:
     if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
         return False
-    return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
+    return any(
+        space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space)
+    )
 
 
-def scaled_columns(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
+def scaled_columns(
+    rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
+) -> tuple[Array, Array]:
     """Return M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
-    scale = np.array([number for each in bodies for number in (each.mass, each.mass, each.moment)]) ** -0.5
+    scale = (
+        np.array([number for each in bodies for number in (each.mass, each.mass, each.moment)])
+        ** -0.5
+    )
     columns = [[0.0] * len(scale) for _ in rows]
     for column, entries in zip(columns, rows, strict=True):
         for body, x, y, turn in entries:
@@ -143,7 +154,9 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
     return _groove(joint) if isinstance(joint, pymunk.GrooveJoint) else _turning(joint)
 
 
-def _across(joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False) -> JointRow:
+def _across(
+    joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
+) -> JointRow:
     """Return the row of the velocity of body a's end relative to body b's along a direction."""
     a = point_entry(joint.a, ends[0], direction, 1.0)
     b = point_entry(joint.b, ends[1], direction, -1.0)
@@ -236,21 +249,27 @@ def span(columns: Array) -> Array:
     return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
 
 
-def joint_basis(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> tuple[Array, Array]:
+def joint_basis(
+    bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
+) -> tuple[Array, Array]:
     """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of M^-1/2; limits are rigid."""
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
     return span(columns) if rows else columns, scale
 
 
-def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array) -> Array:
+def allowed_part(
+    bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array
+) -> Array:
     """Return the part of velocity changes, shape (3 bodies), that the joints permit: the orthogonal projection onto it."""
     rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
     return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
 
 
-def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
+def close_joints(
+    bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True
+) -> None:
     """Apply the least change of velocity, in the norm of the kinetic energy, at which no joint opens.
 
     Limits are ignored unless ``with_limits``.
@@ -268,18 +287,24 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     columns, scale = scaled_columns([row.entries for row in rows], bodies)
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
-    change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
+    change = scale * _least_change(
+        columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits
+    )
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)
         body.angular_velocity += turn
 
 
-def _least_change(columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]) -> Array:
+def _least_change(
+    columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]
+) -> Array:
     """Return the dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):
         rigid = columns[:, active]
-        change = np.asarray(np.linalg.lstsq(rigid.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
+        change = np.asarray(
+            np.linalg.lstsq(rigid.T, -rates[active], rcond=DEPENDENT)[0], dtype=float
+        )
         impulses = np.zeros(len(rates))
         impulses[active] = np.linalg.lstsq(rigid, change, rcond=DEPENDENT)[0]
         after = rates + columns.T @ change

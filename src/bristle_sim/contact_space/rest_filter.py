@@ -26,7 +26,9 @@ STEPS_OF_GRAVITY = 2.0
 """An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a
 new contact, and a bounce that lasts less than two cannot be resolved."""
 
-OUT_OF_REACH = 1e100  # a surface velocity apart, at which the engine's contact has no impulse to give
+OUT_OF_REACH = (
+    1e100  # a surface velocity apart, at which the engine's contact has no impulse to give
+)
 
 
 class RestFilter:
@@ -53,7 +55,9 @@ class RestFilter:
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
         self._still_jammed: set[Shapes] = set()
-        self._bodies: Any = None  # room for an arbiter's bodies within a step; a copy cannot take it along
+        self._bodies: Any = (
+            None  # room for an arbiter's bodies within a step; a copy cannot take it along
+        )
 
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
@@ -117,7 +121,9 @@ class RestFilter:
         for index in range(contact.count):
             contact.points[index].pointB = contact.points[index].pointA
         lib.cpArbiterSetContactPointSet(raw, ffi.addressof(contact))
-        lib.cpArbiterSetSurfaceVelocity(raw, (OUT_OF_REACH * contact.normal.x, OUT_OF_REACH * contact.normal.y))
+        lib.cpArbiterSetSurfaceVelocity(
+            raw, (OUT_OF_REACH * contact.normal.x, OUT_OF_REACH * contact.normal.y)
+        )
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:

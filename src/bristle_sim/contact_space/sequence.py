@@ -87,7 +87,9 @@ class ImpactSequence:
         jammed: shapes of contacts that no impulse can separate.
     """
 
-    def __init__(self, contacts: RestFilter, report: Callable[[LocatedImpact], None] | None, end: float) -> None:
+    def __init__(
+        self, contacts: RestFilter, report: Callable[[LocatedImpact], None] | None, end: float
+    ) -> None:
         self._filter = contacts
         self._motion = contacts.motion
         self._report = report
@@ -100,12 +102,18 @@ class ImpactSequence:
     def resolve(self) -> None:
         """Resolve all contacts that approach, and those that their impacts reach."""
         groups = self._groups
-        self._measure(groups.read([each.body for shapes in self._filter.skipped for each in shapes if each.body]))
+        self._measure(
+            groups.read(
+                [each.body for shapes in self._filter.skipped for each in shapes if each.body]
+            )
+        )
         while self._approaching:
             point = max(self._approaching, key=attrgetter("time", "approach"))
             head = groups.head(point.bodies[0])
             impacts = groups.impacts.get(head, 0)
-            if point.impacts == COLLAPSE or (impacts % LOOKED == 0 and self._too_many(head, impacts)):
+            if point.impacts == COLLAPSE or (
+                impacts % LOOKED == 0 and self._too_many(head, impacts)
+            ):
                 self._strike_all(point)
             else:
                 groups.impacts[head] = impacts + 1
@@ -121,7 +129,10 @@ class ImpactSequence:
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             least = 0.0 if point.key in self._filter.skipped else self._filter.resting
-            if point.approach > max(least, APPROACH_ROUNDING * point.speed) and point.key not in self.jammed:
+            if (
+                point.approach > max(least, APPROACH_ROUNDING * point.speed)
+                and point.key not in self.jammed
+            ):
                 self._approaching[point] = None
             else:
                 self._approaching.pop(point, None)
@@ -146,7 +157,9 @@ class ImpactSequence:
         bodies, joints = connected
         groups.unite(bodies)
         self._measure(groups.read(bodies))
-        others = dict.fromkeys([*point.bodies, *[end for joint in joints for end in (joint.a, joint.b)]])
+        others = dict.fromkeys(
+            [*point.bodies, *[end for joint in joints for end in (joint.a, joint.b)]]
+        )
         moved = [*bodies, *[each for each in others if each.body_type == pymunk.Body.KINEMATIC]]
         point.go_back(motion, moved, self._latest(point))
         steps = motion.steps(point.time)
@@ -155,7 +168,8 @@ class ImpactSequence:
             close_joints(bodies, joints)
         space, impact = self._impact(point, connected)
         space.apply(
-            (impact.impulse_normal, impact.impulse_tangential), (impact.velocity_normal, impact.velocity_tangential)
+            (impact.impulse_normal, impact.impulse_tangential),
+            (impact.velocity_normal, impact.velocity_tangential),
         )
         motion.kick(bodies, steps)
         motion.drift(moved, point.time)
@@ -166,7 +180,9 @@ class ImpactSequence:
         if not self._rests(-space.velocity[0], point):
             self._record(point, impact)
         self.struck.update(dict.fromkeys(bodies, point.time))
-        self._measure(dict.fromkeys(each for body in bodies for each in groups.points[body]), point.time)
+        self._measure(
+            dict.fromkeys(each for body in bodies for each in groups.points[body]), point.time
+        )
 
     def _strike_all(self, point: TouchingPoint) -> None:
         """Resolve all contacts of a point's group, directly or over further bodies, at once, at the end of the step."""
@@ -177,8 +193,14 @@ class ImpactSequence:
             connected = [each for each in joined(waiting)[0] if each not in reached]
             reached.update(dict.fromkeys(connected))
             groups.read(connected)
-            touched = dict.fromkeys(end for body in connected for each in groups.points[body] for end in each.bodies)
-            waiting = [each for each in touched if each not in reached and each.body_type == pymunk.Body.DYNAMIC]
+            touched = dict.fromkeys(
+                end for body in connected for each in groups.points[body] for end in each.bodies
+            )
+            waiting = [
+                each
+                for each in touched
+                if each not in reached and each.body_type == pymunk.Body.DYNAMIC
+            ]
         every = dict.fromkeys(each for body in reached for each in groups.points[body])
         points = [each for each in every if each.key not in self.jammed]
         impacts = resolve_at_once(points, self._rests, self._motion)
@@ -197,7 +219,13 @@ class ImpactSequence:
         released: list[pymunk.Constraint] = []
         while True:
             space = contact_space(
-                first, place, normal, second, surface_velocity=slide, released=released, connected=connected
+                first,
+                place,
+                normal,
+                second,
+                surface_velocity=slide,
+                released=released,
+                connected=connected,
             )
             impact = point.pair.impact(space, rests=self._rests(-space.velocity[0], point))
             pulling = space.pulling_limit((impact.impulse_normal, impact.impulse_tangential))

@@ -33,9 +33,7 @@ from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
 ITERATIONS = 40  # of a plastic impact: impulses spread over a chain of about as many bodies
 
-SETTLED = (
-    1e-4  # change of the impulses in an iteration, as a fraction of the largest, with which they are as good as found
-)
+SETTLED = 1e-4  # change of the impulses in an iteration, as a fraction of the largest, with which they are as good as found
 
 FEW = 40  # contacts up to which a plastic impact is solved exactly: some 2 ms
 
@@ -67,7 +65,9 @@ class Contacts:
         parts = impulse[:, :1] * self.rows[0]
         parts += impulse[:, 1:] * self.rows[1]
         change = np.bincount(self.places.ravel(), parts.ravel(), len(self.joints))
-        return np.asarray(change - self.joints @ (self.joints.T @ change) if self.joints.size else change)
+        return np.asarray(
+            change - self.joints @ (self.joints.T @ change) if self.joints.size else change
+        )
 
     def gain(self, change: Array) -> Array:
         """Return the change of the contact velocities by that of the scaled velocities, shape (m, 2)."""
@@ -103,12 +103,16 @@ class Contacts:
         count = len(velocity)
         speeds = velocity.ravel()
         scaled = np.zeros((len(self.joints), count, 2))
-        scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = self.rows.transpose(1, 2, 0)
+        scaled[self.places[:, :, None], np.arange(count)[:, None, None], [0, 1]] = (
+            self.rows.transpose(1, 2, 0)
+        )
         rows = scaled.reshape(len(self.joints), -1)
         rows -= self.joints @ (self.joints.T @ rows)
         matrix = rows.T @ rows
         unit = np.eye(2 * count)
-        step = np.divide(1.0, matrix.diagonal(), out=np.zeros(2 * count), where=matrix.diagonal() > 0.0)
+        step = np.divide(
+            1.0, matrix.diagonal(), out=np.zeros(2 * count), where=matrix.diagonal() > 0.0
+        )
         known: set[bytes] = set()
         found: Array = impulse.ravel()
         normal = 2 * np.arange(count)
@@ -134,7 +138,9 @@ class Contacts:
         after = matrix @ found + speeds
         most = EXACT * np.abs(found).max(initial=0.0)
         part = after[normal] >= -EXACT * np.abs(speeds).max(initial=0.0)
-        kept = (found[normal] >= -most) & (np.abs(found[along]) <= self.friction * found[normal] + most)
+        kept = (found[normal] >= -most) & (
+            np.abs(found[along]) <= self.friction * found[normal] + most
+        )
         return self._in_cone(found.reshape(-1, 2)) if part.all() and kept.all() else impulse
 
     def _in_cone(self, impulse: Array) -> Array:
@@ -161,20 +167,30 @@ class Contacts:
         middle = self.velocity + self.gain(self.change(first))
         after = middle + self.gain(self.change(second))
         nothing = np.zeros_like(first)
-        works = [first * (self.velocity + middle) / 2.0, nothing, second * (middle + after) / 2.0, nothing]
+        works = [
+            first * (self.velocity + middle) / 2.0,
+            nothing,
+            second * (middle + after) / 2.0,
+            nothing,
+        ]
         phases = [np.stack(each, axis=-1) for each in ([first, nothing, second, nothing], works)]
-        slips = np.sign(np.stack([self.velocity[:, 1], nothing[:, 0], middle[:, 1], nothing[:, 0]], axis=-1))
+        slips = np.sign(
+            np.stack([self.velocity[:, 1], nothing[:, 0], middle[:, 1], nothing[:, 0]], axis=-1)
+        )
         outcomes = np.where(after[:, 0] > 0.0, REBOUND, NO_REBOUND).tolist()
         totals = np.concatenate([first + second, after, first], axis=1).tolist()
         columns = zip(totals, phases[0], slips, phases[1], outcomes, strict=True)
         entries = [
-            (*total, np.inf, impulse, slip, *work, outcome) for total, (impulse, _), slip, work, outcome in columns
+            (*total, np.inf, impulse, slip, *work, outcome)
+            for total, (impulse, _), slip, work, outcome in columns
         ]
         return [Impact(*each) for each in entries]
 
 
 def resolve_at_once(
-    points: Sequence[TouchingPoint], rests: Callable[[float, TouchingPoint], bool], motion: StepMotion
+    points: Sequence[TouchingPoint],
+    rests: Callable[[float, TouchingPoint], bool],
+    motion: StepMotion,
 ) -> list[Impact]:
     """Apply the impact at all points to the velocities of the bodies that touch here and of those joined to them.
 
@@ -196,14 +212,22 @@ def resolve_at_once(
     velocities = np.array(moving) - half
     pairs = np.array([[index[point.bodies[0]], index[point.bodies[1]]] for point in points])
     normal = np.array([point.overlap.normal for point in points])
-    axes = np.stack([normal, np.stack([normal[:, 1], -normal[:, 0]], axis=1)], axis=1)[:, :, None, :]
+    axes = np.stack([normal, np.stack([normal[:, 1], -normal[:, 0]], axis=1)], axis=1)[
+        :, :, None, :
+    ]
     arms = (np.array([point.overlap.point for point in points])[:, None] - centres[pairs])[:, None]
     levers = arms[..., 0] * axes[..., 1] - arms[..., 1] * axes[..., 0]
-    factors = np.concatenate([np.broadcast_to(axes, (*levers.shape, 2)), levers[..., None]], axis=-1)
+    factors = np.concatenate(
+        [np.broadcast_to(axes, (*levers.shape, 2)), levers[..., None]], axis=-1
+    )
     factors *= np.array([1.0, -1.0])[:, None]
-    slide = np.einsum("mrx,mx->mr", axes[:, :, 0], np.array([point.surface_velocity for point in points]))
+    slide = np.einsum(
+        "mrx,mx->mr", axes[:, :, 0], np.array([point.surface_velocity for point in points])
+    )
     contacts = Contacts(
-        rows=np.ascontiguousarray((factors * scale[pairs][:, None]).reshape(-1, 2, 6).transpose(1, 0, 2)),
+        rows=np.ascontiguousarray(
+            (factors * scale[pairs][:, None]).reshape(-1, 2, 6).transpose(1, 0, 2)
+        ),
         places=(3 * pairs[..., None] + np.arange(3)).reshape(-1, 6),
         velocity=np.einsum("mrbx,mbx->mr", factors, velocities[pairs]) - slide,
         friction=np.array([point.pair.friction for point in points]),
@@ -214,7 +238,9 @@ def resolve_at_once(
     first, second = contacts.resolve(np.array(restitution))
     after = velocities + scale * contacts.change(first + second).reshape(-1, 3)
     changed = (after != velocities).any(axis=1).tolist()
-    for body, (x, y, turn) in itertools.compress(zip(index, (after + half).tolist(), strict=True), changed):
+    for body, (x, y, turn) in itertools.compress(
+        zip(index, (after + half).tolist(), strict=True), changed
+    ):
         lib.cpBodySetVelocity(body._body, (x, y))
         lib.cpBodySetAngularVelocity(body._body, turn)
     return contacts.records(first, second)

@@ -25,7 +25,9 @@ from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpac
 from bristle_sim.contact_space.joints import Connected, Vector, allowed_part, mass_centre
 from bristle_sim.theory.impact import Impact
 
-APPROACH_ROUNDING = 1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
+APPROACH_ROUNDING = (
+    1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
+)
 
 HALVINGS = 4
 """Most trials in the search for a touch. Each goes back half as far as the one before, until the shapes overlap there."""
@@ -85,7 +87,9 @@ class StepMotion:
             if joints:
                 gains = np.array([self.gains[body] for body in bodies]).ravel()
                 allowed = allowed_part(bodies, joints, gains).reshape(-1, 3).tolist()
-                self.gains.update({body: (u, v, turn) for body, (u, v, turn) in zip(bodies, allowed, strict=True)})
+                self.gains.update(
+                    {body: (u, v, turn) for body, (u, v, turn) in zip(bodies, allowed, strict=True)}
+                )
 
     def clear(self) -> None:
         """Discard the step's data."""
@@ -106,7 +110,9 @@ class StepMotion:
             raw = body._body
             x, y, w = velocity_of(body)
             u, v, turn = self.gains.get(body, NONE)
-            lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (w - turn))  # about the mass centre
+            lib.cpBodySetAngle(
+                raw, lib.cpBodyGetAngle(raw) + time * (w - turn)
+            )  # about the mass centre
             place = lib.cpBodyGetPosition(raw)
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
@@ -136,16 +142,21 @@ class Overlap(NamedTuple):
         n_x += factor * (m_x - n_x)
         n_y += factor * (m_y - n_y)
         length = math.hypot(n_x, n_y)
-        return Overlap((x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), self.depth)
+        return Overlap(
+            (x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), self.depth
+        )
 
 
 def overlaps(found: Any) -> list[Overlap]:
     """Return the overlaps of the engine's contact points, with normals towards their first shape."""
     x, y = found.normal.x, found.normal.y
-    ends = [(found.points[index].pointA, found.points[index].pointB) for index in range(found.count)]
+    ends = [
+        (found.points[index].pointA, found.points[index].pointB) for index in range(found.count)
+    ]
     # The distance that the engine gives has the sign of one order of the shapes only.
     return [
-        Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y) for a, b in ends
+        Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y)
+        for a, b in ends
     ]
 
 
@@ -154,7 +165,9 @@ def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
     first = ffi.new(_SHAPE)
     second = ffi.new(_SHAPE)
     lib.cpArbiterGetShapes(arbiter, first, second)
-    return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(lib.cpShapeGetUserData(second[0]))
+    return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(
+        lib.cpShapeGetUserData(second[0])
+    )
 
 
 class Collision(NamedTuple):
@@ -190,9 +203,14 @@ class Collision(NamedTuple):
             return []
         bodies: Any = [each.body for each in shapes]
         if bodies[0].body_type != pymunk.Body.DYNAMIC:
-            shapes, bodies, x, y = shapes[::-1], bodies[::-1], -x, -y
+            shapes = shapes[::-1]
+            bodies = bodies[::-1]
+            x = -x
+            y = -y
             found = [each._replace(normal=(-each.normal[0], -each.normal[1])) for each in found]
-        return [TouchingPoint(self.pair, shapes, (bodies[0], bodies[1]), (x, y), each) for each in found]
+        return [
+            TouchingPoint(self.pair, shapes, (bodies[0], bodies[1]), (x, y), each) for each in found
+        ]
 
 
 @dataclass(slots=True, eq=False)
@@ -237,7 +255,8 @@ class TouchingPoint:
         gain = 0.0
         for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
             (u, v, turn), (gain_u, gain_v, turning), (centre_x, centre_y) = motion.state(body)
-            arm_x, arm_y = at_x - centre_x, at_y - centre_y
+            arm_x = at_x - centre_x
+            arm_y = at_y - centre_y
             u, v = u - turn * arm_y, v + turn * arm_x
             growth += sign * (u * x + v * y)
             gain += sign * ((gain_u - turning * arm_y) * x + (gain_v + turning * arm_x) * y)
@@ -247,7 +266,9 @@ class TouchingPoint:
             depth += since * (drift - self.drift)
             self.overlap = self.overlap._replace(depth=depth)
         self.drift = drift
-        self.time = min(max(depth, 0.0) / drift if drift > 0.0 else math.inf if depth > 0.0 else 0.0, latest)
+        self.time = min(
+            max(depth, 0.0) / drift if drift > 0.0 else math.inf if depth > 0.0 else 0.0, latest
+        )
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
@@ -261,7 +282,8 @@ class TouchingPoint:
                 growth = after.depth - half.depth
                 touch = 0.5 * time * after.depth / growth if growth > 0.0 else math.inf
                 self.time = min(touch, FARTHER * time, latest)
-                self.overlap, self.drift = after.ahead(half, 2.0 * self.time / time), 2.0 * growth / time
+                self.overlap = after.ahead(half, 2.0 * self.time / time)
+                self.drift = 2.0 * growth / time
                 motion.drift(bodies, 0.5 * time - self.time)
                 return
             motion.drift(bodies, 0.5 * time)

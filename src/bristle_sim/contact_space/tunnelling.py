@@ -47,7 +47,8 @@ class TunnellingWatch:
             self._shapes = len(space._shapes)
             types = {kind for pair in pairs for kind in pair}
             self._least_extent = min(
-                (least_extent(s) for s in space.shapes if s.collision_type in types), default=math.inf
+                (least_extent(s) for s in space.shapes if s.collision_type in types),
+                default=math.inf,
             )
         velocities = Buffer()
         get_space_bodies(space, BodyFields.VELOCITY, velocities)
@@ -60,7 +61,9 @@ class TunnellingWatch:
             if not self.warned and body.velocity.length * duration > self._least_extent:
                 self._follow(space, pairs, body, duration)
 
-    def _follow(self, space: pymunk.Space, pairs: Collection[Types], body: pymunk.Body, duration: float) -> None:
+    def _follow(
+        self, space: pymunk.Space, pairs: Collection[Types], body: pymunk.Body, duration: float
+    ) -> None:
         """Warn if the body passes a shape in the step that begins."""
         speed = body.velocity.length
         for shape in body.shapes:
@@ -93,7 +96,12 @@ def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types])
     types = (shape.collision_type, other.collision_type)
     moving = pymunk.Body.DYNAMIC in (_body_type(shape), _body_type(other))
     solid = not (shape.sensor or other.sensor)
-    return moving and solid and shape.body is not other.body and (types in pairs or types[::-1] in pairs)
+    return (
+        moving
+        and solid
+        and shape.body is not other.body
+        and (types in pairs or types[::-1] in pairs)
+    )
 
 
 def _body_type(shape: pymunk.Shape) -> int | None:

@@ -23,12 +23,16 @@ from bristle_sim.comparison import WIDTH, Quantity, Report, amount, side_by_side
 from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
 from bristle_sim.units import Declared, choice
 
-REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
+REPRODUCED = "reproduced"
+DIFFERS = "differs"
+NOT_COMPUTABLE = "not computable"
 
 SLACK = 1e-9
 """Allowance for rounding where a value lies exactly half a unit away, as a fraction of the printed number."""
 
-PRINTED, COMPUTED, UNIT = 22, 12, 9
+PRINTED = 22
+COMPUTED = 12
+UNIT = 9
 """Columns of the table's narrow cells; the status is the last and the place takes the rest."""
 
 
@@ -66,7 +70,12 @@ def audit_rows() -> tuple[AuditRow, ...]:
 
     figures = impact.cue_figures() | impact.compression_figures() | impact.restitution_figures()
     figures |= impact.pendulum_figures()
-    figures |= force.force_history_figures() | force.motion_figures() | force.plies_figures() | force.energy_figures()
+    figures |= (
+        force.force_history_figures()
+        | force.motion_figures()
+        | force.plies_figures()
+        | force.energy_figures()
+    )
     return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 
 
@@ -76,7 +85,9 @@ def audit_row(row: Printed, figure: Figure) -> AuditRow:
     Raises:
         ArithmeticError: if the figure is not finite.
     """
-    computed, tolerance, same = figure.value, None, figure.holds
+    computed = figure.value
+    tolerance = None
+    same = figure.holds
     if computed is not None and not math.isfinite(computed):
         raise ArithmeticError(f"{row.where}: computed {computed:g}")
     if row.printed:
@@ -87,7 +98,13 @@ def audit_row(row: Printed, figure: Figure) -> AuditRow:
     printed = float(row.printed) if row.printed else row.statement
     within = None if computed is None else tolerance
     return AuditRow(
-        row.where, printed, row.unit, computed, status, row.why.format(*figure.further, figure=computed), within
+        row.where,
+        printed,
+        row.unit,
+        computed,
+        status,
+        row.why.format(*figure.further, figure=computed),
+        within,
     )
 
 
@@ -103,11 +120,17 @@ def audit_report(view: AuditView) -> Report:
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)
-    names = {REPRODUCED: "rows_reproduced", DIFFERS: "rows_that_differ", NOT_COMPUTABLE: "rows_not_computable"}
+    names = {
+        REPRODUCED: "rows_reproduced",
+        DIFFERS: "rows_that_differ",
+        NOT_COMPUTABLE: "rows_not_computable",
+    }
     shown = [row for row in rows if view.show in ("all", row.status)]
     return Report(
         outcome=None,
-        quantities=tuple(Quantity(name, "rows", float(counts[status])) for status, name in names.items()),
+        quantities=tuple(
+            Quantity(name, "rows", float(counts[status])) for status, name in names.items()
+        ),
         wall_s=clock.perf_counter() - begin,
         remarks=("", terminal_table(shown)),
         extra={"rows": [dataclasses.asdict(row) for row in rows]},
@@ -146,10 +169,14 @@ def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
     widths = (width - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
 
     def line(*cells: str) -> list[str]:
-        return side_by_side([textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2))
+        return side_by_side(
+            [textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2)
+        )
 
     lines = [*line("where", "printed", "computed", "unit", "status"), "-" * width]
     for row in rows:
-        lines += line(row.where, shown_number(row.printed), shown_number(row.computed), row.unit, row.status)
+        lines += line(
+            row.where, shown_number(row.printed), shown_number(row.computed), row.unit, row.status
+        )
         lines += textwrap.wrap(row.why, width, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines)

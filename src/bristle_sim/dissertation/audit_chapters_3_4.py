@@ -42,12 +42,16 @@ exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
 def force_history_figures() -> Figures:
     """Return the figures of the force history, chapter 3."""
-    printed, step = np.array(printed_segments(), dtype=float), 0.1 * COMPRESSION_TIME
+    printed = np.array(printed_segments(), dtype=float)
+    step = 0.1 * COMPRESSION_TIME
     # (3.3) through the forces of table 3.1, impulse over time at the middle of each segment, with F* = 60 N.
-    middles, known = step * (np.arange(10) + 0.5), {"duration": BRISTLE.duration, "peak_force": 2.0 * BRISTLE.swing}
+    middles = step * (np.arange(10) + 0.5)
+    known = {"duration": BRISTLE.duration, "peak_force": 2.0 * BRISTLE.swing}
     table_fit = fit_force_history(middles, 1e-4 * printed / step, start=0.0, **known)
-    segments, total = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME), printed.sum()
-    rescaled, fitted = BALL.rescaled(BRISTLE_IMPULSE, COMPRESSION_TIME), BRISTLE.impulse(COMPRESSION_TIME)
+    segments = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME)
+    total = printed.sum()
+    rescaled = BALL.rescaled(BRISTLE_IMPULSE, COMPRESSION_TIME)
+    fitted = BRISTLE.impulse(COMPRESSION_TIME)
     upright = math.acos(resultant_impulse(0) * math.sin(IMPACT_ANGLE) / BRISTLE_IMPULSE)
     aligned = np.max(np.abs(segment_impulses(BRISTLE, 1) - segment_impulses(BALL, 1)))
     ball, bristle = (
@@ -61,10 +65,16 @@ def force_history_figures() -> Figures:
         "eq. 3.6: time of the largest force": Figure(BALL.peak_time()),
         "eq. 3.7: compressive impulse of the ball": Figure(BALL.impulse(BALL_TIME)),
         "eq. 3.17: compressive impulse of the ball": Figure(BALL.impulse(BALL_TIME)),
-        "sec. 3.1: peak force within 5 % of the measured one": within(BALL.peak_force() / (2 * BALL.swing) - 1, 0.05),
-        "sec. 3.1: inflection point within 5 % of the raw data": Figure(None, 1e3 * BALL.inflection_time()),
+        "sec. 3.1: peak force within 5 % of the measured one": within(
+            BALL.peak_force() / (2 * BALL.swing) - 1, 0.05
+        ),
+        "sec. 3.1: inflection point within 5 % of the raw data": Figure(
+            None, 1e3 * BALL.inflection_time()
+        ),
         "eq. 3.9: compressive impulse of the bristle": Figure(
-            resultant_impulse(0.31), 1 / math.tan(IMPACT_ANGLE + upright), 1e3 * resultant_impulse(0.5)
+            resultant_impulse(0.31),
+            1 / math.tan(IMPACT_ANGLE + upright),
+            1e3 * resultant_impulse(0.5),
         ),
         **{
             f"table 3.1: impulse of segment {number}": Figure(
@@ -95,22 +105,29 @@ def force_history_figures() -> Figures:
 
 def motion_figures() -> Figures:
     """Return the figures of motion and width of the cut, section 4.1."""
-    drawn, face = PRINTED_KINEMATICS, PRINTED_FACE
+    drawn = PRINTED_KINEMATICS
+    face = PRINTED_FACE
     reached = 1e6 * float(drawn.tip_displacement(COMPRESSION_TIME))
     rake_face = 90 - 23.4 - 11.5
     return {
         "eq. 4.2: cutting excursion c_1": Figure(None),
         "eq. 4.4: decay lambda": Figure(exact.decay, 30 / drawn.excursion, allowance=49.5),
         "fig. 4.3: excursion at 50 us": Figure(reached),
-        "fig. 4.3: excursion against 325 um": Figure(100 * abs(320 / 325 - 1), reached, 100 * (1 - reached / 325)),
+        "fig. 4.3: excursion against 325 um": Figure(
+            100 * abs(320 / 325 - 1), reached, 100 * (1 - reached / 325)
+        ),
         "eq. 4.6: amplitude of the rate": Figure(30 / 0.027, exact.rate),
         "eq. 4.6: rate at rest": Figure(exact.final_rate),
         "eq. 4.6: initial rate": Figure(drawn.bristle_rate(0), exact.bristle_rate(0)),
         "eq. 4.7: amplitude of v_G": Figure(0.5 * 0.027 * 1111),
         "eq. 4.7: v_G at rest": Figure(exact.final_centre_speed, exact.centre_velocity(0)),
         "eq. 4.8: depth": Figure(drawn.excursion * math.sin(IMPACT_ANGLE)),
-        "eq. 4.10: angle of the face": Figure(None, rake_face, 1e4 * drawn.depth / math.sin(math.radians(rake_face))),
-        "eq. 4.10: depth on the face": Figure(drawn.depth / math.sin(face.face_angle), 1e4 * exact.face_depth),
+        "eq. 4.10: angle of the face": Figure(
+            None, rake_face, 1e4 * drawn.depth / math.sin(math.radians(rake_face))
+        ),
+        "eq. 4.10: depth on the face": Figure(
+            drawn.depth / math.sin(face.face_angle), 1e4 * exact.face_depth
+        ),
         "eq. 4.12: long axis of the tip": Figure(face.long_axis),
         "eq. 4.13: half the short axis": Figure(0.5 * face.short_axis),
         "eq. 4.13: half the long axis": Figure(0.5 * face.long_axis),
@@ -118,7 +135,8 @@ def motion_figures() -> Figures:
         "eq. 4.15: first constant": Figure(0.00018 * 0.000355 / 0.00046),
         "eq. 4.15: second constant": Figure(0.00028 * 0.000355 / 0.00046),
         "fig. 4.6: width at 50 us": Figure(
-            1e6 * CuttingWidth.of_face(face, drawn)(COMPRESSION_TIME), 1e6 * PRINTED_WIDTH(COMPRESSION_TIME)
+            1e6 * CuttingWidth.of_face(face, drawn)(COMPRESSION_TIME),
+            1e6 * PRINTED_WIDTH(COMPRESSION_TIME),
         ),
         "fig. 4.6: width against 651 um": Figure(100 * abs(652 / 651 - 1)),
     }
@@ -126,13 +144,19 @@ def motion_figures() -> Figures:
 
 def plies_figures() -> Figures:
     """Return the figures of the depth by plies, section 4.2."""
-    angles, buried = oblique_angles(0.5, IMPACT_ANGLE), oblique_angles(0.31, IMPACT_ANGLE, check=False)
-    rake, beta, eta = (math.degrees(float(each)) for each in (angles.rake, angles.friction, angles.shear))
+    angles = oblique_angles(0.5, IMPACT_ANGLE)
+    buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
+    rake, beta, eta = (
+        math.degrees(float(each)) for each in (angles.rake, angles.friction, angles.shear)
+    )
     under = 23.4 - math.degrees(buried.shear)
     rounded = 1e6 * float(crater.merchant_crater_depth(angles=PRINTED_ANGLES))
     limit = 1e6 * crater.merchant_crater_depth_limit(angles=PRINTED_ANGLES)
-    gaps = crater.merchant_crater_depth_limit() - crater.merchant_crater_depth(plies=[10_000, 100_000])
-    frictions, shallow = np.linspace(0.45, 4.0, 60), np.radians(np.linspace(0.0, 23.4, 27))[:, np.newaxis]
+    gaps = crater.merchant_crater_depth_limit() - crater.merchant_crater_depth(
+        plies=[10_000, 100_000]
+    )
+    frictions = np.linspace(0.45, 4.0, 60)
+    shallow = np.radians(np.linspace(0.0, 23.4, 27))[:, np.newaxis]
     depths = 1e6 * crater.merchant_crater_depth(frictions, shallow)
     constant_depth = crater.friction_for_crater_depth(0.00014, np.radians(np.linspace(5, 23, 19)))
     by_stress = 1e6 * crater.merchant_crater_depth(shear_yield_stress=np.linspace(0.8e8, 2.4e8, 17))
@@ -142,18 +166,30 @@ def plies_figures() -> Figures:
         "eq. 4.52: friction angle": Figure(beta),
         "eq. 4.52: shear angle": Figure(eta),
         "eq. 4.53: shear yield stress of API 5L": Figure(None),
-        "eq. 4.55: amplitude of the cutting force": Figure(BRISTLE.amplitude * math.cos(angles.resultant_angle)),
+        "eq. 4.55: amplitude of the cutting force": Figure(
+            BRISTLE.amplitude * math.cos(angles.resultant_angle)
+        ),
         "eq. 4.56: angle of the resultant to the shear plane": Figure(eta + beta - rake),
         "eq. 4.56: angle of the resultant to the path": Figure(beta - rake),
         "eq. 4.56: 2/cos(gamma)": Figure(2 / math.cos(IMPACT_ANGLE)),
-        "sec. 4.2.2: chip and rebound contradict each other": Figure(23.4 - under, under, holds=under > 0),
-        "fig. 4.13: crater depth with 300 plies": Figure(rounded, 1e6 * crater.merchant_crater_depth()),
+        "sec. 4.2.2: chip and rebound contradict each other": Figure(
+            23.4 - under, under, holds=under > 0
+        ),
+        "fig. 4.13: crater depth with 300 plies": Figure(
+            rounded, 1e6 * crater.merchant_crater_depth()
+        ),
         "sec. 4.2.2: the depth is converged at n = 300": Figure(
             limit,
-            *(math.log10(gaps[0] / gaps[1]), limit - rounded, 1e6 * crater.merchant_crater_depth_limit()),
+            *(
+                math.log10(gaps[0] / gaps[1]),
+                limit - rounded,
+                1e6 * crater.merchant_crater_depth_limit(),
+            ),
             holds=abs(limit - 140) < 0.5,
         ),
-        "sec. 4.2.2: the depth is close to the measured 130 um": within(rounded * 1e-06 / 0.00013 - 1, 0.1),
+        "sec. 4.2.2: the depth is close to the measured 130 um": within(
+            rounded * 1e-06 / 0.00013 - 1, 0.1
+        ),
         "fig. 4.14: depth grows with friction": above(np.diff(depths).min(), 0),
         "fig. 4.15: depth grows with the impact angle": above(np.diff(depths, axis=0).min(), 0),
         "fig. 4.16: friction falls with the impact angle at constant depth": Figure(
@@ -167,12 +203,14 @@ def plies_figures() -> Figures:
 
 def energy_figures() -> Figures:
     """Return the figures of the depth by work and energy, section 4.3."""
-    printed, unrounded = energy_coefficients(), energy_coefficients(exact)
+    printed = energy_coefficients()
+    unrounded = energy_coefficients(exact)
     initial = kinetic_energy(0, unrounded)
     lost = 1e3 * float(kinetic_energy(0.0) - kinetic_energy(COMPRESSION_TIME))
     few, many = (float(crater.energy_crater_depth(plies)) for plies in (300, 3000))
     ratios = (1e6 * crater.energy_crater_depth_ratio(plies) for plies in (5, 300))
-    work, braking = 1e3 * crater.work_along_path(), path_force(0)
+    work = 1e3 * crater.work_along_path()
+    braking = path_force(0)
     cut = depth_from_energy(unrounded[0], specific_cutting_energy(0.5))
     inclined = depth_from_energy(unrounded[0], specific_cutting_energy(0.5, surface="inclined"))
     return {
@@ -183,7 +221,9 @@ def energy_figures() -> Figures:
         "eq. 4.59: constant": Figure(printed[2], 1e4 * unrounded[2]),
         "eq. 4.66: amplitude over cos(gamma)": Figure(1.016 / math.cos(IMPACT_ANGLE)),
         "fig. 4.19: crater depth by work and energy": Figure(few, 1e3 * few, *ratios),
-        "sec. 4.3: the energy estimate converges": Figure(many / few, BRISTLE(0), holds=abs(many / few - 1) < 0.01),
+        "sec. 4.3: the energy estimate converges": Figure(
+            many / few, BRISTLE(0), holds=abs(many / few - 1) < 0.01
+        ),
         "eqs. 4.54, 4.59: the work of the force is the energy given up": Figure(
             work, lost, 1e3 * unrounded[0], holds=abs(work / lost - 1) < 0.05
         ),

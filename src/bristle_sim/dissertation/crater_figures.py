@@ -15,7 +15,12 @@ from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Crater
-from bristle_sim.studies.crater_study import MEASURED, cut_of, energy_depth_course, merchant_depth_course
+from bristle_sim.studies.crater_study import (
+    MEASURED,
+    cut_of,
+    energy_depth_course,
+    merchant_depth_course,
+)
 from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,
@@ -46,24 +51,45 @@ Family = tuple[str, Axis, str, tuple[float, float], str, tuple[float, ...]]
 
 FAMILIES: dict[str, Family] = {
     "4.14": ("friction", FRICTION, "friction", (0.45, 4.0), "impact_angle_deg", ANGLES),
-    "4.15": ("the impact angle", ANGLE, "impact_angle_deg", (0.5, 23.4), "friction", (0.5, 1.0, 2.0, 4.0)),
-    "4.17": ("the shear yield stress", STRESS, "shear_yield_stress", (0.8e8, 2.4e8), "impact_angle_deg", ANGLES),
+    "4.15": (
+        "the impact angle",
+        ANGLE,
+        "impact_angle_deg",
+        (0.5, 23.4),
+        "friction",
+        (0.5, 1.0, 2.0, 4.0),
+    ),
+    "4.17": (
+        "the shear yield stress",
+        STRESS,
+        "shear_yield_stress",
+        (0.8e8, 2.4e8),
+        "impact_angle_deg",
+        ANGLES,
+    ),
 }
 """By figure: the varied quantity, its axis, its field of Crater and range; and the field and values of the family."""
 
 
 def map_figure() -> Redrawn:
     """Figure 4.2: force and motion during compression, beside a contact of the operating point's speed."""
-    k, contact = PRINTED_KINEMATICS, bristle_contact(impulse=False)
+    k = PRINTED_KINEMATICS
+    contact = bristle_contact(impulse=False)
     h = contact.history
     speed = np.hypot(h.normal_velocity, h.tangential_velocity)
     panels = (
         _over_time(FORCE, "$F$ (3.19)", BRISTLE, contact.force),
         _over_time(PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
         _over_time(Axis("tip's speed", "m/s"), "$v_C$ (4.4b)", k.tip_velocity, speed),
-        _over_time(Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact.rate),
-        _over_time(Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact.centre_speed),
-        _over_time(Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration),
+        _over_time(
+            Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact.rate
+        ),
+        _over_time(
+            Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact.centre_speed
+        ),
+        _over_time(
+            Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration
+        ),
     )
     note = "a contact that takes 50 µs to stop a tip of 30 m/s needs some 0.9 mm for it, three times the path of (4.4a)"
     return Redrawn("4.2", "force and motion during compression", panels, note)
@@ -73,7 +99,8 @@ def displacement_figure() -> Redrawn:
     """Figure 4.3: the tip's path."""
     motion = PRINTED_KINEMATICS.tip_displacement
     panel = _over_time(PATH, "$S$ (4.4a)", motion, bristle_contact(impulse=False).path)
-    end, level = float(motion(COMPRESSION_TIME)), Level(3.25e-4, "measured, 325 µm")
+    end = float(motion(COMPRESSION_TIME))
+    level = Level(3.25e-4, "measured, 325 µm")
     mark = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left")
     panel = dataclasses.replace(panel, levels=(level,), marks=(mark,))
     return Redrawn("4.3", "penetration displacement", (panel,), "printed end: 320 µm")
@@ -86,20 +113,26 @@ def width_figure() -> Redrawn:
     grid = COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2
     curve = curve_of("$b$ (4.16)", PRINTED_WIDTH, grid, {"printed": (at, printed)})
     end = float(PRINTED_WIDTH(COMPRESSION_TIME))
-    mark, level = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left"), Level(6.51e-4, "measured, 651 µm")
-    panel = Panel(MICROSECONDS, Axis("cutting width", "µm", 1e6), (curve,), marks=(mark,), levels=(level,))
+    mark = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left")
+    level = Level(6.51e-4, "measured, 651 µm")
+    panel = Panel(
+        MICROSECONDS, Axis("cutting width", "µm", 1e6), (curve,), marks=(mark,), levels=(level,)
+    )
     return Redrawn("4.6", "cutting width", (panel,), "printed end: 652 µm")
 
 
 def plies_figure() -> Redrawn:
     """Figure 4.13: depth over the number of plies, with exact and rounded angles."""
     exact, rounded = (partial(_depths, angles) for angles in (None, PRINTED_ANGLES))
-    course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
+    course = [
+        float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
+    ]
     curves = (
         curve_of("exact angles", exact, WHOLE_PLIES, {"printed": (FEW_PLIES, course)}),
         curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
     )
-    limit, depth = float(merchant_crater_depth_limit()), float(rounded(np.array(300)))
+    limit = float(merchant_crater_depth_limit())
+    depth = float(rounded(np.array(300)))
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
     mark = Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140")
     panel = Panel(PLIES, DEPTH, curves, marks=(mark,), levels=levels)
@@ -126,7 +159,9 @@ def constant_depth_figure() -> Redrawn:
     """Figure 4.16: friction over the impact angle at constant depth."""
     curves = []
     for depth in (1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4):
-        angles = np.array([each for each in np.linspace(5.0, 23.4, 101) if math.isfinite(_friction(depth, each))])
+        angles = np.array(
+            [each for each in np.linspace(5.0, 23.4, 101) if math.isfinite(_friction(depth, each))]
+        )
         at = angles[:: max(len(angles) // 8, 1)]
         found = [_friction_of_printed_sum(depth, float(angle)) for angle in at]
         formula = np.vectorize(partial(_friction, depth))
@@ -138,20 +173,25 @@ def constant_depth_figure() -> Redrawn:
 
 def energy_figure() -> Redrawn:
     """Figure 4.19: depth by work and energy over the number of plies, in both readings."""
-    course = [float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
+    course = [
+        float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
+    ]
     curves = (
         curve_of(
-            "sum of quotients (4.62)", np.vectorize(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}
+            "sum of quotients (4.62)",
+            np.vectorize(energy_crater_depth),
+            WHOLE_PLIES,
+            {"motion": (FEW_PLIES, course)},
         ),
         curve_of("ratio of two sums (4.66)", np.vectorize(energy_crater_depth_ratio), WHOLE_PLIES),
     )
     mark = Mark(5.0, float(energy_crater_depth_ratio(5)), "5 plies", "left")
     levels = (MEASURED_LEVEL, Level(7.58e-5, "printed, 75.8 µm"))
     panel = Panel(PLIES, dataclasses.replace(DEPTH, log=True), curves, marks=(mark,), levels=levels)
-    note = (
-        "the sum grows like ln $n$ until the rounding of $F$(0), 0.02 N, stops it at 14 mm; the ratio falls like 1/$n$"
+    note = "the sum grows like ln $n$ until the rounding of $F$(0), 0.02 N, stops it at 14 mm; the ratio falls like 1/$n$"
+    return Redrawn(
+        "4.19", "crater depth by work and energy over the number of plies", (panel,), note
     )
-    return Redrawn("4.19", "crater depth by work and energy over the number of plies", (panel,), note)
 
 
 FIGURES: dict[str, Callable[[], Redrawn]] = {
@@ -167,20 +207,32 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 }
 
 
-def _over_time(axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array) -> Panel:
+def _over_time(
+    axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array
+) -> Panel:
     """Return a panel with a printed course of the compression and the simulated one."""
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
-    kept, grid = time <= COMPRESSION_TIME, np.linspace(0.0, COMPRESSION_TIME, 101)
-    return Panel(MICROSECONDS, axis, (curve_of(name, formula, grid, {"contact": (time[kept], values[first][kept])}),))
+    kept = time <= COMPRESSION_TIME
+    grid = np.linspace(0.0, COMPRESSION_TIME, 101)
+    return Panel(
+        MICROSECONDS,
+        axis,
+        (curve_of(name, formula, grid, {"contact": (time[kept], values[first][kept])}),),
+    )
 
 
 def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
     at = np.linspace(float(x[0]), float(x[-1]), 8)
-    course = [merchant_depth_course(dataclasses.replace(base, **{along: each}))[-1] for each in at.tolist()]
+    course = [
+        merchant_depth_course(dataclasses.replace(base, **{along: each}))[-1]
+        for each in at.tolist()
+    ]
     name = f"{getattr(base, family):g}{'' if family == 'friction' else '°'}"
 
     def formula(grid: Array) -> Array:
-        given = {along.removesuffix("_deg"): np.radians(grid) if along == "impact_angle_deg" else grid}
+        given = {
+            along.removesuffix("_deg"): np.radians(grid) if along == "impact_angle_deg" else grid
+        }
         return np.asarray(merchant_crater_depth(**cut_of(base) | given))
 
     return curve_of(name, formula, x, {"printed": (at, course)})
@@ -201,4 +253,6 @@ def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
         crater = dataclasses.replace(OWN, friction=math.exp(logarithm), impact_angle_deg=angle_deg)
         return float(merchant_depth_course(crater)[-1]) / depth - 1.0
 
-    return math.exp(brentq(excess, math.log(math.tan(math.radians(angle_deg))), math.log(1e6), xtol=1e-15))
+    return math.exp(
+        brentq(excess, math.log(math.tan(math.radians(angle_deg))), math.log(1e6), xtol=1e-15)
+    )

@@ -39,7 +39,9 @@ def redrawn(number: str) -> Redrawn:
 class Selection(Declared):
     """Which figures to redraw."""
 
-    only: str = choice("only: figure or table that is redrawn [chosen: one figure alone]", "all", *NUMBERS)
+    only: str = choice(
+        "only: figure or table that is redrawn [chosen: one figure alone]", "all", *NUMBERS
+    )
 
 
 def figures_report(selection: Selection) -> Report:
@@ -54,7 +56,11 @@ def figures_report(selection: Selection) -> Report:
 
     def report() -> Report:
         """Return how far the points of the figures are from their curves."""
-        apart = [(each, law, value) for each in figures for law, value in largest_differences(each).items()]
+        apart = [
+            (each, law, value)
+            for each in figures
+            for law, value in largest_differences(each).items()
+        ]
         words = "largest distance of the points from their curve, divided by the curve's largest value at a point, in"
         return Report(
             outcome=None,
@@ -67,7 +73,9 @@ def figures_report(selection: Selection) -> Report:
 
     try:
         for number in numbers:
-            logging.getLogger(__name__).info("figure %s (%d of %d)", number, len(figures) + 1, len(numbers))
+            logging.getLogger(__name__).info(
+                "figure %s (%d of %d)", number, len(figures) + 1, len(numbers)
+            )
             figures.append(redrawn(number))
     except KeyboardInterrupt:
         raise Unfinished(report()) from None
@@ -76,7 +84,14 @@ def figures_report(selection: Selection) -> Report:
 
 def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
     label = f"{figure.name.replace('_', ' ')}, {SOURCES[source].words}"
-    return Quantity(f"{figure.name}_{source}", "1", distance, 0.0, tolerance=SOURCES[source].tolerance, label=label)
+    return Quantity(
+        f"{figure.name}_{source}",
+        "1",
+        distance,
+        0.0,
+        tolerance=SOURCES[source].tolerance,
+        label=label,
+    )
 
 
 def _answer(quantities: Sequence[Quantity]) -> str:

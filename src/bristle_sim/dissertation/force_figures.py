@@ -16,7 +16,9 @@ from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 
-NOISE, POINTS, SEED = 5.0, 61, 1
+NOISE = 5.0
+POINTS = 61
+SEED = 1
 """Noise (N) and number of the points that stand in for the measured ones, and the seed of the noise."""
 
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
@@ -31,9 +33,13 @@ def points_figure() -> Redrawn:
     """Figure 3.1: points of the ball's impact."""
     time = np.linspace(0.0, BALL.duration, POINTS)
     force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
-    fit = fit_force_history(time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0)
+    fit = fit_force_history(
+        time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0
+    )
     shown = f"fit: c = {fit.values[0]:.3f}, $\\lambda$ = {fit.values[1]:.0f} /s"
-    curve = curve_of(shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)})
+    curve = curve_of(
+        shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)}
+    )
     note = "the measured points are not in print: these are drawn from (3.5), c = 1.3935, $\\lambda$ = 101.6 /s"
     title = "force of a steel ball on a steel plate over time"
     return Redrawn("3.1", title, (Panel(MILLISECONDS, FORCE, (curve,)),), note)
@@ -42,9 +48,16 @@ def points_figure() -> Redrawn:
 def fit_figure() -> Redrawn:
     """Figure 3.2: the fitted curve, its inflection point and its largest force."""
     at = np.linspace(0.0, 5e-3, 11)
-    printed = 1.3935 * np.exp(-101.6189 * at) * (145.0 - 167.5 * np.cos(2.0 * np.pi * (at + 0.0005) / 0.006))
-    curve = curve_of("(3.5)", BALL, np.linspace(0.0, BALL.duration, 201), {"printed": (at, printed)})
-    bend, peak = BALL.inflection_time(), BALL.peak_time()
+    printed = (
+        1.3935
+        * np.exp(-101.6189 * at)
+        * (145.0 - 167.5 * np.cos(2.0 * np.pi * (at + 0.0005) / 0.006))
+    )
+    curve = curve_of(
+        "(3.5)", BALL, np.linspace(0.0, BALL.duration, 201), {"printed": (at, printed)}
+    )
+    bend = BALL.inflection_time()
+    peak = BALL.peak_time()
     marks = (
         Mark(bend, float(BALL(bend)), f"rises fastest at {1e3 * bend:.3f} ms"),
         Mark(peak, BALL.peak_force(), f"{BALL.peak_force():.1f} N at {1e3 * peak:.3f} ms", "above"),
@@ -86,10 +99,18 @@ def table() -> Redrawn:
         [1e4 * contact.resultant.integrate(*pair) for pair in pairwise(edges)],
     )
     rows = [
-        (str(i + 1), f"{1e6 * edges[i]:.0f}-{1e6 * edges[i + 1]:.0f}", printed, *(f"{each[i]:.3f}" for each in columns))
+        (
+            str(i + 1),
+            f"{1e6 * edges[i]:.0f}-{1e6 * edges[i + 1]:.0f}",
+            printed,
+            *(f"{each[i]:.3f}" for each in columns),
+        )
         for i, printed in enumerate(TABLE_3_1)
     ]
-    totals = (f"{sum(float(each) for each in TABLE_3_1):.2f}", *(f"{sum(each):.3f}" for each in columns))
+    totals = (
+        f"{sum(float(each) for each in TABLE_3_1):.2f}",
+        *(f"{sum(each):.3f}" for each in columns),
+    )
     head = ("segment", "time (µs)", "printed", "by (3.15)", "by (3.19)", "simulated")
     return Redrawn(
         "table_3.1",

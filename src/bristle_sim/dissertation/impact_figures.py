@@ -30,12 +30,16 @@ Impact = Callable[[float], tuple[Chain, Surface]]
 
 GRID = 401  # points on a curve
 
-ENERGETIC, COMPLIANT = 6, 5  # simulated impacts on a curve by law: at ends and steps, and between them
+# simulated impacts on a curve by law: at ends and steps, and between them
+ENERGETIC = 6
+COMPLIANT = 5
 
 NEAREST = 0.9
 """Fraction of the stiction friction up to which impacts are simulated where p_fy has no bound; curves end at 0.9999 of it."""
 
-FINAL, NORMAL, TANGENTIAL = "normal_final_impulse", "normal_compressive_work", "tangential_compressive_work"
+FINAL = "normal_final_impulse"
+NORMAL = "normal_compressive_work"
+TANGENTIAL = "tangential_compressive_work"
 TOTAL = "total_compressive_work"
 
 
@@ -55,8 +59,11 @@ class Case:
 
     def impact(self) -> tuple[Chain, Surface]:
         """Return the rod that strikes and the surface that is struck."""
-        angle, rate = -self.impact_angle, self.speed_ratio * self.hub_speed
-        rod = Chain((self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle)
+        angle = -self.impact_angle
+        rate = self.speed_ratio * self.hub_speed
+        rod = Chain(
+            (self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle
+        )
         return rod, Surface(self.friction, self.restitution_friction, self.restitution)
 
 
@@ -118,11 +125,15 @@ def _angles(*degrees: float) -> tuple[float, ...]:
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", _angles(10.0, 15.0, 23.4, 30.0))
 LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
 RATIO = Sweep("speed_ratio", 1.0, 5.0, "hub_speed", (200.0, 261.8, 320.0))
-LATER_FRICTION = Sweep("restitution_friction", 0.0, 1.0, "friction", (0.1, 0.31, 0.6), until_stiction=True)
+LATER_FRICTION = Sweep(
+    "restitution_friction", 0.0, 1.0, "friction", (0.1, 0.31, 0.6), until_stiction=True
+)
 EARLIER_FRICTION = Sweep("friction", 0.0, 1.0, "restitution_friction", (0.0, 0.2, 0.31, 0.4))
 COMMON_FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", _angles(15.0, 23.4, 30.0, 40.0), True)
 RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
-REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
+REBOUND = Sweep(
+    "impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0)
+)
 
 FIGURES: dict[str, tuple[str, Sweep, str]] = {
     "2.7": ("normal_compressive_impulse", FRICTION, "over friction"),
@@ -165,7 +176,8 @@ def impact_figure(number: str) -> Redrawn:
 def single_pendulum_figure() -> Redrawn:
     """Return figure 2.26: the bristle's rebound ratio with a hub of no radius."""
     panel = _panel(
-        "rebound_ratio", dataclasses.replace(REBOUND, base=dataclasses.replace(OPERATING_POINT, hub_radius=0.0))
+        "rebound_ratio",
+        dataclasses.replace(REBOUND, base=dataclasses.replace(OPERATING_POINT, hub_radius=0.0)),
     )
     note = "the bristle on a hub of no radius, $r_h$ = 0"
     return Redrawn("2.26", "rebound ratio of Stronge's single pendulum", (panel,), note)
@@ -185,16 +197,21 @@ def _panel(quantity: str, sweep: Sweep) -> Panel:
     tangents = dict.fromkeys(math.tan(case.impact_angle) for case in sweep.cases())
     label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
     levels = tuple(Level(each, label, upright=True) for each in tangents if each <= sweep.high)
-    return dataclasses.replace(panel, levels=levels, top=2.2 * max(float(curve.theory[0]) for curve in curves))
+    return dataclasses.replace(
+        panel, levels=levels, top=2.2 * max(float(curve.theory[0]) for curve in curves)
+    )
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
     """Return a curve, sampled more densely where it grows without bound, and points by law at ends, steps and middles."""
-    low, high, simulated = sweep.low, sweep.high, sweep.high
+    low = sweep.low
+    high = sweep.high
+    simulated = sweep.high
     grid = np.linspace(low, high, GRID)
     if sweep.until_stiction:
         stiction = math.tan(case.impact_angle)
-        simulated, high = min(high, NEAREST * stiction), min(high, 0.9999 * stiction)
+        simulated = min(high, NEAREST * stiction)
+        high = min(high, 0.9999 * stiction)
         grid = np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
     middles = low + (np.arange(COMPLIANT) + 0.5) * ((simulated - low) / COMPLIANT)
     places = {"energetic": np.linspace(low, simulated, ENERGETIC), "compliant": np.asarray(middles)}
@@ -242,7 +259,11 @@ def impact_curve(
     points: dict[str, Any] = {}
     for law, at in places.items():
         records = ((each, _struck(*impact(each), law)) for each in at.tolist())
-        found = [(each, value) for each, record in records if record and (value := read(record)) is not None]
+        found = [
+            (each, value)
+            for each, record in records
+            if record and (value := read(record)) is not None
+        ]
         points[law] = tuple(zip(*found, strict=True))
     return curve_of(name, formula, x, points)
 

@@ -10,7 +10,14 @@ from functools import cache, partial
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.dissertation.impact_figures import AXES, FINAL, OPERATING_POINT, Impact, closed_form, impact_curve
+from bristle_sim.dissertation.impact_figures import (
+    AXES,
+    FINAL,
+    OPERATING_POINT,
+    Impact,
+    closed_form,
+    impact_curve,
+)
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import DoublePendulum, Hub, Surface
 from bristle_sim.scene.strike import Chain
@@ -18,14 +25,17 @@ from bristle_sim.studies.impacts import double_chain
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord
 
-HEAVY_ROD = Chain((700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6))
+HEAVY_ROD = Chain(
+    (700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6)
+)
 """The bristle as the second rod of a double pendulum whose first is 700 times as heavy (Zhang 2020, fig. 2.30)."""
 
 
 def double_pendulum_figure(number: str) -> Redrawn:
     """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
     rod, name = {"2.28": (2, "rod BC"), "2.29": (1, "rod OB")}[number]
-    chain, surface = double_chain(DoublePendulum()), Surface(0.5, None, 0.5)
+    chain = double_chain(DoublePendulum())
+    surface = Surface(0.5, None, 0.5)
     places = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(1.0, 1e4, 9)[1::2]}
     curves = tuple(
         _curve(
@@ -46,7 +56,9 @@ def double_pendulum_figure(number: str) -> Redrawn:
 
 def heavy_rod_figure() -> Redrawn:
     """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum, and the monofilament's."""
-    stiction, at, surface = math.tan(-HEAVY_ROD.angles[1]), OPERATING_POINT.friction, Surface(restitution=0.42)
+    stiction = math.tan(-HEAVY_ROD.angles[1])
+    at = OPERATING_POINT.friction
+    surface = Surface(restitution=0.42)
     frictions = 0.9999 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
     last = 0.9 * stiction  # largest friction of simulated impacts
     places = {"energetic": np.linspace(0.0, last, 6), "compliant": np.linspace(0.1, 0.9, 5) * last}
@@ -55,23 +67,33 @@ def heavy_rod_figure() -> Redrawn:
         for n in (1.0, 10.0, 700.0)
     ]
     bristle = dataclasses.replace(OPERATING_POINT, speed_ratio=HEAVY_ROD.rates[1] / Hub().speed)
-    curves.append(curve_of("bristle on its hub", closed_form(FINAL, bristle, "friction"), frictions))
+    curves.append(
+        curve_of("bristle on its hub", closed_form(FINAL, bristle, "friction"), frictions)
+    )
     panel = Panel(
         AXES["friction"],
         AXES[FINAL],
         tuple(curves),
-        marks=(Mark(at, _closed_form(*_impact(HEAVY_ROD, surface, 700.0, at)).normal_final_impulse),),
+        marks=(
+            Mark(at, _closed_form(*_impact(HEAVY_ROD, surface, 700.0, at)).normal_final_impulse),
+        ),
         levels=(Level(stiction, "stiction, $\\mu$ = tan $\\gamma$", upright=True),),
         top=3.0 * float(curves[-1].theory[0]),
     )
     note = "the heavy rod is 0.027 m long where the hub has 0.0275: half a per cent less impulse"
-    return Redrawn("2.30", "final impulse of the modified double pendulum over friction", (panel,), note)
+    return Redrawn(
+        "2.30", "final impulse of the modified double pendulum over friction", (panel,), note
+    )
 
 
-def _impact(chain: Chain, surface: Surface, mass_ratio: float, friction: float) -> tuple[Chain, Surface]:
+def _impact(
+    chain: Chain, surface: Surface, mass_ratio: float, friction: float
+) -> tuple[Chain, Surface]:
     """Return a double pendulum with another ratio of its first rod's mass to its second's, and the struck surface."""
     masses = (mass_ratio * chain.masses[1], chain.masses[1])
-    return dataclasses.replace(chain, masses=masses), dataclasses.replace(surface, friction=friction)
+    return dataclasses.replace(chain, masses=masses), dataclasses.replace(
+        surface, friction=friction
+    )
 
 
 @cache
@@ -80,16 +102,22 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]
     coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
-    return double_pendulum_impact(*(second, first / second, chain.lengths[1], *state, *coefficients))
+    return double_pendulum_impact(
+        *(second, first / second, chain.lengths[1], *state, *coefficients)
+    )
 
 
-def _curve(name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]) -> Curve:
+def _curve(
+    name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]
+) -> Curve:
     """Return p_f, N s, or the rate of a rod, rad/s, negative approaching, over x, and of simulated impacts by law."""
 
     def formula(grid: Array) -> list[float]:
         return [getattr(_closed_form(*impact(each)), quantity) for each in grid.tolist()]
 
     def read(contact: ContactRecord) -> float:
-        return contact.impulse[0] if quantity == FINAL else -contact.rates_after[int(quantity[-1]) - 1]
+        return (
+            contact.impulse[0] if quantity == FINAL else -contact.rates_after[int(quantity[-1]) - 1]
+        )
 
     return impact_curve(name, formula, x, impact, read, places)

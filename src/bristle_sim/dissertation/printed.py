@@ -29,7 +29,9 @@ class Printed:
 @cache
 def printed_rows() -> dict[str, Printed]:
     """Return all rows by their places, in order."""
-    rows = tomllib.loads(Path(__file__).with_name("printed.toml").read_text(encoding="utf-8"))["row"]
+    rows = tomllib.loads(Path(__file__).with_name("printed.toml").read_text(encoding="utf-8"))[
+        "row"
+    ]
     return {row["where"]: Printed(**row) for row in rows}
 
 
@@ -40,7 +42,9 @@ def printed_number(where: str) -> float:
 
 def printed_cue() -> dict[str, float]:
     """Return the printed place of the bar, deg and m, and the bristle's speed relative to the hub, rad/s (eqs. 2.2 and 2.3)."""
-    horizontal, vertical = (1e-3 * printed_number(f"eq. 2.3: bar position {name}") for name in ("S_H", "S_V"))
+    horizontal, vertical = (
+        1e-3 * printed_number(f"eq. 2.3: bar position {name}") for name in ("S_H", "S_V")
+    )
     return {
         "speed": printed_number("fig. 4.2: rate before the impact"),
         "direction": math.degrees(math.atan2(horizontal, vertical)),
@@ -51,7 +55,9 @@ def printed_cue() -> dict[str, float]:
 
 def printed_segments() -> tuple[str, ...]:
     """Return the ten-segment impulses of the bristle with their digits in print, 1e-4 N s (table 3.1)."""
-    return tuple(printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11))
+    return tuple(
+        printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11)
+    )
 
 
 class Figure:
@@ -66,9 +72,13 @@ class Figure:
 
     __slots__ = ("allowance", "further", "holds", "value")
 
-    def __init__(self, value: SupportsFloat | None, *further: Any, holds: Any = False, allowance: float = 0.0) -> None:
+    def __init__(
+        self, value: SupportsFloat | None, *further: Any, holds: Any = False, allowance: float = 0.0
+    ) -> None:
         self.value = None if value is None else float(value)
-        self.further, self.holds, self.allowance = further, bool(holds), float(allowance)
+        self.further = further
+        self.holds = bool(holds)
+        self.allowance = float(allowance)
 
 
 Figures = dict[str, Figure]

@@ -103,8 +103,13 @@ def curve_of(
     points: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
 ) -> Curve:
     """Return a curve on a grid that includes the x of all its points, so that each can be compared with the curve."""
-    given = {law: (np.asarray(at, float), np.asarray(y, float)) for law, (at, y) in (points or {}).items()}
-    grid = np.unique(np.concatenate([np.asarray(x, dtype=float), *(at for at, _ in given.values())]))
+    given = {
+        law: (np.asarray(at, float), np.asarray(y, float))
+        for law, (at, y) in (points or {}).items()
+    }
+    grid = np.unique(
+        np.concatenate([np.asarray(x, dtype=float), *(at for at, _ in given.values())])
+    )
     return Curve(name, grid, np.asarray(formula(grid), dtype=float), given)
 
 

@@ -15,7 +15,10 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 def speed_ratio_at_strike() -> Any:
     """Declare the bristle's rate over the hub's speed."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
-    return quantity(3.23, f"0 <= speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R [{source}]")
+    return quantity(
+        3.23,
+        f"0 <= speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R [{source}]",
+    )
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
@@ -58,16 +61,20 @@ class ContactStiffness(Declared):
 
 
 def _rod_rate(default: float, key: str, rod: str, figure: str) -> Any:
-    meaning, source = f"rate of the {rod} before the impact", f"Zhang 2020, fig. 2.{figure}"
+    meaning = f"rate of the {rod} before the impact"
+    source = f"Zhang 2020, fig. 2.{figure}"
     return quantity(
-        default, f"-1e9 <= {key} <= 1e9 rad/s: {meaning}; negative approaches [{source}; negative approaches]"
+        default,
+        f"-1e9 <= {key} <= 1e9 rad/s: {meaning}; negative approaches [{source}; negative approaches]",
     )
 
 
 def _rod_angle(default: float, rod: str, number: int) -> Any:
-    meaning, source = f"angle of the {rod} rod to the surface's normal", "Zhang 2020, fig. 2.28"
+    meaning = f"angle of the {rod} rod to the surface's normal"
+    source = "Zhang 2020, fig. 2.28"
     return quantity(
-        default, f"-90 <= angle_{number}_deg <= 90 deg: {meaning} [{source}: theta_{number}, to the normal]"
+        default,
+        f"-90 <= angle_{number}_deg <= 90 deg: {meaning} [{source}: theta_{number}, to the normal]",
     )
 
 
@@ -75,10 +82,15 @@ def _rod_angle(default: float, rod: str, number: int) -> Any:
 class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
-    mass: float = quantity(8.387e-5, "1e-30 <= rod_mass <= 1e6 kg: mass of the rod [the bristle's: Zhang 2020, 2.4.1]")
-    length: float = quantity(0.027, "1e-9 <= rod_length <= 1e3 m: length of the rod [the bristle's: Zhang 2020, 2.4.1]")
+    mass: float = quantity(
+        8.387e-5, "1e-30 <= rod_mass <= 1e6 kg: mass of the rod [the bristle's: Zhang 2020, 2.4.1]"
+    )
+    length: float = quantity(
+        0.027, "1e-9 <= rod_length <= 1e3 m: length of the rod [the bristle's: Zhang 2020, 2.4.1]"
+    )
     impact_angle_deg: float = impact_angle_at_strike(
-        "Zhang 2020, fig. 2.25: rod to the normal", meaning="angle between the rod and the surface's normal, gamma"
+        "Zhang 2020, fig. 2.25: rod to the normal",
+        meaning="angle between the rod and the surface's normal, gamma",
     )
     rate: float = _rod_rate(-845.6, "rate", "rod", "30")
 
@@ -88,7 +100,8 @@ class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
     mass: float = quantity(
-        5.0, "1e-30 <= rod_mass <= 1e6 kg: mass of the second rod, whose end strikes, m_2 [Zhang 2020, fig. 2.28: m_2]"
+        5.0,
+        "1e-30 <= rod_mass <= 1e6 kg: mass of the second rod, whose end strikes, m_2 [Zhang 2020, fig. 2.28: m_2]",
     )
     mass_ratio: float = quantity(
         1.0,
@@ -96,7 +109,9 @@ class DoublePendulum(Declared):
         " [Zhang 2020, sec. 2.4.2.1: n = m_1/m_2]",
         usual=ANY,
     )
-    length: float = quantity(1.0, "1e-9 <= rod_length <= 1e3 m: length of each rod [Zhang 2020, sec. 2.4.2: both rods]")
+    length: float = quantity(
+        1.0, "1e-9 <= rod_length <= 1e3 m: length of each rod [Zhang 2020, sec. 2.4.2: both rods]"
+    )
     angle_1_deg: float = _rod_angle(20.0, "first", 1)
     angle_2_deg: float = _rod_angle(30.0, "second", 2)
     rate_1: float = _rod_rate(-0.1, "rate_1", "first rod", "28")
@@ -118,7 +133,8 @@ class Neighbours(Declared):
         " [chosen: the wires touch at the bar, and again before the last one strikes]",
     )
     friction: float = quantity(
-        0.31, f"0 <= neighbour_friction <= 1e6: coefficient of friction between two wires [{STEEL_ON_STEEL}]"
+        0.31,
+        f"0 <= neighbour_friction <= 1e6: coefficient of friction between two wires [{STEEL_ON_STEEL}]",
     )
     restitution: float = quantity(
         0.42,
@@ -142,7 +158,8 @@ class Comparison(Declared):
     )
 
 
-FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
+FINE = "ISO 2768-1 fine"
+MEDIUM = "ISO 2768-1 medium"
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +168,8 @@ class MapGrid(Declared):
 
     points: int = count(25, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
     half_width: float = quantity(
-        0.008, "0 < map_half_width <= 1e3 m: half-width of the maps about the bar's position [chosen]"
+        0.008,
+        "0 < map_half_width <= 1e3 m: half-width of the maps about the bar's position [chosen]",
     )
     workers: int = count(1, "1 <= workers <= 64: processes for the maps [chosen]")
 
@@ -182,14 +200,22 @@ def _spread(default: float, key: str, unit: str, source: str) -> Any:
 class Spreads(Declared):
     """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
 
-    hub_speed: float = _spread(2.618, "hub_speed", "rad/s", "assumed: 1 %, a hand-held drive under load")
+    hub_speed: float = _spread(
+        2.618, "hub_speed", "rad/s", "assumed: 1 %, a hand-held drive under load"
+    )
     hub_radius: float = _spread(1e-4, "hub_radius", "m", f"{FINE}, 6 to 30 mm: a turned part")
     bristle_length: float = _spread(2e-4, "bristle_length", "m", f"{MEDIUM}, 6 to 30 mm: cut wire")
-    bristle_mass: float = _spread(0.0, "bristle_mass", "kg", "follows from the wire's length, diameter and density")
+    bristle_mass: float = _spread(
+        0.0, "bristle_mass", "kg", "follows from the wire's length, diameter and density"
+    )
     wire_diameter: float = _spread(1e-5, "wire_diameter", "m", "assumed: wire drawn to 0.01 mm")
     wire_density: float = _spread(40.0, "wire_density", "kg/m^3", "assumed: 0.5 % between steels")
-    belt_stiffness: float = _spread(1.2e-3, "belt_stiffness", "N m/rad", "assumed: 5 % between belts")
-    belt_damping_ratio: float = _spread(0.01, "belt_damping_ratio", "1", "assumed: 0.018 explains the printed speed")
+    belt_stiffness: float = _spread(
+        1.2e-3, "belt_stiffness", "N m/rad", "assumed: 5 % between belts"
+    )
+    belt_damping_ratio: float = _spread(
+        0.01, "belt_damping_ratio", "1", "assumed: 0.018 explains the printed speed"
+    )
     bar_radius: float = _spread(5e-5, "bar_radius", "m", f"{FINE}, 3 to 6 mm: a turned part")
     bar_horizontal: float = _spread(1.5e-4, "bar_horizontal", "m", f"{FINE}, 30 to 120 mm")
     bar_vertical: float = _spread(1e-4, "bar_vertical", "m", f"{FINE}, 6 to 30 mm")
@@ -208,7 +234,8 @@ class Sampling(Declared):
     """
 
     samples: int = count(
-        256, f"2 <= samples <= {2**24}: points of the Sobol sequence, a power of 2 [chosen; fewer give poor indices]"
+        256,
+        f"2 <= samples <= {2**24}: points of the Sobol sequence, a power of 2 [chosen; fewer give poor indices]",
     )
     seed: int = count(1, f"0 <= seed <= {2**32 - 1}: of the sequence's scrambling [chosen]")
     workers: int = count(1, "1 <= workers <= 64: processes that simulate the passes [chosen]")

@@ -26,11 +26,17 @@ class Text:
         """The rule for the text, for messages and listings."""
         if self.unit == "folder":
             return "the name of a folder"
-        return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
+        return (
+            "a readable file"
+            if self.unit == "file"
+            else "the heading of a column, or its number from 1 on"
+        )
 
     def check(self, value: Any) -> str:
         """Return the text, or raise ValueError with key, value and rule."""
-        if not isinstance(value, str) or not (_is_file(value) if self.unit == "file" else value.strip()):
+        if not isinstance(value, str) or not (
+            _is_file(value) if self.unit == "file" else value.strip()
+        ):
             raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
 
@@ -77,9 +83,13 @@ class Measurement(Declared):
         for key in ("time_column", "force_column", "force_per_volt"):
             value = getattr(self, key)
             if value is not None and self.force_csv is None:
-                raise ValueError(f"{key} = {shown(value)}: must be given with force_csv, which it describes")
+                raise ValueError(
+                    f"{key} = {shown(value)}: must be given with force_csv, which it describes"
+                )
         if self.force_per_volt == 0.0:
-            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
+            raise ValueError(
+                "force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,25 +159,35 @@ class Measured(Declared):
 class FilmGrid(Declared):
     """The map over contact stiffness and wire damping, the camera of the nearest pass, and the folder of finished cases."""
 
-    durations: int = count(8, "2 <= map_durations <= 200: contact durations of the map, in equal ratios [chosen]")
+    durations: int = count(
+        8, "2 <= map_durations <= 200: contact durations of the map, in equal ratios [chosen]"
+    )
     shortest: float = quantity(
-        5e-5, "1e-6 <= shortest_duration <= 0.001 s: shortest contact of a rigid bristle on the map [chosen]"
+        5e-5,
+        "1e-6 <= shortest_duration <= 0.001 s: shortest contact of a rigid bristle on the map [chosen]",
     )
     longest: float = quantity(
         3e-4,
         "1e-6 <= longest_duration <= 0.001 s: longest contact of a rigid bristle on the map"
         " [chosen: a period of the wire's first bending mode]",
     )
-    dampings: int = count(6, "2 <= map_dampings <= 200: wire damping ratios of the map, closest at 0 [chosen]")
+    dampings: int = count(
+        6, "2 <= map_dampings <= 200: wire damping ratios of the map, closest at 0 [chosen]"
+    )
     largest_damping: float = quantity(
-        0.4, "0 < largest_damping <= 10: largest damping ratio of the wire's first bending mode on the map [chosen]"
+        0.4,
+        "0 < largest_damping <= 10: largest damping ratio of the wire's first bending mode on the map [chosen]",
     )
     frame_rate: float = quantity(
         2e4,
         "2000 <= frame_rate <= 1e6 1/s: frames a second of the camera [chosen: one in the printed compression time]",
     )
-    exposure: float = quantity(1e-5, "1e-9 <= exposure <= 0.0005 s: time that the camera's shutter is open [chosen]")
-    workers: int = count(2, "1 <= workers <= 64: processes for the map [chosen: a small computer's]")
+    exposure: float = quantity(
+        1e-5, "1e-9 <= exposure <= 0.0005 s: time that the camera's shutter is open [chosen]"
+    )
+    workers: int = count(
+        2, "1 <= workers <= 64: processes for the map [chosen: a small computer's]"
+    )
     store: str | None = _text(
         "store: folder that keeps finished cases, from which an interrupted map goes on [none: nothing is kept]",
         "folder",

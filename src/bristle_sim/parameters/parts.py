@@ -10,23 +10,37 @@ from bristle_sim.units import ANY, Computed, Declared, Range, choice, count, dec
 
 Vector = tuple[float, float]
 
-PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
-USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
+PRINTED_BELT_STIFFNESS = (
+    0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
+)
+USUAL_HUB_SPEEDS = (
+    1.0,
+    1500.0,
+)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
 USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad: the printed number, which is per degree, is less
 
-PRINTED_MASS, PRINTED_LENGTH, PRINTED_DIAMETER = (
-    8.387e-5,
-    0.027,
-    7.1e-4,
-)  # of the wire; Zhang 2020, figs. 2.7, eq. 2.2, sec. 4.1
-PRINTED_DENSITY = PRINTED_MASS / (math.pi / 4.0 * PRINTED_DIAMETER**2 * PRINTED_LENGTH)  # 7,845.78 kg/m^3: steel
+# of the wire; Zhang 2020, figs. 2.7, eq. 2.2, sec. 4.1
+PRINTED_MASS = 8.387e-5
+PRINTED_LENGTH = 0.027
+PRINTED_DIAMETER = 7.1e-4
+PRINTED_DENSITY = PRINTED_MASS / (
+    math.pi / 4.0 * PRINTED_DIAMETER**2 * PRINTED_LENGTH
+)  # 7,845.78 kg/m^3: steel
 USUAL_MASSES = (PRINTED_MASS / 100.0, PRINTED_MASS * 100.0)  # kg
 
 RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
 CONTACT_KEYS = ("contact", "contact_duration", "tangential_compliance")  # keys of the law of impact
-SURFACE_KEYS = ("friction", "restitution_friction", "restitution")  # keys of the tip on the workpart
-SHAPE_KEYS = ("knee_position", "knee_angle_deg", *WIRE_KEYS)  # keys of a wire that is not one straight rod
+SURFACE_KEYS = (
+    "friction",
+    "restitution_friction",
+    "restitution",
+)  # keys of the tip on the workpart
+SHAPE_KEYS = (
+    "knee_position",
+    "knee_angle_deg",
+    *WIRE_KEYS,
+)  # keys of a wire that is not one straight rod
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +48,9 @@ class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
     speed: float = quantity(
-        261.8, "0 <= hub_speed <= 1e6 rad/s: speed of the hub's rotation [Zhang 2020, eq. 2.2]", usual=USUAL_HUB_SPEEDS
+        261.8,
+        "0 <= hub_speed <= 1e6 rad/s: speed of the hub's rotation [Zhang 2020, eq. 2.2]",
+        usual=USUAL_HUB_SPEEDS,
     )
     radius: float = quantity(
         0.0275,
@@ -136,7 +152,9 @@ class Bristle(Declared):
         declared = declarations(Bristle)["mass"]
         assert isinstance(declared, Range)
         if not declared.lowest <= mass <= declared.highest:
-            raise declared.refusal(mass, "; not given, it follows from bristle_length, wire_diameter and wire_density")
+            raise declared.refusal(
+                mass, "; not given, it follows from bristle_length, wire_diameter and wire_density"
+            )
         return mass
 
     @property
@@ -144,7 +162,8 @@ class Bristle(Declared):
         """Return the centre line's corners from root to tip, seen from the root with the shank along (0, -1), m."""
         if self.knee_angle_deg == 0.0:
             return ((0.0, -self.length),)
-        shank, bend = self.knee_position * self.length, math.radians(self.knee_angle_deg)
+        shank = self.knee_position * self.length
+        bend = math.radians(self.knee_angle_deg)
         rest = self.length - shank
         return ((0.0, -shank), (rest * math.sin(bend), -shank - rest * math.cos(bend)))
 
@@ -176,13 +195,20 @@ class Bristle(Declared):
             return self.mass * self.length**2 / 3.0
         (x, y), (u, v), knee = *self.path, self.knee_position
         shank = x * x + y * y
-        return self.mass * (knee * shank + (1.0 - knee) * (shank + x * u + y * v + u * u + v * v)) / 3.0
+        return (
+            self.mass
+            * (knee * shank + (1.0 - knee) * (shank + x * u + y * v + u * u + v * v))
+            / 3.0
+        )
 
 
 def _bar_radius() -> float:
     """Return the bar radius that makes the printed bar position touch the wire at the printed retraction angle."""
-    hub_radius, length = 0.0275, PRINTED_LENGTH
-    tip_radius = math.sqrt(hub_radius**2 + length**2 + 2.0 * hub_radius * length * math.cos(RETRACTION_AT_RELEASE))
+    hub_radius = 0.0275
+    length = PRINTED_LENGTH
+    tip_radius = math.sqrt(
+        hub_radius**2 + length**2 + 2.0 * hub_radius * length * math.cos(RETRACTION_AT_RELEASE)
+    )
     return math.hypot(0.05037, 0.0225) - PRINTED_DIAMETER / 2.0 - tip_radius
 
 

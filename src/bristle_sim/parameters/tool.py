@@ -10,9 +10,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.units import Choice, Computed, Declared, Range, declarations, likely_key, quantity, shown
+from bristle_sim.units import (
+    Choice,
+    Computed,
+    Declared,
+    Range,
+    declarations,
+    likely_key,
+    quantity,
+    shown,
+)
 
-START = -math.pi / 2.0  # rad; hub angle at the start of a pass, a quarter turn before the direction of the workpart
+START = (
+    -math.pi / 2.0
+)  # rad; hub angle at the start of a pass, a quarter turn before the direction of the workpart
 CLEAR_OF_BAR = math.radians(
     5.0
 )  # rad; hub angle from an earlier start to the touch, far more than the rounding of a gap
@@ -48,7 +59,9 @@ class Tool(Declared):
         Declared.__post_init__(self)
         for name, kinds in PARTS.items():
             if not isinstance(getattr(self, name), kinds):
-                words = " or ".join("None" if kind is type(None) else f"a {kind.__name__}" for kind in kinds)
+                words = " or ".join(
+                    "None" if kind is type(None) else f"a {kind.__name__}" for kind in kinds
+                )
                 raise ValueError(f"{name} = {shown(getattr(self, name))}: must be {words}")
         if self.workpart is not None and self.workpart_depth <= self.hub.radius:
             reach = self.workpart_depth + self.workpart.penetration - self.hub.radius
@@ -71,7 +84,8 @@ class Tool(Declared):
         Raises:
             ValueError: in one line, for an unknown name, a value that is refused, or a key of an absent part.
         """
-        found, places = dict[str, Any](), {key: part for part, keys in tool_keys().items() for key in keys}
+        found = dict[str, Any]()
+        places = {key: part for part, keys in tool_keys().items() for key in keys}
         for name, value in changes.items():
             if name in PARTS and (name not in places or isinstance(value, PARTS[name])):
                 found[name] = value
@@ -81,7 +95,9 @@ class Tool(Declared):
             values = dict[str, Any]()
             for key, value in changes.items():
                 if key in keys and key not in found:
-                    values[keys[key][0]] = float(value) if isinstance(value, Computed) else value  # given from now on
+                    values[keys[key][0]] = (
+                        float(value) if isinstance(value, Computed) else value
+                    )  # given from now on
             owner: Any = found.get(part, getattr(self, part)) if part else self
             if values and owner is None:
                 raise ValueError(f"{part} = None: must be present where one of its keys is given")
@@ -112,7 +128,8 @@ class Tool(Declared):
         if self.bar is None:
             return None
         corners = [complex(self.hub.radius - y, x) for x, y in ((0.0, 0.0), *self.bristle.path)]
-        distance, touches = math.hypot(*self.bar.centre), list[float]()
+        distance = math.hypot(*self.bar.centre)
+        touches = list[float]()
         for start, end in itertools.pairwise(corners):
             along = (end - start) / abs(end - start)
             aside = (start / along).imag + self.bar_reach
@@ -122,7 +139,9 @@ class Tool(Declared):
             cosine = (distance**2 + abs(end) ** 2 - self.bar_reach**2) / (2.0 * distance * abs(end))
             if cosine <= 1.0:
                 touches.append(cmath.phase(end) + math.acos(cosine))
-        return -math.atan2(self.bar.horizontal, self.bar.vertical) - max(touches) if touches else None
+        return (
+            -math.atan2(self.bar.horizontal, self.bar.vertical) - max(touches) if touches else None
+        )
 
     @property
     def workpart_depth(self) -> float:
@@ -152,7 +171,11 @@ class Tool(Declared):
     @property
     def belt_damping(self) -> float:
         """Return the torsional damping c = 2 zeta sqrt(k_T I), N m s/rad, with the bristle's damping ratio on the belt."""
-        return 2.0 * self.belt.damping_ratio * math.sqrt(self.belt.stiffness * self.bristle.inertia_about_root)
+        return (
+            2.0
+            * self.belt.damping_ratio
+            * math.sqrt(self.belt.stiffness * self.bristle.inertia_about_root)
+        )
 
 
 PARTS: dict[str, tuple[type, ...]] = {
@@ -169,4 +192,7 @@ PARTS: dict[str, tuple[type, ...]] = {
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     """Return the keys of each part of a tool ("" is the tool itself), each with its field and declaration."""
     parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
-    return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
+    return {
+        part: {each.key: (name, each) for name, each in declarations(of).items()}
+        for part, of in parts.items()
+    }

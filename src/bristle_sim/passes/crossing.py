@@ -22,7 +22,11 @@ ROOT_ROUNDING = 5e-16
 Function = Callable[[Array], Array]
 
 
-def root(function_of: Callable[[Chosen], Function], ends: tuple[Array, Array], values: tuple[Array, Array]) -> Array:
+def root(
+    function_of: Callable[[Chosen], Function],
+    ends: tuple[Array, Array],
+    values: tuple[Array, Array],
+) -> Array:
     """Return a root in each bracket.
 
     Args:
@@ -35,13 +39,19 @@ def root(function_of: Callable[[Chosen], Function], ends: tuple[Array, Array], v
         return found
     numbers = np.arange(found.size)
     function = function_of(numbers)
-    state = np.array([*ends, ends[0], *values, values[0]])  # a, b, c and the function's values there
+    state = np.array(
+        [*ends, ends[0], *values, values[0]]
+    )  # a, b, c and the function's values there
     fraction = np.full(found.shape, 0.5)
     for _ in range(MOST_EVALUATIONS):
         a, b, _, f_a, f_b, _ = state
         place = b + fraction * (a - b)
         value = function(place)
-        state = np.where((value > 0.0) == (f_b > 0.0), [a, place, b, f_a, value, f_b], [b, place, a, f_b, value, f_a])
+        state = np.where(
+            (value > 0.0) == (f_b > 0.0),
+            [a, place, b, f_a, value, f_b],
+            [b, place, a, f_b, value, f_a],
+        )
         width = np.abs(state[0] - state[1])
         going = (width > 2.0 * ROOT_ROUNDING) & (value != 0.0)
         found[numbers] = place
@@ -49,7 +59,9 @@ def root(function_of: Callable[[Chosen], Function], ends: tuple[Array, Array], v
         if not left:
             break
         if 2 * left < numbers.size:
-            numbers, state, width = numbers[going], state[:, going], width[going]
+            numbers = numbers[going]
+            state = state[:, going]
+            width = width[going]
             function = function_of(numbers)
         least = np.minimum(ROOT_ROUNDING / np.maximum(width, ROOT_ROUNDING), 0.5)
         fraction = np.clip(_fraction(*state), least, 1.0 - least)
@@ -62,7 +74,7 @@ def _fraction(a: Array, b: Array, c: Array, f_a: Array, f_b: Array, f_c: Array) 
         xi = (b - a) / (c - a)
         phi = (f_b - f_a) / (f_c - f_a)
         safe = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-        quadratic = (f_b / (f_a - f_b)) * (f_c / (f_a - f_c)) + (c - b) / (a - b) * (f_b / (f_c - f_b)) * (
-            f_a / (f_c - f_a)
-        )
+        quadratic = (f_b / (f_a - f_b)) * (f_c / (f_a - f_c)) + (c - b) / (a - b) * (
+            f_b / (f_c - f_b)
+        ) * (f_a / (f_c - f_a))
     return np.where(safe & np.isfinite(quadratic), quadratic, 0.5)

@@ -94,7 +94,8 @@ class Results:
     """The results of a request's passes; those that have ended wait until many are recorded at once."""
 
     def __init__(self, request: Request, accuracy: float) -> None:
-        self.request, self.accuracy = request, accuracy
+        self.request = request
+        self.accuracy = accuracy
         self.columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
         self.codes = np.full(request.size, REFUSED, dtype=np.int8)
         self.reason = np.full(request.size, "", dtype=object)
@@ -121,7 +122,8 @@ class Results:
         if not over.size:
             return
         done = passes.take(over)
-        numbers, values = done.number, self.request.at(done.number)
+        numbers = done.number
+        values = self.request.at(done.number)
         self.codes[numbers] = np.where(ending[over] == LOCKED, JAMS, MISSES)
         for name, each in _bar_measures(done, values).items():
             self.columns[name][numbers] = each
@@ -145,7 +147,9 @@ class Results:
         shape = self.request.shape
         shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
         outcome = np.array(OUTCOMES)[self.codes].reshape(shape)
-        return Ensemble(keys=self.request.given, outcome=outcome, reason=self.reason.reshape(shape), **shaped)
+        return Ensemble(
+            keys=self.request.given, outcome=outcome, reason=self.reason.reshape(shape), **shaped
+        )
 
 
 def _bar_measures(passes: Passes, values: dict[str, Array]) -> dict[str, Array]:

@@ -30,9 +30,7 @@ FASTER = 1.5
 
 EDGE = 1e-9  # rad; a hub angle this close to the window of the bar is within it
 
-HOP_ROUNDING = (
-    1e-14  # depth, over the bristle's length, below which a wire that has just left the bar is not back on it
-)
+HOP_ROUNDING = 1e-14  # depth, over the bristle's length, below which a wire that has just left the bar is not back on it
 
 NEWTON_ROUNDS = 2
 """Rounds of Newton's method from the chord to the least angle: its place is then known to 1e-6, the angle to its square."""
@@ -62,7 +60,9 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
     """Advance every flight by a step; return what each touches then, and the least gap that it passed without a touch."""
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
-    passes.error = passes.error + np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
+    passes.error = (
+        passes.error + np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
+    )
     poses = course.sampled(step, FRACTIONS)
     everyone = np.arange(passes.size)
     place = step.copy()
@@ -74,10 +74,16 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
             part = course if obstacle == WORKPART else course.take(chosen)
             gaps, openings = clearance(obstacle, some, Pose(*(each[:, chosen] for each in poses)))
             leaving = some.touching & (obstacle == BAR)
-            search = first_closing(_gaps(obstacle, some, part), gaps, openings, step[chosen], leaving)
-            sooner = (search.place < place[chosen]) | (search.touched & (search.place <= place[chosen]))
+            search = first_closing(
+                _gaps(obstacle, some, part), gaps, openings, step[chosen], leaving
+            )
+            sooner = (search.place < place[chosen]) | (
+                search.touched & (search.place <= place[chosen])
+            )
             margin[chosen] = np.minimum(margin[chosen], search.margin)
-            kind[chosen] = np.where(sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen])
+            kind[chosen] = np.where(
+                sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen]
+            )
             place[chosen] = np.where(sooner, search.place, place[chosen])
     folded = poses.cosine * poses.hub_cosine + poses.sine * poses.hub_sine < 0.0  # cos alpha
     kind[(folded & (FRACTIONS[:, np.newaxis] * step <= place)).any(axis=0)] = HUB
@@ -136,7 +142,9 @@ def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array,
     return gap, passes.radius * pose.hub_sine + pose.sine * (1.0 + pose.rate)
 
 
-def first_closing(gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, step: Array, leaving: Chosen) -> Search:
+def first_closing(
+    gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, step: Array, leaving: Chosen
+) -> Search:
     """Find the first closing of each gap within a step.
 
     A part of the step at whose end the gap is closed has a touch; so has one in which a minimum is located that is not positive.
@@ -170,7 +178,11 @@ def first_closing(gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, st
     if open_end.size:
         some = number[open_end]
         bottom = _lowest(
-            gap_of, some, (low[open_end], high[open_end]), (slopes[0][open_end], slopes[1][open_end]), hop[some]
+            gap_of,
+            some,
+            (low[open_end], high[open_end]),
+            (slopes[0][open_end], slopes[1][open_end]),
+            hop[some],
         )
         least = gap_of(some)(bottom)
         closes = least < np.where(leaves[open_end], -HOP_ROUNDING, 0.0)
@@ -198,7 +210,11 @@ def first_closing(gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, st
 
 
 def _lowest(
-    gap_of: Callable[[Chosen], Gap], number: Chosen, ends: tuple[Array, Array], slopes: tuple[Array, Array], hop: Array
+    gap_of: Callable[[Chosen], Gap],
+    number: Chosen,
+    ends: tuple[Array, Array],
+    slopes: tuple[Array, Array],
+    hop: Array,
 ) -> Array:
     """Return where gaps are least between two places: where the rate changes its sign, else where a hop's cubic says."""
     dipping = (slopes[0] < 0.0) & (slopes[1] > 0.0)
@@ -224,7 +240,9 @@ def _hops(gaps: Array, rates: Array, width: Array) -> Array:
     return np.where(returns, place, np.nan)
 
 
-def _note_retraction(passes: Passes, course: Course, rates: Array, step: Array, place: Array) -> None:
+def _note_retraction(
+    passes: Passes, course: Course, rates: Array, step: Array, place: Array
+) -> None:
     """Note the least angle up to the end of the step: at a minimum within it, or at its end."""
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0)
     number = np.flatnonzero(turning.any(axis=0))

@@ -30,7 +30,9 @@ LONGEST_STEP = 1.0
 
 POWERS = np.arange(ORDER + 1)[:, np.newaxis]
 SINE_TERMS = np.array([(0.0, 1.0, 0.0, -1.0)[k % 4] / math.factorial(k) for k in range(ORDER + 1)])
-COSINE_TERMS = np.array([(1.0, 0.0, -1.0, 0.0)[k % 4] / math.factorial(k) for k in range(ORDER + 1)])
+COSINE_TERMS = np.array(
+    [(1.0, 0.0, -1.0, 0.0)[k % 4] / math.factorial(k) for k in range(ORDER + 1)]
+)
 
 
 class Pose(NamedTuple):
@@ -88,16 +90,25 @@ class Course(NamedTuple):
         values = fractions[:, np.newaxis] ** POWERS.T
         powers = np.ones_like(self.angle)
         np.multiply.accumulate(np.broadcast_to(step, powers[1:].shape), axis=0, out=powers[1:])
-        turned = (values @ (SINE_TERMS[:, np.newaxis] * powers), values @ (COSINE_TERMS[:, np.newaxis] * powers))
+        turned = (
+            values @ (SINE_TERMS[:, np.newaxis] * powers),
+            values @ (COSINE_TERMS[:, np.newaxis] * powers),
+        )
         bent = (values @ (self.sine * powers), values @ (self.cosine * powers))
         rate = values[:, :-1] @ (self.rate[1:] * powers[:-1])
         return self._pose(*turned, *bent, rate)
 
-    def _pose(self, turn_sine: Array, turn_cosine: Array, sine: Array, cosine: Array, rate: Array) -> Pose:
+    def _pose(
+        self, turn_sine: Array, turn_cosine: Array, sine: Array, cosine: Array, rate: Array
+    ) -> Pose:
         hub_sine = self.hub_sine * turn_cosine + self.hub_cosine * turn_sine
         hub_cosine = self.hub_cosine * turn_cosine - self.hub_sine * turn_sine
         return Pose(
-            hub_sine, hub_cosine, hub_sine * cosine + hub_cosine * sine, hub_cosine * cosine - hub_sine * sine, rate
+            hub_sine,
+            hub_cosine,
+            hub_sine * cosine + hub_cosine * sine,
+            hub_cosine * cosine - hub_sine * sine,
+            rate,
         )
 
 

@@ -20,9 +20,15 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
-HUB_TURN = 1.5 * math.pi  # rad; turn of the hub after which a pass ends, as in a simulation by default
-MOST_RADIANS = 1e5  # radians of the fastest motion that a pass may last: each step is some two of them
-OVERLAP_ROUNDING = 1e-11  # overlap with an obstacle at the start, over the bristle's length, that is rounding
+HUB_TURN = (
+    1.5 * math.pi
+)  # rad; turn of the hub after which a pass ends, as in a simulation by default
+MOST_RADIANS = (
+    1e5  # radians of the fastest motion that a pass may last: each step is some two of them
+)
+OVERLAP_ROUNDING = (
+    1e-11  # overlap with an obstacle at the start, over the bristle's length, that is rounding
+)
 
 Values = dict[str, Array]
 
@@ -46,13 +52,19 @@ class Request:
 
     def at(self, numbers: Chosen) -> Values:
         """Return the values of all keys of the passes with these numbers, each of their shape."""
-        values = {key: np.full(len(numbers), value) for key, value in _numbers_of(self.tool).items()}
+        values = {
+            key: np.full(len(numbers), value) for key, value in _numbers_of(self.tool).items()
+        }
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
         with np.errstate(over="ignore", invalid="ignore"):  # numbers of refused tools
-            own = mass_of_volume(values["bristle_length"], values["wire_diameter"], values["wire_density"])
-        values["bristle_mass"] = np.where(np.isnan(values["bristle_mass"]), own, values["bristle_mass"])
+            own = mass_of_volume(
+                values["bristle_length"], values["wire_diameter"], values["wire_density"]
+            )
+        values["bristle_mass"] = np.where(
+            np.isnan(values["bristle_mass"]), own, values["bristle_mass"]
+        )
         return values
 
 
@@ -63,7 +75,11 @@ def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
     """
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
-    places = {key: (part, declared) for part, keys in tool_keys().items() for key, (_, declared) in keys.items()}
+    places = {
+        key: (part, declared)
+        for part, keys in tool_keys().items()
+        for key, (_, declared) in keys.items()
+    }
     given = Values()
     for key, value in values.items():
         if key not in places:
@@ -96,7 +112,9 @@ def _array(declared: Range, value: Any) -> Array:
     if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
         raise declared.refusal(value)
     parsed = functools.cache(declared.parse)
-    numbers = [parsed(each) if isinstance(each, str) else declared.check(each) for each in array.flat]
+    numbers = [
+        parsed(each) if isinstance(each, str) else declared.check(each) for each in array.flat
+    ]
     return np.array(numbers, dtype=float).reshape(array.shape)
 
 
@@ -142,11 +160,20 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
         for key, (_, declared) in keys.items():
             if key in request.given and isinstance(declared, Range):
                 found = values[key]
-                above = found >= declared.lowest if declared.lowest_allowed else found > declared.lowest
+                above = (
+                    found >= declared.lowest if declared.lowest_allowed else found > declared.lowest
+                )
                 good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
-                reasons.refuse(~good, str(declared.refusal(0.0)).replace(" = 0.0:", " = {}:"), found)
-    for key, wanted, meaning in (("wire_links", 1.0, "a rigid bristle"), ("knee_angle_deg", 0.0, "a straight one")):
-        reasons.refuse(values[key] != wanted, f"{key} = {{}}: must be {wanted:g}, {meaning}", values[key])
+                reasons.refuse(
+                    ~good, str(declared.refusal(0.0)).replace(" = 0.0:", " = {}:"), found
+                )
+    for key, wanted, meaning in (
+        ("wire_links", 1.0, "a rigid bristle"),
+        ("knee_angle_deg", 0.0, "a straight one"),
+    ):
+        reasons.refuse(
+            values[key] != wanted, f"{key} = {{}}: must be {wanted:g}, {meaning}", values[key]
+        )
     reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
 
 
@@ -167,7 +194,9 @@ def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
     bar_angle = np.arctan2(-bar["horizontal"], bar["vertical"])
     wire_radius = 0.5 * values["wire_diameter"] / length
     reach = bar["radius"] / length + wire_radius
-    depth = radius + 1.0 - values["penetration"] / length if tool.workpart else np.full(size, np.inf)
+    depth = (
+        radius + 1.0 - values["penetration"] / length if tool.workpart else np.full(size, np.inf)
+    )
     start = np.full(size, START)
     window = np.full(size, -1.0)
     if tool.bar:

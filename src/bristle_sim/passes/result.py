@@ -80,7 +80,11 @@ class Ensemble(EqualByValue):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return keys and results by name, all of the ensemble's shape."""
-        results = {each.name: getattr(self, each.name) for each in dataclasses.fields(self) if each.name != "keys"}
+        results = {
+            each.name: getattr(self, each.name)
+            for each in dataclasses.fields(self)
+            if each.name != "keys"
+        }
         return {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()} | results
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -99,13 +103,16 @@ class Ensemble(EqualByValue):
 
         Raises ImportError if xarray is not installed.
         """
-        units, names = self._units(), self._axes()
+        units = self._units()
+        names = self._axes()
         variables = {
             name: (names, each, {"units": units[name]} if name in units else {})
             for name, each in self.columns().items()
         }
         coordinates = {
-            key: (key, self.keys[key].ravel(), variables[key][2]) if key in names else variables[key]
+            key: (key, self.keys[key].ravel(), variables[key][2])
+            if key in names
+            else variables[key]
             for key in self.keys
         }
         variables = {name: each for name, each in variables.items() if name not in self.keys}
@@ -119,12 +126,16 @@ class Ensemble(EqualByValue):
         """
         names = self._axes()
         if not 1 <= len(names) <= 2 or not set(names) <= set(self.keys):
-            raise ValueError(f"shape = {self.shape}: must be one or two axes, along each of which one key varies")
+            raise ValueError(
+                f"shape = {self.shape}: must be one or two axes, along each of which one key varies"
+            )
         data = self.to_xarray().rename(reason="failure").drop_vars("outcome")
         return import_module(DRAWN_BY).sweep_figure(data, names)
 
     def _units(self) -> dict[str, str]:
-        declared = {key: each.unit for keys in tool_keys().values() for key, (_, each) in keys.items()}
+        declared = {
+            key: each.unit for keys in tool_keys().values() for key, (_, each) in keys.items()
+        }
         return {key: declared[key] for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
@@ -132,7 +143,11 @@ class Ensemble(EqualByValue):
         names = []
         for axis, size in enumerate(self.shape):
             after = len(self.shape) - axis
-            own = [key for key, each in self.keys.items() if each.ndim >= after and each.shape[-after] == size > 1]
+            own = [
+                key
+                for key, each in self.keys.items()
+                if each.ndim >= after and each.shape[-after] == size > 1
+            ]
             single = len(own) == 1 and self.keys[own[0]].size == size
             names.append(own[0] if single else f"axis_{axis}")
         return names
@@ -142,4 +157,6 @@ def _installed(library: str) -> Any:
     try:
         return import_module(library)
     except ImportError as error:
-        raise ImportError(f"{library}: must be installed: pip install bristle-sim[sweep]") from error
+        raise ImportError(
+            f"{library}: must be installed: pip install bristle-sim[sweep]"
+        ) from error

@@ -26,7 +26,9 @@ LEAST_TOLERANCE = 1e-14  # local tolerance below which rounding is larger
 LOWEST_REBOUND = 1e-10
 """Height of a hop, over the bristle's length, below which the wire stays on the bar."""
 
-MOST_TOUCHES = 3000  # of the bar, after which a pass is refused: a restitution near 1 has no end of them
+MOST_TOUCHES = (
+    3000  # of the bar, after which a pass is refused: a restitution near 1 has no end of them
+)
 
 LEAST_SPEED = 1e-300  # over the bristle's length, per radian; a lower one has no reciprocal
 
@@ -64,7 +66,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     passes.touches = passes.touches + 1
     passes.touching = np.ones(passes.size, dtype=bool)
     passes.release, passes.release_angle = passes.hub_angle.copy(), passes.angle.copy()
-    ending = np.where(hit.outcome == JAM, LOCKED, np.where(passes.touches > MOST_TOUCHES, TOO_MANY, 0))
+    ending = np.where(
+        hit.outcome == JAM, LOCKED, np.where(passes.touches > MOST_TOUCHES, TOO_MANY, 0)
+    )
 
     sides = touch.side
     at_end = touch_at_end(passes, passes.hub_angle)
@@ -74,7 +78,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
     amplified = np.abs(pressed) / approach
     passes.error = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
-    grazes = touch.normal_velocity**2 < -2.0 * pressed * accuracy  # the gap would open again by itself
+    grazes = (
+        touch.normal_velocity**2 < -2.0 * pressed * accuracy
+    )  # the gap would open again by itself
     passes.error = np.where(grazes, 1.0, passes.error)
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
     low |= comes_to_rest(passes, sides, at_end, pressed, parting, parting / approach)
@@ -87,7 +93,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
         some.error = np.where(some.error >= 1.0, 1.0, ROUNDING)
         passes.put(stays, some)
         how[locked] = JAMMED
-        ending[stays] = np.select([how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], 0)
+        ending[stays] = np.select(
+            [how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], 0
+        )
     return ending
 
 
@@ -112,5 +120,9 @@ def comes_to_rest(
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
     """Return whether wires that lie on the bar at hub angles touch it with their ends, D^2 > 1 + R^2."""
     chi = hub_angle - passes.bar_angle
-    square = passes.bar_distance**2 + passes.radius**2 - 2.0 * passes.radius * passes.bar_distance * np.cos(chi)
+    square = (
+        passes.bar_distance**2
+        + passes.radius**2
+        - 2.0 * passes.radius * passes.bar_distance * np.cos(chi)
+    )
     return np.asarray(square > 1.0 + passes.reach**2)

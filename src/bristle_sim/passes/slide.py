@@ -84,21 +84,30 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen)
         between = np.flatnonzero(ended & (how < JAMMED) & reached[at, columns])
         inside = between[at[between] > 0]
 
-        def measure_of(numbers: Chosen, chosen: Chosen = inside, measure: Measure = measure) -> Function:
+        def measure_of(
+            numbers: Chosen, chosen: Chosen = inside, measure: Measure = measure
+        ) -> Function:
             some, own_side, own_end = _some(passes, side, ends, chosen[numbers])
             return lambda where: measure(some, where, lying(some, where, own_side, own_end))
 
         part = at[inside]
         brackets = (hub[part - 1, inside], hub[part, inside])
         located = place.copy()
-        located[inside] = root(measure_of, brackets, (values[part - 1, inside], values[part, inside]))
-        first = between[(located[between] < place[between]) | ~(stops & strikes)[at[between], between]]
+        located[inside] = root(
+            measure_of, brackets, (values[part - 1, inside], values[part, inside])
+        )
+        first = between[
+            (located[between] < place[between]) | ~(stops & strikes)[at[between], between]
+        ]
         how[first] = ending
         place[first] = located[first]
     _note_retraction(passes, hub, motion.rate, place, side, ends)
     found = lying(passes, place, side, ends)
-    passes.hub_angle, passes.angle, passes.rate = place, found.angle, found.rate
-    passes.release, passes.release_angle = place.copy(), found.angle.copy()
+    passes.hub_angle = place
+    passes.angle = found.angle
+    passes.rate = found.rate
+    passes.release = place.copy()
+    passes.release_angle = found.angle.copy()
     passes.lowest = np.minimum(passes.lowest, found.angle)
     return np.where(ended, how, -1)
 
@@ -112,7 +121,9 @@ def _height(passes: Passes, hub_angle: Array, motion: Lying) -> Array:
     return clearance(WORKPART, passes, pose_of(hub_angle, motion.angle, motion.rate))[0]
 
 
-def _note_retraction(passes: Passes, hub: Array, rates: Array, place: Array, side: Array, ends: Chosen) -> None:
+def _note_retraction(
+    passes: Passes, hub: Array, rates: Array, place: Array, side: Array, ends: Chosen
+) -> None:
     """Note the least angle at a minimum on the bar before the contact ends."""
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (hub[:-1] < place)
     number = np.flatnonzero(turning.any(axis=0))
@@ -131,6 +142,8 @@ def _note_retraction(passes: Passes, hub: Array, rates: Array, place: Array, sid
         passes.lowest[number] = np.minimum(passes.lowest[number], least)
 
 
-def _some(passes: Passes, side: Array, ends: Chosen, chosen: Chosen) -> tuple[Passes, Array, Chosen]:
+def _some(
+    passes: Passes, side: Array, ends: Chosen, chosen: Chosen
+) -> tuple[Passes, Array, Chosen]:
     """Return some of the wires on the bar."""
     return passes.take(chosen), side[chosen], ends[chosen]

@@ -12,7 +12,15 @@ from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM, REBOUND, Impact
 
-OUTCOMES = ("rebounds", "reverses its slip", "sticks and rebounds", "stays", "jams", "does not strike", "refused")
+OUTCOMES = (
+    "rebounds",
+    "reverses its slip",
+    "sticks and rebounds",
+    "stays",
+    "jams",
+    "does not strike",
+    "refused",
+)
 REBOUNDS, REVERSES, STICKS, STAYS, JAMS, MISSES, REFUSED = range(len(OUTCOMES))
 """The outcomes of a pass, and their codes."""
 
@@ -44,7 +52,9 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
     blow = _blow(passes, values, 0.0)
     beside = _blow(passes, values, accuracy)
     size = np.hypot(blow.impact.impulse_normal, blow.impact.impulse_tangential)
-    change = np.abs(beside.impact.impulse_normal - blow.impact.impulse_normal) / np.maximum(size, LEAST_SPEED)
+    change = np.abs(beside.impact.impulse_normal - blow.impact.impulse_normal) / np.maximum(
+        size, LEAST_SPEED
+    )
 
     # An error of the angle moves the instant of the strike, and with it the state.
     turn = passes.hub_angle + passes.angle
@@ -54,7 +64,11 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
     shift = np.abs(np.sin(turn)) / normal
     error = passes.error * (1.0 + shift * (np.abs(acceleration) / passes.rate_scale + np.abs(spin)))
     error *= np.maximum(1.0, change / accuracy)
-    bend = np.abs(passes.radius * np.cos(passes.hub_angle) + np.cos(turn) * spin**2 + np.sin(turn) * acceleration)
+    bend = np.abs(
+        passes.radius * np.cos(passes.hub_angle)
+        + np.cos(turn) * spin**2
+        + np.sin(turn) * acceleration
+    )
     uncertain = (normal**2 < 2.0 * bend * accuracy) | (beside.outcome != blow.outcome)
     return {
         "contact_time": (passes.hub_angle - passes.start) / speed,
@@ -81,8 +95,12 @@ def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
     normal = (passes.radius * np.sin(passes.hub_angle) + sine * spin) * tip_speed
     tangential = (passes.radius * np.cos(passes.hub_angle) + cosine * spin) * tip_speed
     compliance = 3.0 / values["bristle_mass"]
-    inverse_mass = np.array([[sine * sine, sine * cosine], [sine * cosine, cosine * cosine]]) * compliance
-    later = np.where(np.isnan(values["restitution_friction"]), values["friction"], values["restitution_friction"])
+    inverse_mass = (
+        np.array([[sine * sine, sine * cosine], [sine * cosine, cosine * cosine]]) * compliance
+    )
+    later = np.where(
+        np.isnan(values["restitution_friction"]), values["friction"], values["restitution_friction"]
+    )
     elastic = values["tangential_compliance"]
     impact = energetic_impact(
         inverse_mass.transpose(2, 0, 1),

@@ -95,12 +95,15 @@ def touch_of(
 
     ``moving`` is the velocity of the place of contact, which slides along the wire's material.
     """
-    velocity, rate, tangent = motion.velocity[link], motion.rates[link], -1j * normal
+    velocity = motion.velocity[link]
+    rate = motion.rates[link]
+    tangent = -1j * normal
     arm = point - motion.joint[link]
     material = velocity + 1j * rate * arm
     # d/dt of n.v and t.v, with n' = i spin n and arm' = moving - velocity, at theta'' = 0.
     change = motion.acceleration[link] + 1j * rate * (moving - velocity)
-    normal_row, tangential_row = chain.jacobian(motion, link, arm, normal), chain.jacobian(motion, link, arm, tangent)
+    normal_row = chain.jacobian(motion, link, arm, normal)
+    tangential_row = chain.jacobian(motion, link, arm, tangent)
     velocities = dot(normal, material), dot(tangent, material)
     biases = [dot(1j * spin * each, material) + dot(each, change) for each in (normal, tangent)]
     return Touch(gap, normal_row, tangential_row, velocities, (biases[0], biases[1]))
@@ -119,8 +122,10 @@ class Bar:
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
         links, starts, directions, lengths = chain.pieces
-        turn, joint = motion.turn[..., links], motion.joint[..., links]
-        origin, along = joint + starts * turn, directions * turn
+        turn = motion.turn[..., links]
+        joint = motion.joint[..., links]
+        origin = joint + starts * turn
+        along = directions * turn
         foot = (np.conj(along) * (self.centre - origin)).real
         nearest = origin + np.minimum(np.maximum(foot, 0.0), lengths) * along
         return foot, np.abs(nearest - self.centre) - self.reach
@@ -132,7 +137,8 @@ class Bar:
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact on a flank or a corner."""
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
-        joint, turn = motion.joint[link], motion.turn[link]
+        joint = motion.joint[link]
+        turn = motion.turn[link]
         along = direction * turn
         origin = joint + start * turn
         away = length if point.corner else dot(along, self.centre - origin)
@@ -170,9 +176,9 @@ class Workpart:
         arm = complex(chain.pieces.ends[point.piece] * motion.turn[link])
         corner = complex(motion.joint[link]) + arm
         moving = complex(motion.velocity[link] + 1j * motion.rates[link] * arm)
-        return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)._replace(
-            along=corner.real
-        )
+        return touch_of(
+            chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving
+        )._replace(along=corner.real)
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
@@ -180,9 +186,13 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)
-        found["bar"] = Bar(complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface)
+        found["bar"] = Bar(
+            complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface
+        )
     if tool.workpart is not None:
-        elastic = tool.contact.tangential_compliance >= LEAST_COMPLIANCE  # a stiffer one is rigid, as in the impact law
+        elastic = (
+            tool.contact.tangential_compliance >= LEAST_COMPLIANCE
+        )  # a stiffer one is rigid, as in the impact law
         compliance = tool.contact.tangential_compliance if elastic else 0.0
         found["workpart"] = Workpart(tool.workpart_depth, tool.workpart, compliance)
     return found
@@ -201,15 +211,19 @@ def dot(first: complex, second: complex) -> float:
 class WirePairs:
     """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
 
-    name, compliance = "wire", 0.0
+    name = "wire"
+    compliance = 0.0
 
     def __init__(self, wires: int, diameter: float, surface: Surface) -> None:
-        self.diameter, self.surface = diameter, surface
+        self.diameter = diameter
+        self.surface = surface
         self.pairs = list(itertools.combinations(range(wires), 2))
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the gap of every pair, m."""
-        return np.array([self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs])
+        return np.array(
+            [self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs]
+        )
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a pair's contact."""
@@ -225,9 +239,12 @@ class WirePairs:
         else:
             spin = dot(1j * normal, complex(carried[0] - carried[1])) / distance
         reach = (0.5 - end) * self.diameter * normal
-        contact, moving = complex(ends[end] - reach), complex(carried[end] - 1j * spin * reach)
+        contact = complex(ends[end] - reach)
+        moving = complex(carried[end] - 1j * spin * reach)
         gap = distance - self.diameter
-        front, back = (touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires)
+        front, back = (
+            touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires
+        )
         return Touch(
             gap,
             front.normal_row - back.normal_row,
@@ -237,13 +254,18 @@ class WirePairs:
         )
 
     @staticmethod
-    def _nearest(chain: Chain, motion: Kinematics, first: int, second: int) -> tuple[float, int, tuple[float, float]]:
+    def _nearest(
+        chain: Chain, motion: Kinematics, first: int, second: int
+    ) -> tuple[float, int, tuple[float, float]]:
         """Return the distance of two centre lines, the wire whose end is nearest, and both distances from the roots, m."""
-        length, along = chain.length, chain.ends * motion.turn / chain.length
+        length = chain.length
+        along = chain.ends * motion.turn / chain.length
         found = []
         for end, (own, other) in enumerate(((first, second), (second, first))):
             for at in (0.0, length):
                 apart = motion.joint[own] + at * along[own] - motion.joint[other]
                 foot = min(max(dot(along[other], apart), 0.0), length)
-                found.append((abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot)))
+                found.append(
+                    (abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot))
+                )
         return min(found)

@@ -30,8 +30,12 @@ WEIGHTS = 2.0 / (DEGREE + 1) * chebyshev.chebvander(NODES, DEGREE).T
 WEIGHTS[0] *= 0.5
 
 DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
-MOST_PIECES = 400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
-SERIES_ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
+MOST_PIECES = (
+    400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
+)
+SERIES_ROUNDING = (
+    1e-13  # the series' last coefficients are rounding below this fraction of the function's size
+)
 
 
 def nodes(start: float, end: float) -> Array:
@@ -41,7 +45,9 @@ def nodes(start: float, end: float) -> Array:
 
 def _resolved(series: Array, values: Array, resolution: float) -> bool:
     """Return whether the last coefficients are rounding, so that the series represents the function."""
-    return bool(np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max()))
+    return bool(
+        np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max())
+    )
 
 
 def crossings(
@@ -53,12 +59,17 @@ def crossings(
     ``before`` is the sign at the start where the first values have none; 0 means that the first sign is no change.
     """
     edges = {start, end}
-    waiting, done = [(start, end, DEEPEST)], 0
+    waiting = [(start, end, DEEPEST)]
+    done = 0
     while waiting:
         left, right, depth = waiting.pop()
         values = function(nodes(left, right))
         series = WEIGHTS @ values
-        if depth and done + len(waiting) < MOST_PIECES and not _resolved(series, values, resolution):
+        if (
+            depth
+            and done + len(waiting) < MOST_PIECES
+            and not _resolved(series, values, resolution)
+        ):
             middle = 0.5 * (left + right)
             waiting += [(middle, right, depth - 1), (left, middle, depth - 1)]
         else:
@@ -85,19 +96,25 @@ def _sign_changes(
 ) -> Iterator[tuple[float, int]]:
     """Locate the root between each pair of successive probes of opposite sign; probes without a sign are left out."""
     signed = np.flatnonzero(np.abs(values) > resolution).tolist()
-    sign, last = before, 0
+    sign = before
+    last = 0
     for probe in signed:
         new = int(np.sign(values[probe]))
         if sign * new < 0:
             yield _root(function, probes[last], probes[probe], values[last] * new), new
-        sign, last = new, probe
+        sign = new
+        last = probe
 
 
 def _root(function: Function, left: float, right: float, already: float) -> float:
     """Return the root between two times, s; the left one if the function ``already`` has the right one's sign there."""
     if already >= 0.0:  # by rounding, at the start of the search
         return float(left)
-    return float(brentq(lambda time: float(function(np.array([time]))[0]), left, right, xtol=1e-300, maxiter=400))
+    return float(
+        brentq(
+            lambda time: float(function(np.array([time]))[0]), left, right, xtol=1e-300, maxiter=400
+        )
+    )
 
 
 class Step(NamedTuple):
@@ -115,7 +132,9 @@ class Step(NamedTuple):
         if np.abs(values).max() <= resolution:
             return 0
         series = WEIGHTS @ values
-        certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(series, values, resolution)
+        certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(
+            series, values, resolution
+        )
         return int(np.sign(series[0])) if certain else None
 
     def along(self, value: Value) -> Callable[[Array], Array]:
@@ -128,7 +147,8 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
 
     A function that is zero but for rounding has the sign from which its event changes it: the event is still to come.
     """
-    end, follow = step.end, None
+    end = step.end
+    follow = None
     near = _near(step.system, step.instants[-1], end - step.start)
     for event in events:
         if event.place is not None and event.place not in near:
@@ -141,14 +161,17 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
         found = crossings(along, step.start, end, event.resolution, -event.direction)
         times = [time for time, direction in found if direction == event.direction]
         if times:
-            end, follow = times[0], event.follow
+            end = times[0]
+            follow = event.follow
     return end, follow
 
 
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
     """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
     chain = system.chain
-    top_speed = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
+    top_speed = chain.speed * chain.hub_radius + float(
+        np.abs(chain.ends) @ np.abs(instant.state.rates)
+    )
     return {
         (name, int(piece))
         for name in system.obstacles
@@ -161,7 +184,9 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
 
     The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     """
-    system, chain, link = step.system, own.chain, own.links.start
+    system = step.system
+    chain = own.chain
+    link = own.links.start
     rounding = system.rate_rounding(step.instants[-1].state)
 
     def rate(at: Instant) -> float:
@@ -185,8 +210,14 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE):
         return None
     bar = system.obstacles.get("bar")
-    ahead = isinstance(bar, Bar) and chain.speed and (bar.centre / chain.roots(step.start)[0]).imag > 0.0
-    if ahead and not own.seen("bar touch"):  # within half a turn of the root: the bristle has not been thrown yet
+    ahead = (
+        isinstance(bar, Bar)
+        and chain.speed
+        and (bar.centre / chain.roots(step.start)[0]).imag > 0.0
+    )
+    if ahead and not own.seen(
+        "bar touch"
+    ):  # within half a turn of the root: the bristle has not been thrown yet
         return None
     for time in zeros(acceleration, rounding * system.fastest, -1):
         if step.along(rate)(np.array([time]))[0] > IDLE * rounding:

@@ -49,11 +49,16 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     touching = sorted([*system.sustained, *begun], key=lambda each: each.spring is not None)
     points = [each.point for each in touching if each.spring is None]
     state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
-    instant, still = system.at(state), system.still(state)
+    instant = system.at(state)
+    still = system.still(state)
     for each in begun:
         if each.spring is None:
             each.since, each.velocity_before = state, (0.0, instant.touch(each.point).velocity[1])
-    resting = [each for each in touching if each.spring or abs(instant.touch(each.point).velocity[0]) <= still]
+    resting = [
+        each
+        for each in touching
+        if each.spring or abs(instant.touch(each.point).velocity[0]) <= still
+    ]
     for each in resting:
         if each.spring is not None and each.spring.law.compliance:
             each.slip = _foot(system, instant, each, each.spring)
@@ -77,12 +82,21 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
     """Return a contact that begins, with its spring if it is compliant."""
-    instant, obstacle, spring = system.at(state), system.obstacles[point.obstacle], None
+    instant = system.at(state)
+    obstacle = system.obstacles[point.obstacle]
+    spring = None
     touch = instant.touch(point)
-    if isinstance(obstacle, Workpart) and (stiffness := _stiffness(instant, touch, point)) is not None:
+    if (
+        isinstance(obstacle, Workpart)
+        and (stiffness := _stiffness(instant, touch, point)) is not None
+    ):
         surface = obstacle.surface
         law = ContactSpring(
-            stiffness, surface.restitution, surface.friction, surface.friction_in_restitution, obstacle.compliance
+            stiffness,
+            surface.restitution,
+            surface.friction,
+            surface.friction_in_restitution,
+            obstacle.compliance,
         )
         spring = Spring(law, touch.gap, touch.along)
     return Sustained(point, 0, state, touch.velocity, spring)
@@ -94,7 +108,8 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
     It follows from the requested duration of the first one: by the impact law for a rigid wire; for a wire of several links by
     the frictionless motion that it had if its hinges were rigid.
     """
-    system, chain = instant.system, instant.system.chain
+    system = instant.system
+    chain = instant.system.chain
     wire = point.piece if len(chain.tips) > 1 else 0  # in a row each wire has one piece
     if system.duration is None or wire in system.stiffnesses:
         return system.stiffnesses.get(wire)
@@ -105,24 +120,32 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
         stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, system.duration)
     else:
         hit = _impact(instant, touch, surface, 0.0)[0]
-        stiffness = stiffness_for_duration(hit, touch.velocity[0], surface.restitution, system.duration)
+        stiffness = stiffness_for_duration(
+            hit, touch.velocity[0], surface.restitution, system.duration
+        )
     system.stiffnesses[wire] = stiffness
     return stiffness
 
 
-def _impact(instant: Instant, touch: Touch, surface: Surface, compliance: float) -> tuple[Impact, Array]:
+def _impact(
+    instant: Instant, touch: Touch, surface: Surface, compliance: float
+) -> tuple[Impact, Array]:
     """Return an impact by the energetic law, and the change of all rates by a normal and by a tangential unit impulse."""
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(instant.mass, rows.T)
     inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
     coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
-    return energetic_impact(inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance), response
+    return energetic_impact(
+        inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance
+    ), response
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
     """Return the sense in which a tangential spring's foot slides, 0 where it sticks; limit the force to the friction cone."""
-    touch, mu = instant.touch(each.point), system.friction(each.point, spring)
-    pull, most = spring.rub(touch, each.slip) or 0.0, mu * max(spring.force(touch.gap), 0.0)
+    touch = instant.touch(each.point)
+    mu = system.friction(each.point, spring)
+    pull = spring.rub(touch, each.slip) or 0.0
+    most = mu * max(spring.force(touch.gap), 0.0)
     pull = min(max(pull, -most), most)
     sense = int(-np.sign(pull) or np.sign(touch.velocity[1]))
     if not mu or (abs(pull) >= (1.0 - EDGE) * most and spring.foot(touch, sense) > 0.0):
@@ -138,12 +161,18 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
         own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
 
 
-def end_compression(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
+def end_compression(
+    system: System, log: Log, each: Sustained, spring: Spring, state: State
+) -> State:
     """Begin a compliant contact's restitution, or end the contact where there is none."""
     spring.deepest = spring.surface - system.at(state).touch(each.point).gap
     change_phase(system, each, spring, state)
     each.compression = each.sums
-    return decide(system, log, state) if spring.law.restitution else end_compliant_contact(system, log, each, state)
+    return (
+        decide(system, log, state)
+        if spring.law.restitution
+        else end_compliant_contact(system, log, each, state)
+    )
 
 
 def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
@@ -183,7 +212,8 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
     """Resolve one impact by the energetic law, and record it."""
-    instant, obstacle = system.at(state), system.obstacles[point.obstacle]
+    instant = system.at(state)
+    obstacle = system.obstacles[point.obstacle]
     touch = instant.touch(point)
     hit, response = _impact(instant, touch, obstacle.surface, obstacle.compliance)
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
@@ -207,7 +237,8 @@ def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point])
     free = np.linalg.solve(instant.mass, instant.forces)
     low = []
     for touch in (instant.touch(point) for point in points):
-        falling, parting = float(touch.normal_row @ free) + touch.bias[0], touch.velocity[0]
+        falling = float(touch.normal_row @ free) + touch.bias[0]
+        parting = touch.velocity[0]
         if falling < 0.0 < parting and parting**2 < -2.0 * falling * LOWEST_REBOUND * system.size:
             low.append(touch)
     return state._replace(rates=state.rates + closed(instant.mass, low)[1]) if low else state

@@ -24,7 +24,9 @@ from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.settings import StopReason
 
 Value = Callable[[Instant], float]
-Follow = Callable[[State], State]  # the consequence of an event: the state before it -> the state after it
+Follow = Callable[
+    [State], State
+]  # the consequence of an event: the state before it -> the state after it
 INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
 PAST = 1e-13  # a contact has passed a corner by this fraction of the length: rounding does not bring it back
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
@@ -59,7 +61,9 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
         raise Finished(StopReason.RETRACTION_LIMIT, state)
 
     found = _touch_events(system, log, state)
-    found += [Event(partial(upright, own), -1, ROUNDING, partial(lies_down, own)) for own in log.records]
+    found += [
+        Event(partial(upright, own), -1, ROUNDING, partial(lies_down, own)) for own in log.records
+    ]
     for number, each in enumerate(system.sustained):
         if each.spring is None:
             found += _force_events(system, log, number)
@@ -73,7 +77,8 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
 
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
     """Return the events at which an obstacle is touched, or left where a compliant contact has indented it."""
-    inside, found = INSIDE * system.size, []
+    inside = INSIDE * system.size
+    found = []
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:
         return float(instant.gaps(name)[piece]) - level
@@ -82,8 +87,13 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
         for piece, now in enumerate(system.at(state).gaps(name).tolist()):
             if _shadowed(system, name, piece):
                 continue
-            place, value = (name, piece), partial(gap, name, piece, min(now, 0.0) - inside)
-            found.append(Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place))
+            place = (name, piece)
+            value = partial(gap, name, piece, min(now, 0.0) - inside)
+            found.append(
+                Event(
+                    value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place
+                )
+            )
             if now < -10.0 * inside and name == "workpart" and system.stiffnesses:
                 found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, place))
     return found
@@ -111,7 +121,8 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
 
     def free(at: Instant) -> float:
         """Return the response to a normal force with friction, divided by the one without."""
-        touch, ratio = at.contacts[number].touch, at.contacts[number].ratio
+        touch = at.contacts[number].touch
+        ratio = at.contacts[number].ratio
         return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
 
     def lock(state: State) -> State:
@@ -121,7 +132,15 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
             return State(state.time + time, state.angles + time * state.rates, state.rates)
 
         scale = LOCKED / system.fastest
-        time = float(newton(lambda time: free(system.at(ahead(time))), 0.0, x1=scale, tol=1e-6 * scale, disp=False))
+        time = float(
+            newton(
+                lambda time: free(system.at(ahead(time))),
+                0.0,
+                x1=scale,
+                tol=1e-6 * scale,
+                disp=False,
+            )
+        )
         raise log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
 
     found = [Event(pressing, -1, acceleration, partial(decide, system, log))]
@@ -132,7 +151,8 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
     """Return the events of a spring: compression ends, or unloading ends at zero force or by reloading."""
-    speed, depth = ROUNDING * system.size * system.fastest, max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
+    speed = ROUNDING * system.size * system.fastest
+    depth = max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
 
     def opening(instant: Instant) -> float:
         return instant.touch(each.point).velocity[0]
@@ -149,16 +169,24 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
     # Beyond the rounding of a gap, or the contact would turn and load again at one instant.
     deeper = partial(above, spring.deepest + ROUNDING * system.size)
     return [
-        Event(partial(above, spring.left), -1, depth, partial(end_compliant_contact, system, log, each)),
+        Event(
+            partial(above, spring.left),
+            -1,
+            depth,
+            partial(end_compliant_contact, system, log, each),
+        ),
         Event(deeper, 1, depth, reload),
     ]
 
 
 def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
     """Return the events at which slip of a sustained contact stops or begins."""
-    each, go_on = system.sustained[number], partial(decide, system, log)
-    mu, slip = system.friction(each.point, each.spring), each.slip
-    speed, force = system.size * system.fastest, ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
+    each = system.sustained[number]
+    go_on = partial(decide, system, log)
+    mu = system.friction(each.point, each.spring)
+    slip = each.slip
+    speed = system.size * system.fastest
+    force = ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
     if each.spring is not None:
         law = each.spring.law
         steepest = law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
@@ -178,7 +206,9 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
 
     if not mu:
         return []
-    if slip:  # slip that begins after stick may start from a velocity that is rounding, of either sign
+    if (
+        slip
+    ):  # slip that begins after stick may start from a velocity that is rounding, of either sign
         return [Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on)]
     return [Event(beyond(cone, force) if each.spring else cone, -1, force, go_on)]
 
@@ -186,17 +216,29 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     """Return the events at which a contact with the bar passes from a flank to a corner or back."""
     (name, index, corner), feet = each.point, system.at(state).feet
-    length, past = float(system.chain.pieces.lengths[index]), PAST * system.chain.length
+    length = float(system.chain.pieces.lengths[index])
+    past = PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
         # From the far side of the end by rounding, the contact passes it only as it moves on.
         level = direction * (max(direction * end, direction * float(feet[piece])) + past)
         foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
-        return Event(foot, direction, ROUNDING * system.chain.length, partial(move_contact, system, each, point))
+        return Event(
+            foot,
+            direction,
+            ROUNDING * system.chain.length,
+            partial(move_contact, system, each, point),
+        )
 
     if corner:
-        passes = [(index, length, -1, Point(name, index, False)), (index + 1, 0.0, 1, Point(name, index + 1, False))]
+        passes = [
+            (index, length, -1, Point(name, index, False)),
+            (index + 1, 0.0, 1, Point(name, index + 1, False)),
+        ]
     else:
-        passes = [(index, length, 1, Point(name, index, True)), (index, 0.0, -1, Point(name, index - 1, True))]
+        passes = [
+            (index, length, 1, Point(name, index, True)),
+            (index, 0.0, -1, Point(name, index - 1, True)),
+        ]
     # Nothing precedes a wire's root or follows its tip.
     return [event(*each) for each in passes[: 2 if follows(system.chain, index + corner) else 1]]

@@ -60,23 +60,31 @@ class Balance(NamedTuple):
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Solve for the accelerations and the contact forces."""
     if not contacts:
-        return Balance(np.asarray(np.linalg.solve(mass, forces), dtype=float), np.zeros(0), np.zeros(0))
-    size, known = len(forces), np.zeros(len(forces))
+        return Balance(
+            np.asarray(np.linalg.solve(mass, forces), dtype=float), np.zeros(0), np.zeros(0)
+        )
+    size = len(forces)
+    known = np.zeros(len(forces))
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]
     for each in contacts:
         if each.push is not None:
             rub = each.ratio * each.push if each.rub is None else each.rub
             known += each.push * each.touch.normal_row + rub * each.touch.tangential_row
-    rows = [each.touch.normal_row for each in rigid] + [each.touch.tangential_row for each in sticking]
-    pushed = [each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid] + rows[len(rigid) :]
+    rows = [each.touch.normal_row for each in rigid] + [
+        each.touch.tangential_row for each in sticking
+    ]
+    pushed = [
+        each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid
+    ] + rows[len(rigid) :]
     biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
     matrix = np.zeros((size + len(rows), size + len(rows)))
     matrix[:size, :size] = mass
     if rows:
         matrix[:size, size:], matrix[size:, :size] = -np.transpose(pushed), rows
     found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
-    pushes, pulls = iter(found[size : size + len(rigid)]), iter(found[size + len(rigid) :])
+    pushes = iter(found[size : size + len(rigid)])
+    pulls = iter(found[size + len(rigid) :])
     normal = [next(pushes) if each.push is None else each.push for each in contacts]
     tangential = [
         next(pulls) if each.sticks else each.ratio * push if each.rub is None else each.rub
@@ -85,7 +93,9 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     return Balance(np.asarray(found[:size]), np.array(normal), np.array(tangential))
 
 
-def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
+def acting(
+    mass: Array, forces: Array, contacts: Sequence[Acting], still: float
+) -> tuple[tuple[int, int], ...] | None:
     """Return which closed contacts stay closed, as (index, sign of slip), or None if no combination is consistent.
 
     Args:
@@ -100,7 +110,9 @@ def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float)
         slips = slips if each.rub is None else (each.slip,)
         options.append(slips if each.push is not None else (*slips, None))
     for modes in itertools.product(*options):
-        chosen = {i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None}
+        chosen = {
+            i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None
+        }
         if _consistent(mass, forces, contacts, chosen, still):
             return tuple((i, each.slip) for i, each in chosen.items())
     return None
@@ -119,12 +131,17 @@ def _consistent(
         return False
     pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
     rigid = [(each, normal, tangential) for each, normal, tangential in pushes if each.rub is None]
-    return all(_in_cone(mass, *each) and _slips_on(mass, forces, found.accelerations, each[0], still) for each in rigid)
+    return all(
+        _in_cone(mass, *each) and _slips_on(mass, forces, found.accelerations, each[0], still)
+        for each in rigid
+    )
 
 
 def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
     """Return whether a rigid contact pushes without locking, and a sticking contact is within its friction cone."""
-    if each.push is None and (normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)):
+    if each.push is None and (
+        normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)
+    ):
         return False
     return not each.sticks or abs(tangential) <= (1.0 - EDGE) * each.friction * normal
 
@@ -145,7 +162,9 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
 
     Where it is not positive, friction locks the contact.
     """
-    return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
+    return float(
+        touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row)
+    )
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:

@@ -16,7 +16,9 @@ from bristle_sim.settings import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 
-STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
+STRIKE = "strike"
+PEAK = "highest relative speed"
+LARGEST_RETRACTION = "largest retraction"
 
 
 class Finished(Exception):
@@ -31,7 +33,9 @@ class Record:
         self.links = slice(first, first + chain.links)
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
-        self.turned: list[State] = []  # where the relative rate rises through zero: retraction may be largest
+        self.turned: list[
+            State
+        ] = []  # where the relative rate rises through zero: retraction may be largest
 
     def own(self, state: State) -> State:
         """Return the state of the wire's own links."""
@@ -59,23 +63,37 @@ class Record:
             self.event(LARGEST_RETRACTION, lowest.time)
 
     def impact(
-        self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact, rounding: float
+        self,
+        point: Point,
+        state: State,
+        after: State,
+        velocity: tuple[float, float],
+        hit: Impact,
+        rounding: float,
     ) -> None:
         """Record an impact between the states before and after it; ``rounding`` is that of a rate, rad/s."""
-        before, speed = self.own(state).rates[0], self.chain.speed
+        before = self.own(state).rates[0]
+        speed = self.chain.speed
         if before < speed - rounding and self.own(after).rates[0] > speed + rounding:
             self.turned.append(state)
         given = {
             "impulse": (hit.impulse_normal, hit.impulse_tangential),
-            "compressive_impulse": (hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
+            "compressive_impulse": (
+                hit.compressive_impulse_normal,
+                hit.compressive_impulse_tangential,
+            ),
             "compressive_work": hit.compressive_work,
             "restitutive_work": hit.restitutive_work,
             "velocity_before": velocity,
             "velocity_after": (hit.velocity_normal, hit.velocity_tangential),
         }
-        self._contact(point, state, after, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases)
+        self._contact(
+            point, state, after, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases
+        )
 
-    def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
+    def lasting(
+        self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str
+    ) -> None:
         """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
         if last.time <= each.since.time:
             return
@@ -91,18 +109,33 @@ class Record:
         law = "sustained" if each.spring is None else "compliant"
         self._contact(each.point, each.since, last, given, law=law, outcome=outcome)
 
-    def _contact(self, point: Point, since: State, until: State, given: dict[str, Any], **words: Any) -> None:
+    def _contact(
+        self, point: Point, since: State, until: State, given: dict[str, Any], **words: Any
+    ) -> None:
         """Record a contact between two states with its (normal, tangential) pairs."""
         first, last = self.own(since), self.own(until)
-        pairs: dict[str, Any] = {name: (float(normal), float(along)) for name, (normal, along) in given.items()}
-        words |= {"rates_before": tuple(first.rates.tolist()), "rates_after": tuple(last.rates.tolist())}
-        words |= {"time": first.time, "duration": last.time - first.time, "angles": tuple(first.angles.tolist())}
+        pairs: dict[str, Any] = {
+            name: (float(normal), float(along)) for name, (normal, along) in given.items()
+        }
+        words |= {
+            "rates_before": tuple(first.rates.tolist()),
+            "rates_after": tuple(last.rates.tolist()),
+        }
+        words |= {
+            "time": first.time,
+            "duration": last.time - first.time,
+            "angles": tuple(first.angles.tolist()),
+        }
         self.contacts.append(ContactRecord(obstacle=point.obstacle, **pairs, **words))
 
-    def trajectory(self, samples: Sequence[State], normal_force: Array, reason: StopReason, **run: Any) -> Trajectory:
+    def trajectory(
+        self, samples: Sequence[State], normal_force: Array, reason: StopReason, **run: Any
+    ) -> Trajectory:
         """Return the finished result."""
         chain = self.chain
-        time, angles, rates = (np.array(column) for column in zip(*map(self.own, samples), strict=True))
+        time, angles, rates = (
+            np.array(column) for column in zip(*map(self.own, samples), strict=True)
+        )
         corners, velocities = chain.centre_line(time, angles, rates)
         kinetic, potential = chain.energies(time, angles, rates)
         return Trajectory(
@@ -131,10 +164,16 @@ class Log:
     """
 
     def __init__(
-        self, wires: Sequence[Chain], interval: float, stop_after: str | None, pairs: Sequence[tuple[int, int]] = ()
+        self,
+        wires: Sequence[Chain],
+        interval: float,
+        stop_after: str | None,
+        pairs: Sequence[tuple[int, int]] = (),
     ) -> None:
         self.records = [Record(each, number * each.links) for number, each in enumerate(wires)]
-        self.interval, self.stop_after, self.pairs = interval, stop_after, pairs
+        self.interval = interval
+        self.stop_after = stop_after
+        self.pairs = pairs
         self.samples: list[tuple[State, Array]] = []
         self.impacts: list[float] = []
         self.marks: list[float] = []  # instants of the motion stored next that are to be sampled
@@ -147,21 +186,32 @@ class Log:
 
     def sample(self, instant: Instant) -> None:
         """Store a state with the contacts' forces, unless it was stored last."""
-        forces, state = np.zeros((len(self.records), 2)), instant.state
+        forces = np.zeros((len(self.records), 2))
+        state = instant.state
         for number, each in enumerate(instant.system.sustained):
             for record in self.of(each.point):
                 push = instant.balance.normal[number], instant.balance.tangential[number]
                 forces[self.records.index(record)] += push
         if self.samples:
             last, pushed = self.samples[-1]
-            if last.time == state.time and (pushed == forces).all() and (last.rates == state.rates).all():
+            if (
+                last.time == state.time
+                and (pushed == forces).all()
+                and (last.rates == state.rates).all()
+            ):
                 return
         self.samples.append((state, forces))
 
     def times(self, start: float, end: float) -> list[float]:
         """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
-        count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
-        return [each for each in np.union1d(count * self.interval, self.marks).tolist() if start < each < end]
+        count = np.arange(
+            math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float
+        )
+        return [
+            each
+            for each in np.union1d(count * self.interval, self.marks).tolist()
+            if start < each < end
+        ]
 
     def touched(self, point: Point, time: float) -> None:
         """Note a touch; a wire's first one of the workpart is its strike."""
@@ -176,7 +226,9 @@ class Log:
 
     def check_stop(self, state: State) -> None:
         """Raise Finished once every wire has had the event that ends the run."""
-        if self.stop_after is not None and all(record.seen(self.stop_after) for record in self.records):
+        if self.stop_after is not None and all(
+            record.seen(self.stop_after) for record in self.records
+        ):
             raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:

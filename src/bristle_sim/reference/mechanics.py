@@ -70,17 +70,28 @@ class Chain:
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
         """Cut a tool's bristle into its links, once for each hub angle that a wire starts at."""
-        bristle, links, count = tool.bristle, tool.bristle.links, len(start_hub_angles)
-        self.speed, self.hub_radius, self.gravity = tool.hub.speed, tool.hub.radius, tool.gravity
-        self.length, self.links = bristle.length, links * count
+        bristle = tool.bristle
+        links = tool.bristle.links
+        count = len(start_hub_angles)
+        self.speed = tool.hub.speed
+        self.hub_radius = tool.hub.radius
+        self.gravity = tool.gravity
+        self.length = bristle.length
+        self.links = links * count
         self.start_hub_angles = np.repeat(start_hub_angles, links)
         self.start_roots = -1j * self.hub_radius * np.exp(1j * self.start_hub_angles)
         self.speeds = np.full(self.links, self.speed)
         lone = _cut(bristle, links)
         own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
-        shapes = np.tile(lone.starts, count), np.tile(lone.directions, count), np.tile(lone.lengths, count)
+        shapes = (
+            np.tile(lone.starts, count),
+            np.tile(lone.directions, count),
+            np.tile(lone.lengths, count),
+        )
         self.pieces = pieces = Pieces(own, *shapes)
-        self.middles = pieces.starts + 0.5 * pieces.lengths * pieces.directions  # from the links' joints
+        self.middles = (
+            pieces.starts + 0.5 * pieces.lengths * pieces.directions
+        )  # from the links' joints
         self.ends = np.zeros(self.links, dtype=complex)
         self.ends[own] = pieces.ends  # the last piece of each link
         self.masses = bristle.mass * pieces.lengths / bristle.length
@@ -113,7 +124,9 @@ class Chain:
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
-        return np.asarray((np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix)
+        return np.asarray(
+            (np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix
+        )
 
     def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
         """Return the generalized forces of inertia, belt, hinges and gravity, N m; turn is e^{i theta}."""
@@ -132,7 +145,8 @@ class Chain:
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
-        turn, root = np.exp(1j * angles), self.roots(time)
+        turn = np.exp(1j * angles)
+        root = self.roots(time)
         arms = self.ends * turn
         return Kinematics(
             turn,
@@ -153,21 +167,33 @@ class Chain:
         motion = self.kinematics(time, angles, rates)
         links = [0, *self.pieces.links]
         arms = np.array([0j, *self.pieces.ends]) * motion.turn[..., links]
-        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[..., links] * arms
+        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[
+            ..., links
+        ] * arms
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
         twists = self._twists(angles, self._hub_angles(time))
         places, velocities, turning = self.pieces_motion(time, angles, rates)
-        kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(axis=-1)
+        kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(
+            axis=-1
+        )
         springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
         return kinetic, springs + self.gravity * (self.masses * places.imag).sum(axis=-1)
 
-    def pieces_motion(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes, Array]:
+    def pieces_motion(
+        self, time: Any, angles: Array, rates: Array
+    ) -> tuple[Complexes, Complexes, Array]:
         """Return positions and velocities of the pieces' middles, and the rates of the pieces."""
-        motion, links = self.kinematics(time, angles, rates), self.pieces.links
-        arms, turning = self.middles * motion.turn[..., links], rates[..., links]
-        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * turning * arms, turning
+        motion = self.kinematics(time, angles, rates)
+        links = self.pieces.links
+        arms = self.middles * motion.turn[..., links]
+        turning = rates[..., links]
+        return (
+            motion.joint[..., links] + arms,
+            motion.velocity[..., links] + 1j * turning * arms,
+            turning,
+        )
 
     @property
     def fastest_rate(self) -> float:
@@ -176,19 +202,34 @@ class Chain:
         The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
         stiffness against mass), the highest rate of its damping, and the hub's speed.
         """
-        spring, damper = ((self.apart * each) @ self.apart.T for each in (self.stiffness, self.damping))
-        field = self.masses.sum() / self.first.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
+        spring, damper = (
+            (self.apart * each) @ self.apart.T for each in (self.stiffness, self.damping)
+        )
+        field = (
+            self.masses.sum()
+            / self.first.sum()
+            * self.length
+            * (self.hub_radius * self.speed**2 + self.gravity)
+        )
         inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
-        squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())
-        return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
+        squares = float(
+            np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max()
+        )
+        return (
+            math.sqrt(squares)
+            + float(np.abs(np.linalg.eigvals(inverse @ damper)).max())
+            + self.speed
+        )
 
 
 def _hinge(tool: Tool) -> tuple[float, float]:
     """Return stiffness, N m/rad, and damping, N m s/rad, of the hinge between two links."""
-    bristle, links = tool.bristle, tool.bristle.links
+    bristle = tool.bristle
+    links = tool.bristle.links
     if links == 1:
         return 0.0, 0.0
-    wire, zeta = (bristle.length, bristle.wire_diameter, bristle.modulus), bristle.bending_damping_ratio
+    wire = (bristle.length, bristle.wire_diameter, bristle.modulus)
+    zeta = bristle.bending_damping_ratio
     damping = hinge_damping(bristle.mass, *wire, tool.belt.stiffness, zeta, links) if zeta else 0.0
     return hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, links), damping
 
@@ -206,6 +247,13 @@ def _cut(bristle: Bristle, links: int) -> Pieces:
             first, last = max(low, passed), min(high, passed + size)
             if last - first > 1e-12 * bristle.length:
                 goes_on = bool(cut) and cut[-1][0] == link
-                cut.append((link, cut[-1][1] + cut[-1][2] * cut[-1][3] if goes_on else 0j, direction, last - first))
+                cut.append(
+                    (
+                        link,
+                        cut[-1][1] + cut[-1][2] * cut[-1][3] if goes_on else 0j,
+                        direction,
+                        last - first,
+                    )
+                )
         passed += size
     return Pieces(*map(np.array, zip(*cut, strict=True)))

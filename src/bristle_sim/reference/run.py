@@ -43,7 +43,8 @@ class Run:
 
     def run(self) -> StopReason:
         """Run to the end and return the reason for stopping."""
-        reason, wedged = StopReason.END, False
+        reason = StopReason.END
+        wedged = False
         self._sample(self.state)
         try:
             while self.state.time < self.end:
@@ -53,9 +54,16 @@ class Run:
             reason, self.state = finished.args
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
-            reason, wedged = self.log.jam(self.state).args[0], True
+            reason = self.log.jam(self.state).args[0]
+            wedged = True
         for each in self.system.sustained:
-            record(self.system, self.log, self.state, each, "end of run" if reason is StopReason.END else str(reason))
+            record(
+                self.system,
+                self.log,
+                self.state,
+                each,
+                "end of run" if reason is StopReason.END else str(reason),
+            )
         if wedged:  # without the forces, which have no bound
             self.system.sustained = []
             self._sample(self.state)
@@ -72,9 +80,14 @@ class Run:
                 solver.step()
             if solver.status == "failed":
                 # A contact that loses its lever within an instant: two wires lie flat on each other.
-                raise self.log.jam(self.state) if self.system.rigid else Finished(StopReason.ACCURACY, self.state)
+                raise (
+                    self.log.jam(self.state)
+                    if self.system.rigid
+                    else Finished(StopReason.ACCURACY, self.state)
+                )
             values = solver.dense_output()
-            self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
+            self.evaluations = self.evaluations + solver.nfev
+            solver.nfev = 0
             if follow := self._follow(events, values, solver.t_old, solver.t):
                 return follow
             if self.system.rigid:  # the integrator goes on from the closed gaps
@@ -83,16 +96,26 @@ class Run:
                 solver.f = solver.fun(solver.t, solver.y)
         return lambda state: state
 
-    def _follow(self, events: list[Event], values: Callable[[Any], Array], start: float, end: float) -> Follow | None:
+    def _follow(
+        self, events: list[Event], values: Callable[[Any], Array], start: float, end: float
+    ) -> Follow | None:
         """Store the motion on a step up to its end or the first event, and return the consequence of that."""
 
         def motion(times: Array) -> list[State]:
             pairs = zip(times.tolist(), values(times).T, strict=True)
             return [self.system.closed(self._state(*each)) for each in pairs]
 
-        step = Step(self.system, motion, [self.system.at(each) for each in motion(nodes(start, end))], start, end)
+        step = Step(
+            self.system,
+            motion,
+            [self.system.at(each) for each in motion(nodes(start, end))],
+            start,
+            end,
+        )
         until, follow = first_event(events, step)
-        extremes = [note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records]
+        extremes = [
+            note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records
+        ]
         stop = min((each for each in extremes if each is not None), default=None)
         until = until if stop is None else stop
         *between, self.state = motion(np.array([*self.log.times(start, until), until]))
@@ -109,16 +132,24 @@ class Run:
 
     def _solver(self) -> DOP853:
         """Return an integrator that begins at the state, with an absolute tolerance for each unknown."""
-        chain, size, fastest = self.system.chain, self.system.size, self.system.fastest
+        chain = self.system.chain
+        size = self.system.size
+        fastest = self.system.fastest
         rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, 1e-300)
         force = chain.masses.sum() * size * rate
         work = force * size * rate
         sustained = self.system.sustained
-        scale = [np.ones(chain.links), np.full(chain.links, rate), np.tile([force, force, work, work], len(sustained))]
+        scale = [
+            np.ones(chain.links),
+            np.full(chain.links, rate),
+            np.tile([force, force, work, work], len(sustained)),
+        ]
         return DOP853(
             self._derivative,
             self.state.time,
-            np.concatenate([self.state.angles, self.state.rates, *(each.sums for each in sustained)]),
+            np.concatenate(
+                [self.state.angles, self.state.rates, *(each.sums for each in sustained)]
+            ),
             self.end,
             max_step=1.0 / fastest if fastest else np.inf,
             rtol=self.tolerance,

@@ -96,7 +96,9 @@ def simulate_reference(
     """
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
     start = (angle, start_relative_angle, start_relative_rate)
-    request = Request(*start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after)
+    request = Request(
+        *start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after
+    )
     return _simulate(tool, request, [request.start_hub_angle], {})[0]
 
 
@@ -137,16 +139,26 @@ def simulate_row_reference(
 
 
 def _simulate(
-    tool: Tool, request: Request, start_hub_angles: Sequence[float], touches: Mapping[str, WirePairs]
+    tool: Tool,
+    request: Request,
+    start_hub_angles: Sequence[float],
+    touches: Mapping[str, WirePairs],
 ) -> tuple[Trajectory, ...]:
     """Run all links, of one wire or of several that touch each other; return a trajectory for each wire."""
-    wall, cpu = clock.perf_counter(), clock.process_time()
-    fixed, chain = obstacles_of(tool), Chain(tool, *start_hub_angles)
+    wall = clock.perf_counter()
+    cpu = clock.process_time()
+    fixed = obstacles_of(tool)
+    chain = Chain(tool, *start_hub_angles)
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
     wires = [Chain(tool, each) for each in start_hub_angles]
     end, interval = _span(wires[0], request)
-    log = Log(wires, interval, request.stop_after, [pair for each in touches.values() for pair in each.pairs])
+    log = Log(
+        wires,
+        interval,
+        request.stop_after,
+        [pair for each in touches.values() for pair in each.pairs],
+    )
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
     duration = tool.contact.duration if request.contact_stiffness is None else None
@@ -160,11 +172,18 @@ def _simulate(
             record.event("bar not touched", run.state.time)
         if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
             record.event("workpart not reached", run.state.time)
-    parameters = {"method": METHOD, "tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(request)}
+    parameters = {
+        "method": METHOD,
+        "tool": dataclasses.asdict(tool),
+        "settings": dataclasses.asdict(request),
+    }
     states, forces = zip(*log.samples, strict=True)
     normal_forces = np.array(forces)[:, :, 0].T
     each_wire = zip(log.records, normal_forces, strict=True)
-    runs = [own.trajectory(states, force, reason, cost=cost, parameters=parameters) for own, force in each_wire]
+    runs = [
+        own.trajectory(states, force, reason, cost=cost, parameters=parameters)
+        for own, force in each_wire
+    ]
     return tuple([each.with_places(tool) for each in runs])
 
 
@@ -186,14 +205,17 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
     # Natural rate of the wire on its belt, with rigid hinges, and c/I, twice the rate at which it decays, rad/s.
     inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
     field = abs(complex(chain.moments.sum())) * (chain.hub_radius * chain.speed**2 + chain.gravity)
-    swing, decay = math.sqrt((float(chain.stiffness[0]) + field) / inertia), float(chain.damping[0]) / inertia
+    swing = math.sqrt((float(chain.stiffness[0]) + field) / inertia)
+    decay = float(chain.damping[0]) / inertia
     moving = max(swing, chain.speed)
     period = 2.0 * math.pi / moving if moving else math.inf  # infinite if nothing moves the wire
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
     if not math.isfinite(end):
-        raise ValueError("duration = None: must be a number, as hub, belt and gravity set no time scale (in s)")
+        raise ValueError(
+            "duration = None: must be a number, as hub, belt and gravity set no time scale (in s)"
+        )
     fastest = swing + decay + chain.speed
     if end * fastest > MOST_RADIANS:
         raise ValueError(
@@ -202,7 +224,9 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
         )
     interval = request.sample_interval or min(period / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
-        raise ValueError(f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)")
+        raise ValueError(
+            f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)"
+        )
     return end, interval
 
 
@@ -243,11 +267,17 @@ def strike_reference(
     begun = close_contact(system, log, "workpart", len(chain.corners) - 1, start)
     reason = Run(system, log, begun, longest, accuracy / 100.0, most_evaluations).run()
     if reason is StopReason.STEP_BUDGET:
-        raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")
+        raise TooStiffError(
+            f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)"
+        )
     if reason is not StopReason.EVENT:
-        raise ValueError(f"longest = {longest:g}: must be a time in which the contact ends; it stops: {reason} (in s)")
+        raise ValueError(
+            f"longest = {longest:g}: must be a time in which the contact ends; it stops: {reason} (in s)"
+        )
     states, forces = zip(*log.samples, strict=True)
-    touches = [system.at(state).touch(Point("workpart", len(chain.masses) - 1, True)) for state in states]
+    touches = [
+        system.at(state).touch(Point("workpart", len(chain.masses) - 1, True)) for state in states
+    ]
     history = ContactHistory(
         time=np.array([state.time for state in states]),
         normal_force=np.array(forces)[:, 0, 0],

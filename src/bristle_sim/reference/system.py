@@ -53,9 +53,15 @@ class System:
     """
 
     def __init__(
-        self, chain: Chain, obstacles: Obstacles, stiffness: float | None, duration: float | None = None
+        self,
+        chain: Chain,
+        obstacles: Obstacles,
+        stiffness: float | None,
+        duration: float | None = None,
     ) -> None:
-        self.chain, self.obstacles, self.duration = chain, obstacles, duration
+        self.chain = chain
+        self.obstacles = obstacles
+        self.duration = duration
         self.stiffnesses = dict[int, float]()
         if stiffness is not None:
             self.stiffnesses = dict.fromkeys(range(len(chain.tips)), stiffness)
@@ -75,11 +81,19 @@ class System:
     def friction(self, point: Point, spring: Spring | None = None) -> float:
         """Return the coefficient of friction of a contact, that of restitution where its spring unloads."""
         surface = self.obstacles[point.obstacle].surface
-        return surface.friction if spring is None or spring.loading else surface.friction_in_restitution
+        return (
+            surface.friction
+            if spring is None or spring.loading
+            else surface.friction_in_restitution
+        )
 
     def still(self, state: State) -> float:
         """Return the velocity that counts as rest, m/s."""
-        return REST * self.size * max(self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
+        return (
+            REST
+            * self.size
+            * max(self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
+        )
 
     def rate_rounding(self, state: State) -> float:
         """Return the rounding of a link's rate, rad/s: that of its angle times the fastest rate."""
@@ -98,7 +112,8 @@ class Instant:
     """A state with its kinematics and balance of forces, each computed once where it is needed."""
 
     def __init__(self, system: System, state: State) -> None:
-        self.system, self.state = system, state
+        self.system = system
+        self.state = state
         self._gaps: dict[str, Array] = {}
 
     @cached_property
@@ -130,8 +145,13 @@ class Instant:
         found = []
         for each in sustained:
             touch = self.touch(each.point)
-            mu, spring = self.system.friction(each.point, each.spring), each.spring
-            known = (None, None) if spring is None else (spring.force(touch.gap), spring.rub(touch, each.slip))
+            mu = self.system.friction(each.point, each.spring)
+            spring = each.spring
+            known = (
+                (None, None)
+                if spring is None
+                else (spring.force(touch.gap), spring.rub(touch, each.slip))
+            )
             found.append(Acting(touch, mu, each.slip, *known))
         return found
 

@@ -20,22 +20,33 @@ from bristle_sim.trajectory import ContactRecord
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
-BEFORE, AFTER = 0.6e-3, 1.1e-3  # time shown before the first touch and after the last, s
+# time shown before the first touch and after the last, s
+BEFORE = 0.6e-3
+AFTER = 1.1e-3
 MARKS: dict[str, dict[str, Any]] = {
     "path before touch": {"linestyle": "--", "linewidth": 1.0},
     "in touch": {"linewidth": 2.6},
     "after touch": {"linewidth": 1.0},
     "compression ends": {"linestyle": "none", "marker": "o", "markersize": 4.5, "zorder": 3},
-    "slip turns back": {"linestyle": "none", "marker": "D", "markersize": 5.5, "markerfacecolor": "none", "zorder": 4},
+    "slip turns back": {
+        "linestyle": "none",
+        "marker": "D",
+        "markersize": 5.5,
+        "markerfacecolor": "none",
+        "zorder": 4,
+    },
 }
 
 
 @style.styled()
 def bent_figure(bent: BentBristles) -> Figure:
     """Draw wires at the strike and tip paths (mm), and displacement along the workpart in touch (mm, us)."""
-    figure, words = style.blank_figure(16.0, 17.2), "to scale, from the point of strike"
+    figure = style.blank_figure(16.0, 17.2)
+    words = "to scale, from the point of strike"
     wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", words)
-    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), "the tips' paths before, in and after touch", words)
+    paths = style.add_panel(
+        figure, (7.6, 9.2, 8.0, 5.6), "the tips' paths before, in and after touch", words
+    )
     slides = style.add_panel(
         figure, (1.4, 2.4, 14.2, 4.7), "displacement of the tips along the workpart while in touch"
     )
@@ -49,12 +60,16 @@ def bent_figure(bent: BentBristles) -> Figure:
         for axes in (wires, paths, slides):
             axes.set_axis_off()
             style.say(axes, "no tip strikes the workpart")
-    tool, left = bent.tools["forward"], 1.4 / 16.0
+    tool = bent.tools["forward"]
+    left = 1.4 / 16.0
     assert tool.workpart is not None
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
     figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
-    never = {shape: "" if contact is not None else " (never strikes)" for shape, contact in struck.items()}
+    never = {
+        shape: "" if contact is not None else " (never strikes)"
+        for shape, contact in struck.items()
+    }
     shapes = {NAMES[shape] + never[shape]: {"color": color} for shape, color in SHAPES.items()}
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
     for height, looks in ((0.75, shapes), (0.25, marks)):
@@ -62,13 +77,20 @@ def bent_figure(bent: BentBristles) -> Figure:
     return figure
 
 
-def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord) -> None:
+def _draw_strike(
+    panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord
+) -> None:
     (wires, paths, slides), run, color = panels, bent.trajectories[shape], SHAPES[shape]
-    slide, history, end = bent.slides[shape], contact.history, contact.time + contact.duration
+    slide = bent.slides[shape]
+    history = contact.history
+    end = contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
     wire = style.MILLIMETRES * (run.at(contact.time).centre_line - origin)
     wires.plot(*wire.T, color=color, linewidth=1.8)
-    shown = {"path before touch": (contact.time - BEFORE, contact.time), "after touch": (end, end + AFTER)}
+    shown = {
+        "path before touch": (contact.time - BEFORE, contact.time),
+        "after touch": (end, end + AFTER),
+    }
     for mark, (first, last) in shown.items():
         tips = run.at(np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)).tip
         paths.plot(*(style.MILLIMETRES * (tips - origin)).T, color=color, **MARKS[mark])
@@ -79,7 +101,8 @@ def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact
     time = style.MICROSECONDS * (time - contact.time)
     paths.plot(path, above, color=color, **MARKS["in touch"])
     slides.plot(time, path, color=color)
-    compressed, turned = int(np.argmin(above)), int(np.argmax(path))
+    compressed = int(np.argmin(above))
+    turned = int(np.argmax(path))
     slides.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
     if slide is not None and slide.ending == "turns":
         slides.plot(time[turned], path[turned], color=color, **MARKS["slip turns back"])
@@ -88,14 +111,24 @@ def _draw_strike(panels: Sequence[Axes], bent: BentBristles, shape: str, contact
 def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
     after = [line for line in paths.lines if line.get_linestyle() != "--"]
     for axes, lines, shape in ((wires, list(wires.lines), 4.6 / 5.6), (paths, after, 8.0 / 5.6)):
-        points = np.concatenate([np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))])
+        points = np.concatenate(
+            [np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))]
+        )
         ground = [(0.0, -0.05 * float(np.ptp(points[:, 1])))]
         View.around([points, ground], shape, 0.08).apply(axes)
         axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
         axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
         axes.set_xlabel("along the workpart (mm)")
     wires.set_ylabel("above the workpart (mm)")
-    paths.annotate("workpart", (1.0, 0.0), (-3.0, 3.0), "axes fraction", "offset points", color=GREY, ha="right")
+    paths.annotate(
+        "workpart",
+        (1.0, 0.0),
+        (-3.0, 3.0),
+        "axes fraction",
+        "offset points",
+        color=GREY,
+        ha="right",
+    )
     slides.axhline(0.0, color=GREY, linewidth=0.8)
     slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
 
@@ -117,14 +150,20 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
     if not least:
         return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
     close = 2.5 * root_pitch(row.tool)
-    even = [*np.linspace(close, 1.2 * min(least), 17), *np.linspace(1.2 * min(least), 1.1 * max(least), 6)]
+    even = [
+        *np.linspace(close, 1.2 * min(least), 17),
+        *np.linspace(1.2 * min(least), 1.1 * max(least), 6),
+    ]
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
 @style.styled()
-def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
+def neighbours_figure(
+    row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
+) -> Figure:
     """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
-    figure, last = style.blank_figure(16.0, 13.4), f"bristle {len(row.bristles)}"
+    figure = style.blank_figure(16.0, 13.4)
+    last = f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
         words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
         axes = style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words)
@@ -133,7 +172,9 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
         for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
             WireDrawing(axes, row.tool, color=color).place(line)
             look = {"ha": "center", "va": "center", "color": color}
-            style.note(axes, str(number), tuple(0.9 * style.MILLIMETRES * line[0]), (0.0, 0.0), **look)
+            style.note(
+                axes, str(number), tuple(0.9 * style.MILLIMETRES * line[0]), (0.0, 0.0), **look
+            )
         places = touch_places(lines, row.tool.bristle.wire_diameter)
         axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
     alone = strike_values(row.tool, row.lone)
@@ -142,23 +183,41 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
         axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}")
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        axes.plot(pitches, factor * strikes[name], "o", label=f"{last} of the row", color=VERMILION, markersize=2.6)
+        axes.plot(
+            pitches,
+            factor * strikes[name],
+            "o",
+            label=f"{last} of the row",
+            color=VERMILION,
+            markersize=2.6,
+        )
         for each in row.least:
             words, dashes = LEAST[each.name]
             if (least := each.by_theory) is not None:
-                axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=f"{least:.2f}°: {words}")
+                axes.axvline(
+                    least,
+                    color=BLACK,
+                    linewidth=0.8,
+                    dashes=dashes,
+                    zorder=1,
+                    label=f"{least:.2f}°: {words}",
+                )
         axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
         if np.isnan(strikes[name]).all():
             style.say(axes, "no strike at any pitch")
     handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
+    figure.legend(
+        handles=handles, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4
+    )
     return figure
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     """Return names and times, s, of the first touch and of the last one before the last bristle's strike."""
-    front, strike = row.bristles[0].event_time("strike"), row.bristles[-1].event_time("strike")
-    until, name = float(row.bristles[-1].time[-1]) if strike is None else strike, f"bristle {len(row.bristles)}"
+    front = row.bristles[0].event_time("strike")
+    strike = row.bristles[-1].event_time("strike")
+    until = float(row.bristles[-1].time[-1]) if strike is None else strike
+    name = f"bristle {len(row.bristles)}"
     touches = [each for each in row.touches if each <= until]
     first = ("start", 0.0) if front is None else ("bristle 1 strikes", front)
     last = ("end of the pass" if strike is None else f"{name} strikes", until)

@@ -20,7 +20,10 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE,
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0  # printed width of the page's text, cm
-PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 11.0, 2.75
+PANEL = (6.3, 5.6)
+HEAD = 1.35
+ROW = 11.0
+NOTES = 2.75
 """Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
@@ -28,7 +31,13 @@ PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
 OTHERS = "#c4c4c4"  # colour of peers' methods that are not their package's best
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
-PALE: dict[str, Any] = {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
+PALE: dict[str, Any] = {
+    "color": OTHERS,
+    "linewidth": 0.8,
+    "marker": ".",
+    "markersize": 2.0,
+    "zorder": 1,
+}
 """Our curves, the peers' best, and the others."""
 
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
@@ -78,10 +87,12 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     by_package: dict[str, list[Point]] = {}
     for point in (each for each in points if math.isfinite(each.error)):
         by_package.setdefault(package_of(point.method), []).append(point)
-    grey, colours = list[str](), itertools.cycle(OWN)
+    grey = list[str]()
+    colours = itertools.cycle(OWN)
     for package, own in by_package.items():
         _, best = reached(own)
-        markers, others = itertools.cycle("osD^vPX*"), []
+        markers = itertools.cycle("osD^vPX*")
+        others = []
         for method in dict.fromkeys(point.method for point in own):
             look = PALE
             if package == OURS or (best is not None and method == best.method):
@@ -90,7 +101,11 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
                 look = {**named, "color": color, "marker": next(markers), "label": method}
             else:
                 others.append(method.partition(" ")[2])
-            curve = [(point.cpu_s * MILLISECONDS, max(point.error, LEAST)) for point in own if point.method == method]
+            curve = [
+                (point.cpu_s * MILLISECONDS, max(point.error, LEAST))
+                for point in own
+                if point.method == method
+            ]
             axes.loglog(*zip(*curve, strict=True), gid=method, **look)
         grey += [f"{package} {', '.join(others)}"] * bool(others)
     if grey:
@@ -103,15 +118,39 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     in_time = [each for each in points if each.method not in NOT_IN_TIME]
     target, ours = reached([each for each in in_time if package_of(each.method) == OURS])
     peer = cheapest([each for each in in_time if package_of(each.method) != OURS], target)
-    note(axes, verdict(target, ours, peer), (0, 1), (0, 5), xycoords="axes fraction", color=BLACK, fontsize=6.5)
-    rings = [(each.cpu_s * MILLISECONDS, max(each.error, LEAST)) for each in (ours, peer) if each is not None]
+    note(
+        axes,
+        verdict(target, ours, peer),
+        (0, 1),
+        (0, 5),
+        xycoords="axes fraction",
+        color=BLACK,
+        fontsize=6.5,
+    )
+    rings = [
+        (each.cpu_s * MILLISECONDS, max(each.error, LEAST))
+        for each in (ours, peer)
+        if each is not None
+    ]
     look = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
     axes.plot(*np.reshape(rings, (-1, 2)).T, "o", label="compared above", **look)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (-0.2, -1.05 / PANEL[1]), "borderaxespad": 0.0}
-    axes.legend(ncols=2, columnspacing=0.8, labelspacing=0.25, handlelength=2.0, fontsize=6.5, **place)
+    place: dict[str, Any] = {
+        "loc": "upper left",
+        "bbox_to_anchor": (-0.2, -1.05 / PANEL[1]),
+        "borderaxespad": 0.0,
+    }
+    axes.legend(
+        ncols=2, columnspacing=0.8, labelspacing=0.25, handlelength=2.0, fontsize=6.5, **place
+    )
     notes = [each for each in case.notes if each.partition(":")[0] in by_package]
     lines = [*(textwrap.wrap(f"grey: {'; '.join(grey)}", 62) if grey else []), *notes]
-    look = {"transform": axes.transAxes, "fontsize": 6.5, "va": "top", "linespacing": 1.35, "color": GREY}
+    look = {
+        "transform": axes.transAxes,
+        "fontsize": 6.5,
+        "va": "top",
+        "linespacing": 1.35,
+        "color": GREY,
+    }
     axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), **look)

@@ -12,34 +12,52 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, VERMILION
 from bristle_sim.render.style import add_panel, blank_figure, note, signed, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy, cut_of
-from bristle_sim.theory.crater import energy_crater_depth_ratio, merchant_crater_depth, merchant_crater_depth_limit
+from bristle_sim.theory.crater import (
+    energy_crater_depth_ratio,
+    merchant_crater_depth,
+    merchant_crater_depth_limit,
+)
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS
 
 MICRO = 1e6  # micrometres in a metre
-LEAN = math.radians(11.5)  # lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)
+LEAN = math.radians(
+    11.5
+)  # lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)
 
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
     """Draw every estimate of the depth (um) beside the measured one, and below the chip to scale."""
-    figure, rows = blank_figure(16.0, 14.1), _estimates(study)
+    figure = blank_figure(16.0, 14.1)
+    rows = _estimates(study)
     name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
     off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
-    words = "as measured" if abs(off) < 0.5 else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
+    words = (
+        "as measured"
+        if abs(off) < 0.5
+        else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
+    )
     finding = f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
     figure.text(1.5 / 16.0, 1.0 - 0.6 / 14.1, finding, fontsize=9.0)
     words = "shaded: within 10 % of the measured depth"
-    _draw_estimates(add_panel(figure, (4.6, 7.7, 10.6, 4.4), "crater depth by every estimate", words), rows)
+    _draw_estimates(
+        add_panel(figure, (4.6, 7.7, 10.6, 4.4), "crater depth by every estimate", words), rows
+    )
     _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), "chip and shear plane, to scale"), study)
     return figure
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     """Return name, depth (um) and colour of every estimate; the work-energy sum, which is millimetres, is left out."""
-    crater, force, rows = study.crater, study.parallel, []
-    ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
+    crater = study.crater
+    force = study.parallel
+    rows = []
+    ratio = float(
+        energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time)
+    )
     if study.angles is not None:
-        cut, name = cut_of(crater), f"Merchant, {crater.plies:g} plies"
+        cut = cut_of(crater)
+        name = f"Merchant, {crater.plies:g} plies"
         rows.append((name, float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE))
         rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
     rows.append(("work and energy, 5 plies", ratio, GREEN))
@@ -47,7 +65,9 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
         rows.append(("simulated force", force.depth_from_force, VERMILION))
         rows.append(("simulated energy", force.depth_from_energy, VERMILION))
     if study.inclined:
-        rows.append(("simulated energy,\nshear to the surface", study.inclined.depth_from_energy, VERMILION))
+        rows.append(
+            ("simulated energy,\nshear to the surface", study.inclined.depth_from_energy, VERMILION)
+        )
     return [(name, MICRO * depth, color) for name, depth, color in rows]
 
 
@@ -71,7 +91,8 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     """Draw workpart, path, tip with its rake face, and the two shear planes, in um; x is the tip's direction of travel."""
     gamma = study.impact_angle
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
-    tip, depth = path * _direction(-gamma), path * math.sin(gamma)
+    tip = path * _direction(-gamma)
+    depth = path * math.sin(gamma)
     rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
     planes = {"shear plane to the surface": (GREEN, depth / math.sin(rising) * _direction(rising))}
     if study.angles is not None:  # as long as (4.28) has it
@@ -80,22 +101,46 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
         planes["shear plane of (4.28)"] = (VERMILION, length * _direction(eta - gamma))
     farthest = tip[0] + max(float(along[0]) for _, along in planes.values())
     width = max(1.25 * farthest, 7.0 * depth, 1.0)
-    sides, height = (-0.12 * width, 0.88 * width), width * axes.bbox.height / axes.bbox.width
-    bottom, upright = -max(1.7 * depth, 0.25 * height), _direction(math.pi / 2.0 + LEAN)
+    sides = (-0.12 * width, 0.88 * width)
+    height = width * axes.bbox.height / axes.bbox.width
+    bottom = -max(1.7 * depth, 0.25 * height)
+    upright = _direction(math.pi / 2.0 + LEAN)
     cut = np.array([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * upright])
     axes.fill_between(sides, 0.0, bottom, color="#e3e6ea", linewidth=0.0, zorder=0)
     axes.fill(*cut.T, color="white", zorder=1)
     axes.plot(sides, (0.0, 0.0), color=GREY, linewidth=0.8)
     axes.plot(*cut[:2].T, color=BLACK, label="path")
-    face, size = 3.2 * depth * upright, 3.2 * depth
+    face = 3.2 * depth * upright
+    size = 3.2 * depth
     heel = 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))  # clears the path
     back = np.array([heel[0] + 0.1 * size, face[1]])
-    axes.fill(*np.transpose([tip, tip + face, tip + back, tip + heel]), color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
-    part = min(0.6, 0.6 * (bottom + height - tip[1]) / face[1])  # of the tip's drawing, within the view
-    note(axes, "tip", tuple(tip + 0.5 * part * (face + back)), (0.0, 0.0), color="white", ha="center", zorder=3)
+    axes.fill(
+        *np.transpose([tip, tip + face, tip + back, tip + heel]),
+        color=GREY,
+        alpha=0.55,
+        linewidth=0.0,
+        zorder=2,
+    )
+    part = min(
+        0.6, 0.6 * (bottom + height - tip[1]) / face[1]
+    )  # of the tip's drawing, within the view
+    note(
+        axes,
+        "tip",
+        tuple(tip + 0.5 * part * (face + back)),
+        (0.0, 0.0),
+        color="white",
+        ha="center",
+        zorder=3,
+    )
     for label, (color, along) in planes.items():
         axes.plot(*np.transpose([tip, tip + along]), color=color, label=label)
-    axes.set(xlim=sides, ylim=(bottom, bottom + height), xlabel="along the workpart (µm)", ylabel="height (µm)")
+    axes.set(
+        xlim=sides,
+        ylim=(bottom, bottom + height),
+        xlabel="along the workpart (µm)",
+        ylabel="height (µm)",
+    )
     axes.set_aspect("equal")
     axes.legend(loc="upper right", labelspacing=0.3)
 

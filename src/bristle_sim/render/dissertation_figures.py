@@ -21,14 +21,19 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled, write_key
 
-SHEET_DOTS_PER_INCH = 100.0  # a sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in
-CELL, PAGE_CELL = (8.25, 5.9), (15.0, 8.2)
+SHEET_DOTS_PER_INCH = (
+    100.0  # a sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in
+)
+CELL = (8.25, 5.9)
+PAGE_CELL = (15.0, 8.2)
 """Width and height of a panel with its scales, of several on a page and of the only one, cm."""
 
 PANEL = (1.7, 1.2, 2.15, 1.7)
 """Left and lower edge of a panel within its cell, and by how much it is narrower and lower than the cell, cm."""
 
-FOOT, HEAD, TITLES = 1.0, 1.2, 1.2
+FOOT = 1.0
+HEAD = 1.2
+TITLES = 1.2
 """Heights of the key of points, of a page's title and note, and of the titles in a sheet's row, cm."""
 
 TABLE_MARGIN = 1.2  # by how much a table is wider than a panel, which has its scale there, cm
@@ -47,8 +52,20 @@ _CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": 
 _LOOKS: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
     "compliant": {"marker": "x", "markersize": 4.2},
-    "engine": {"marker": "s", "markersize": 3.4, "color": VERMILION, "linestyle": "-", "linewidth": 0.7},
-    "contact": {"marker": "x", "markersize": 3.4, "color": BLACK, "linestyle": "-", "linewidth": 0.7},
+    "engine": {
+        "marker": "s",
+        "markersize": 3.4,
+        "color": VERMILION,
+        "linestyle": "-",
+        "linewidth": 0.7,
+    },
+    "contact": {
+        "marker": "x",
+        "markersize": 3.4,
+        "color": BLACK,
+        "linestyle": "-",
+        "linewidth": 0.7,
+    },
     "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
     "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
 }
@@ -74,7 +91,9 @@ def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
     sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
     for (figure, _), axes in zip(cells, sheet.axes, strict=True):
-        axes.set_title("\n".join(textwrap.wrap(_bold(figure), 50)), loc="left", fontsize=8.0, pad=15.0)
+        axes.set_title(
+            "\n".join(textwrap.wrap(_bold(figure), 50)), loc="left", fontsize=8.0, pad=15.0
+        )
     return sheet
 
 
@@ -87,7 +106,11 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
     """
     if target.suffix.lower() == ".pdf":
         undated = {"CreationDate": None}
-        with complete_or_absent(target) as partial, PdfPages(partial, metadata=undated) as pages, styled():
+        with (
+            complete_or_absent(target) as partial,
+            PdfPages(partial, metadata=undated) as pages,
+            styled(),
+        ):
             for figure in figures:
                 pages.savefig(draw(figure))
         return [target]
@@ -95,13 +118,18 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
     return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
 
 
-def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float) -> Figure:
+def _page(
+    cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float
+) -> Figure:
     """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
     rows, (width, height) = -(-len(cells) // columns), (size[0], size[1] + titles)
-    page = blank_figure(columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch)
+    page = blank_figure(
+        columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch
+    )
     key: dict[str, dict[str, Any]] = {}
     for number, (figure, panel) in enumerate(cells):
-        left, bottom = number % columns * width, FOOT + (rows - 1 - number // columns) * height
+        left = number % columns * width
+        bottom = FOOT + (rows - 1 - number // columns) * height
         wider = TABLE_MARGIN if panel is None else 0.0
         space = (size[0] - PANEL[2] + wider, size[1] - PANEL[3])
         axes = axes_at(page, left + PANEL[0] - wider, bottom + PANEL[1], *space)
@@ -136,7 +164,15 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
             axes.axhline(line, color=BLACK, linewidth=0.8)
         weight = "bold" if line in (0, last) else "normal"
         for right, cell in enumerate(row, start=1):
-            axes.text(right - 0.1, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=6.0)
+            axes.text(
+                right - 0.1,
+                line + 0.5,
+                cell,
+                ha="right",
+                va="center",
+                fontweight=weight,
+                fontsize=6.0,
+            )
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:
@@ -148,7 +184,8 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         names.append(line)
         for source, (at, values) in curve.points.items():
             axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
-    levels, dashes = {}, iter([(4.0, 2.0), (1.0, 1.5)])
+    levels = {}
+    dashes = iter([(4.0, 2.0), (1.0, 1.5)])
     for level in panel.levels:
         dashed: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "zorder": 1}
         dashed["dashes"] = (3.0, 2.0) if level.upright else next(dashes)
@@ -156,7 +193,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         levels[level.label] = draw_level(factor * level.value, label=level.label, **dashed)
     for mark in panel.marks:
         place, (offset, side) = (x * mark.x, y * mark.y), _SIDES[mark.side]
-        dot: dict[str, Any] = {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
+        dot: dict[str, Any] = (
+            {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
+        )
         axes.plot(*place, zorder=5, **dot)
         note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
@@ -166,8 +205,15 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     lines = [line for line in (*names, *levels.values()) if str(line.get_label()).strip()]
     look: dict[str, Any] = {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
     if panel.family:
-        look = {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.55}
-    axes.legend(handles=lines, fontsize=6.5, handlelength=0.9, handletextpad=0.3, labelspacing=0.25, **look)
+        look = {
+            "loc": "lower left",
+            "bbox_to_anchor": (-0.12, 0.985),
+            "ncols": len(lines),
+            "columnspacing": 0.55,
+        }
+    axes.legend(
+        handles=lines, fontsize=6.5, handlelength=0.9, handletextpad=0.3, labelspacing=0.25, **look
+    )
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
@@ -175,7 +221,8 @@ def _limit(axes: Axes, panel: Panel) -> None:
     values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
     low, high = float(values.min()), float(values.max())
     if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):
-        bottom, top = min(1.3 * low, 0.0), max(1.3 * high, 0.0)
+        bottom = min(1.3 * low, 0.0)
+        top = max(1.3 * high, 0.0)
         axes.set_ylim(bottom, top if top - bottom > NOTHING else 1.0)
     if panel.top is not None:
         axes.set_ylim(0.0, panel.y.factor * panel.top or 1.0)

@@ -21,7 +21,8 @@ from bristle_sim.render.style import MILLIMETRES, note, scale_for
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 BAR_SHOWN = 2.0  # a bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture
-HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
+HUB_COLOUR = "#f3f3f3"
+BAR_COLOUR = "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
 """Look of parts at rest: a workpart, the bracket of a hinge."""
@@ -46,7 +47,8 @@ class View(NamedTuple):
         border = margin * max(right - left, top - bottom, 1e-300)
         width, height = right - left + 2.0 * border, top - bottom + 2.0 * border
         aspect = aspect or width / height
-        across, up = max(0.0, height * aspect - width) / 2.0 + border, max(0.0, width / aspect - height) / 2.0 + border
+        across = max(0.0, height * aspect - width) / 2.0 + border
+        up = max(0.0, width / aspect - height) / 2.0 + border
         return cls(left - across, right + across, bottom - up, top + up)
 
     def apply(self, axes: Axes) -> None:
@@ -60,7 +62,9 @@ def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> V
     points = [lines]
     reach = BAR_SHOWN * float(np.hypot(lines[..., 0], lines[..., 1]).max())
     if tool.bar is not None and math.hypot(*tool.bar.centre) < reach:
-        points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+        points.append(
+            np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        )
     if tool.workpart is not None:
         points.append(np.array([[lines[..., 0].mean(), -tool.workpart_depth]]))
     return View.around([MILLIMETRES * each for each in points], aspect, margin)
@@ -68,13 +72,17 @@ def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> V
 
 def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
     """Add an arrow that :func:`point_arrow` moves; ``head`` is the size of its head in points."""
-    arrow = FancyArrowPatch((0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=head, shrinkA=0.0, shrinkB=0.0)
+    arrow = FancyArrowPatch(
+        (0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=head, shrinkA=0.0, shrinkB=0.0
+    )
     arrow.set(color=color, linewidth=linewidth, zorder=5)
     axes.add_patch(arrow)
     return arrow
 
 
-def point_arrow(arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float], shortest: float) -> None:
+def point_arrow(
+    arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float], shortest: float
+) -> None:
     """Show an arrow from start to end, or hide it if it is shorter than ``shortest``."""
     arrow.set_visible(math.dist(start, end) > shortest)
     arrow.set_positions(start, end)
@@ -86,14 +94,30 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
     axes.set_axis_off()
     draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
-    longest, halo = LONGEST_SCALE_BAR * (view.right - view.left), [withStroke(linewidth=4.0, foreground="white")]
+    longest = LONGEST_SCALE_BAR * (view.right - view.left)
+    halo = [withStroke(linewidth=4.0, foreground="white")]
     decade = 10.0 ** math.floor(math.log10(longest))
-    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1e-9))
+    length = decade * max(
+        step for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1e-9)
+    )
     shown = scale_for(length / MILLIMETRES, "m")
-    end, height = view.right - 0.025 * (view.right - view.left), view.bottom + 0.03 * (view.top - view.bottom)
-    axes.plot([end - length, end], [height, height], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
-    words, place = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}", (end - 0.5 * length, height)
-    note(axes, words, place, (0.0, 5.0), fontsize=letter_size, color=BLACK, ha="center", path_effects=halo)
+    end = view.right - 0.025 * (view.right - view.left)
+    height = view.bottom + 0.03 * (view.top - view.bottom)
+    axes.plot(
+        [end - length, end], [height, height], "|-", color=BLACK, linewidth=1.5, path_effects=halo
+    )
+    words = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}"
+    place = (end - 0.5 * length, height)
+    note(
+        axes,
+        words,
+        place,
+        (0.0, 5.0),
+        fontsize=letter_size,
+        color=BLACK,
+        ha="center",
+        path_effects=halo,
+    )
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
@@ -103,8 +127,13 @@ def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
     axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
     if tool.hub.speed > 0.0:
         ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
-        style, bend = "-|>,head_length=4,head_width=2", "arc3,rad=0.33"
-        axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8))
+        style = "-|>,head_length=4,head_width=2"
+        bend = "arc3,rad=0.33"
+        axes.add_patch(
+            FancyArrowPatch(
+                *ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8
+            )
+        )
     if tool.bar is not None:
         draw_bar(axes, *tool.bar.centre, tool.bar.radius)
     if tool.workpart is not None:
@@ -117,13 +146,17 @@ def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
 def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
     """Draw an accelerator bar, lengths in m; ``options`` as for a patch."""
     look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
-    axes.add_patch(Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options)))
+    axes.add_patch(
+        Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options))
+    )
 
 
 def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
     """Write the names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    width, height, radius = right - left, top - bottom, tool.hub.radius * MILLIMETRES
+    width = right - left
+    height = top - bottom
+    radius = tool.hub.radius * MILLIMETRES
     # As near to the hub's centre as the view lets it.
     x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
     y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
@@ -135,7 +168,16 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
         names["workpart"] = ((left + 0.025 * width, bottom + 0.03 * height), "left", "white")
     for name, (place, side, ground) in names.items():
         halo = [withStroke(linewidth=2.5, foreground=ground)]
-        axes.text(*place, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
+        axes.text(
+            *place,
+            name,
+            ha=side,
+            va="center",
+            fontsize=letter_size,
+            path_effects=halo,
+            zorder=7,
+            clip_on=True,
+        )
 
 
 def toward(angle: ArrayLike) -> Array:
@@ -150,7 +192,11 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
     """
     places = []
     for one, other in itertools.pairwise(lines):
-        pairs = [(point, _foot(point, line)) for points, line in ((one, other), (other, one)) for point in points[1:]]
+        pairs = [
+            (point, _foot(point, line))
+            for points, line in ((one, other), (other, one))
+            for point in points[1:]
+        ]
         point, foot = min(pairs, key=lambda pair: math.dist(*pair))
         if math.dist(point, foot) < 1.05 * diameter:
             places.append(0.5 * (point + foot))
@@ -168,13 +214,30 @@ def _foot(point: Array, line: Array) -> Array:
 class WireDrawing:
     """The wire and its root; with details also the radial line through the root and the roots of other bristles."""
 
-    def __init__(self, axes: Axes, tool: Tool, *, color: str = BLUE, alpha: float = 1.0, details: bool = False) -> None:
+    def __init__(
+        self,
+        axes: Axes,
+        tool: Tool,
+        *,
+        color: str = BLUE,
+        alpha: float = 1.0,
+        details: bool = False,
+    ) -> None:
         """``axes`` must have their final limits: the wire is drawn to scale, plus half a point so that a thin one can be seen."""
-        width = axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
-        look: dict[str, Any] = {"color": color, "alpha": alpha, "solid_capstyle": "butt", "solid_joinstyle": "miter"}
+        width = (
+            axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
+        )
+        look: dict[str, Any] = {
+            "color": color,
+            "alpha": alpha,
+            "solid_capstyle": "butt",
+            "solid_joinstyle": "miter",
+        }
         thickness = 0.5 + width * tool.bristle.wire_diameter * MILLIMETRES
         (self.wire,) = axes.plot([], [], linewidth=thickness, zorder=4, **look)
-        (self.root,) = axes.plot([], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5)
+        (self.root,) = axes.plot(
+            [], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5
+        )
         self.artists: list[Artist] = [self.wire, self.root]
         if details:
             (self.radial,) = axes.plot([], [], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
@@ -188,7 +251,8 @@ class WireDrawing:
         self.wire.set_data(*corners.T)
         self.root.set_data(root[:1], root[1:])
         if len(self.artists) > 2:
-            length, turns = float(np.hypot(*np.diff(corners, axis=0).T).sum()), np.arange(1, 12) * (np.pi / 6.0)
+            length = float(np.hypot(*np.diff(corners, axis=0).T).sum())
+            turns = np.arange(1, 12) * (np.pi / 6.0)
             end = root * (1.0 + length / max(math.hypot(*root), 1e-300))
             self.radial.set_data(*np.array([root, end]).T)
             roots = np.exp(1j * turns) * complex(*root)

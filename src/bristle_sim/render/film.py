@@ -37,7 +37,9 @@ HEADER = 0.135  # fraction of the picture's height above the drawing: caption an
 LEFTS = (0.02, 0.25, 0.47, 0.735)  # where the read-outs begin, as fractions of the picture's width
 DOTS_PER_INCH = 100.0
 
-GIF_COLOURS, GIF_SAMPLES = 64, 30  # colours of a gif's one palette, and from how many frames it is taken
+# colours of a gif's one palette, and from how many frames it is taken
+GIF_COLOURS = 64
+GIF_SAMPLES = 30
 
 
 class TimeWarp(NamedTuple):
@@ -61,7 +63,13 @@ class TimeWarp(NamedTuple):
 
 
 def slow_motion(
-    start: float, end: float, duration: float, focus: Sequence[float] = (), *, slower: float = 4.0, width: float = 0.04
+    start: float,
+    end: float,
+    duration: float,
+    focus: Sequence[float] = (),
+    *,
+    slower: float = 4.0,
+    width: float = 0.04,
 ) -> TimeWarp:
     """Show a run from ``start`` to ``end`` in ``duration`` seconds of film.
 
@@ -71,11 +79,17 @@ def slow_motion(
     Raises ValueError if the run or the film lasts no time, or ``slower`` is less than 1.
     """
     if not end > start:
-        raise ValueError(f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)")
+        raise ValueError(
+            f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)"
+        )
     if not 0.0 < duration <= LONGEST_FILM:
-        raise ValueError(f"duration = {duration:g}: must be 0 < duration <= {LONGEST_FILM:g} (in s)")
+        raise ValueError(
+            f"duration = {duration:g}: must be 0 < duration <= {LONGEST_FILM:g} (in s)"
+        )
     if not 1.0 <= slower < np.inf:
-        raise ValueError(f"slower = {slower:g}: must be a finite factor of at least 1 (dimensionless)")
+        raise ValueError(
+            f"slower = {slower:g}: must be a finite factor of at least 1 (dimensionless)"
+        )
     physical = np.linspace(start, end, NODES)
     distance = (physical - np.reshape(focus, (-1, 1))) / (width * (end - start))
     shape = 1.0 + (slower - 1.0) * np.exp(-0.5 * distance**2).max(axis=0, initial=0.0)
@@ -94,18 +108,30 @@ class Film(ABC):
         canvas: the figure, drawn.
     """
 
-    size, letter_size = (640, 480), 13.0
+    size = (640, 480)
+    letter_size = 13.0
 
     def __init__(
-        self, warp: TimeWarp, width: int, height: int, colours: Sequence[str], clock: Scale | None = None
+        self,
+        warp: TimeWarp,
+        width: int,
+        height: int,
+        colours: Sequence[str],
+        clock: Scale | None = None,
     ) -> None:
         """``colours`` are those of the read-outs after time and slow-down; ``clock`` is the time's unit, by default ms."""
         if not all(16 <= edge <= 8192 for edge in (width, height)):
-            raise ValueError(f"size = {width} x {height}: must be 16 to 8192 along either edge (in px)")
-        self.warp, self.clock, self.pixels = warp, clock or Scale(MILLISECONDS, "ms"), (width, height)
+            raise ValueError(
+                f"size = {width} x {height}: must be 16 to 8192 along either edge (in px)"
+            )
+        self.warp = warp
+        self.clock = clock or Scale(MILLISECONDS, "ms")
+        self.pixels = (width, height)
         self.letters = self.letter_size * min(width / self.size[0], height / self.size[1])
         with styled():
-            self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
+            self.figure = Figure(
+                figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH
+            )
         self.canvas: Any = FigureCanvasAgg(self.figure)
         self._still: Any = None
         self._colours = (BLACK, BLACK, *colours)
@@ -127,7 +153,8 @@ class Film(ABC):
 
     def show(self, film_time: float) -> None:
         """Move everything to a film time, s."""
-        time, slow = float(self.warp.physical_time(film_time)), float(self.warp.slow_down_at(film_time))
+        time = float(self.warp.physical_time(film_time))
+        slow = float(self.warp.slow_down_at(film_time))
         shown = time * self.clock.factor
         for hand in self.hands:
             hand.set_xdata([shown, shown])
@@ -147,9 +174,13 @@ class Film(ABC):
         self.canvas.restore_region(self._still)
         for artist in self.moving:
             artist.draw(self.canvas.get_renderer())
-        picture, (width, height) = Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB"), self.pixels
+        picture, (width, height) = (
+            Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB"),
+            self.pixels,
+        )
         pen, (caption, *texts) = ImageDraw.Draw(picture), self.texts
-        bold, mono = _font("DejaVuSans-Bold", 1.39 * self.letters), _font("DejaVuSansMono", self.letters)
+        bold = _font("DejaVuSans-Bold", 1.39 * self.letters)
+        mono = _font("DejaVuSansMono", self.letters)
         pen.text((LEFTS[0] * width, 0.33 * HEADER * height), caption, BLACK, bold, "lm")
         for left, text, colour in zip(LEFTS, texts, self._colours, strict=False):
             pen.text((left * width, 0.78 * HEADER * height), text, colour, mono, "lm")
@@ -162,7 +193,8 @@ class Film(ABC):
             ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
             OSError: if the encoder fails.
         """
-        target, end = checked_target(path, tuple(HIGHEST_RATE)), float(self.warp.film[-1])
+        target = checked_target(path, tuple(HIGHEST_RATE))
+        end = float(self.warp.film[-1])
         kind = target.suffix.lower()
         if kind == ".mp4":
             try:
@@ -171,9 +203,13 @@ class Film(ABC):
                 advice = "mp4 needs imageio-ffmpeg with an ffmpeg for this machine: pip install bristle-sim[video], or a .gif"
                 raise ValueError(f"{target}: {advice}") from None
             if any(edge % 2 for edge in self.pixels):
-                raise ValueError(f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)")
+                raise ValueError(
+                    f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)"
+                )
         if not 0.0 < fps <= HIGHEST_RATE[kind]:
-            raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST_RATE[kind]:g} for {kind} (in 1/s)")
+            raise ValueError(
+                f"fps = {fps:g}: must be 0 < fps <= {HIGHEST_RATE[kind]:g} for {kind} (in 1/s)"
+            )
         times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
         with complete_or_absent(target) as partial:
             (_write_mp4 if kind == ".mp4" else _write_gif)(partial, self, times, fps)
@@ -183,14 +219,18 @@ class Film(ABC):
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
     """Return one of matplotlib's fonts for Pillow, which draws a line of text twenty times as fast as matplotlib."""
-    return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size)
+    return ImageFont.truetype(
+        str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size
+    )
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
     """Return the instants of the frames, with a progress bar if standard error is a terminal and tqdm is installed."""
     with contextlib.suppress(ImportError):
         if sys.stderr is not None and sys.stderr.isatty():
-            counted: Iterable[float] = import_module("tqdm").tqdm(times, unit="frame", leave=False, file=sys.stderr)
+            counted: Iterable[float] = import_module("tqdm").tqdm(
+                times, unit="frame", leave=False, file=sys.stderr
+            )
             return counted
     return times
 
@@ -200,8 +240,14 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
 
     # Two encoding threads leave the drawing its own core; fixed numbers of threads give the same file anywhere.
     container = ["-threads", "2", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4"]
-    codec = {"codec": "libx264", "quality": None, "output_params": ["-preset", "veryfast", "-crf", "18", *container]}
-    encoder = write_frames(str(partial), film.pixels, fps=fps, macro_block_size=1, ffmpeg_log_level="quiet", **codec)
+    codec = {
+        "codec": "libx264",
+        "quality": None,
+        "output_params": ["-preset", "veryfast", "-crf", "18", *container],
+    }
+    encoder = write_frames(
+        str(partial), film.pixels, fps=fps, macro_block_size=1, ffmpeg_log_level="quiet", **codec
+    )
     encoder.send(None)
     # A frame that the encoder refuses ends the film; the frames written are counted below.
     with contextlib.closing(encoder), contextlib.suppress(OSError):
@@ -216,11 +262,24 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
 
 def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
     # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
-    chosen = [np.asarray(film.frame(time))[::2, ::2] for time in times[:: -(-len(times) // GIF_SAMPLES)]]
-    montage, plain = Image.fromarray(np.concatenate(chosen)), Image.Dither.NONE
+    chosen = [
+        np.asarray(film.frame(time))[::2, ::2] for time in times[:: -(-len(times) // GIF_SAMPLES)]
+    ]
+    montage = Image.fromarray(np.concatenate(chosen))
+    plain = Image.Dither.NONE
     palette = montage.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=plain)
-    first, *others = [film.frame(time).quantize(palette=palette, dither=plain) for time in _counted(times)]
+    first, *others = [
+        film.frame(time).quantize(palette=palette, dither=plain) for time in _counted(times)
+    ]
     # A gif counts hundredths of a second: rounding the instants, not the durations, keeps the film's length.
     instants = [round(100.0 * number / fps) for number in range(len(times) + 1)]
     durations = [10 * (after - before) for before, after in pairwise(instants)]
-    first.save(partial, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=True)
+    first.save(
+        partial,
+        "GIF",
+        save_all=True,
+        append_images=others,
+        duration=durations,
+        loop=0,
+        optimize=True,
+    )

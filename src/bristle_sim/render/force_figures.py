@@ -9,38 +9,81 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
-from bristle_sim.render.style import MICROSECONDS, MILLISECONDS, add_panel, blank_figure, note, styled
+from bristle_sim.render.style import (
+    MICROSECONDS,
+    MILLISECONDS,
+    add_panel,
+    blank_figure,
+    note,
+    styled,
+)
 from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 from bristle_sim.theory.force_history import BRISTLE
 
-MOST_DOTS = 400  # points drawn one by one; a line stands for more, between which there is nothing to see
+MOST_DOTS = (
+    400  # points drawn one by one; a line stands for more, between which there is nothing to see
+)
 BESIDE = 0.25  # part of the contact's duration shown before its start and after its end, where a file holds them
 
 
 @styled()
 def force_figure(comparison: ForceComparison) -> Figure:
     """Draw force over time (us): curve, measured points, simulated resultant and its components."""
-    curve, measured, contact = comparison.curve, comparison.measured, comparison.contact
+    curve = comparison.curve
+    measured = comparison.measured
+    contact = comparison.contact
     name = "force of chapter 3" if curve is BRISTLE else "fit to the measured force"
     simulated = "and a bristle's contact of the same impulse and compression time"
     title = f"{name}, {simulated if contact else 'without a simulated contact'}"
     figure = blank_figure(16.0, 7.9)
     axes = add_panel(figure, (1.3, 1.2, 14.2, 5.4), title)
-    time, first, longest = np.linspace(0.0, curve.duration, 301), 0.0, curve.duration
+    time = np.linspace(0.0, curve.duration, 301)
+    first = 0.0
+    longest = curve.duration
     peaks = [(curve.peak_time(), curve.peak_force(), BLUE)]
     if measured is not None:
-        look: dict[str, Any] = {"color": GREY, "markersize": 3, "linewidth": 0.6, "label": "measured"}
-        axes.plot(MICROSECONDS * measured.time, measured.force, "." if measured.time.size <= MOST_DOTS else "-", **look)
+        look: dict[str, Any] = {
+            "color": GREY,
+            "markersize": 3,
+            "linewidth": 0.6,
+            "label": "measured",
+        }
+        axes.plot(
+            MICROSECONDS * measured.time,
+            measured.force,
+            "." if measured.time.size <= MOST_DOTS else "-",
+            **look,
+        )
         first = max(float(measured.time[0]), -BESIDE * curve.duration)
         longest = min(float(measured.time[-1]), (1.0 + BESIDE) * curve.duration)
-    axes.plot(MICROSECONDS * time, curve(time), color=BLUE, label="fit" if measured else "chapter 3")
+    axes.plot(
+        MICROSECONDS * time, curve(time), color=BLUE, label="fit" if measured else "chapter 3"
+    )
     if contact is not None:
-        shown, history = np.linspace(0.0, float(contact.time[-1]), 1001), contact.history
-        axes.plot(MICROSECONDS * shown, contact.resultant(shown), color=VERMILION, label="simulated: resultant")
+        shown = np.linspace(0.0, float(contact.time[-1]), 1001)
+        history = contact.history
+        axes.plot(
+            MICROSECONDS * shown,
+            contact.resultant(shown),
+            color=VERMILION,
+            label="simulated: resultant",
+        )
         dashed: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
-        axes.plot(MICROSECONDS * contact.time, history.normal_force, dashes=(4, 2), label="normal", **dashed)
-        axes.plot(MICROSECONDS * contact.time, history.tangential_force, dashes=(1, 1.5), label="tangential", **dashed)
+        axes.plot(
+            MICROSECONDS * contact.time,
+            history.normal_force,
+            dashes=(4, 2),
+            label="normal",
+            **dashed,
+        )
+        axes.plot(
+            MICROSECONDS * contact.time,
+            history.tangential_force,
+            dashes=(1, 1.5),
+            label="tangential",
+            **dashed,
+        )
         longest = max(longest, float(contact.time[-1]))
         peaks.append((contact.compression_time, contact.peak_force, VERMILION))
     for instant, peak, color in peaks:
@@ -67,11 +110,15 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
     figure = blank_figure(16.0, 12.8)
-    _one_bristle(add_panel(figure, (1.5, 8.4, 12.8, 3.4), "one bristle in a turn, on the workpart"), whole)
+    _one_bristle(
+        add_panel(figure, (1.5, 8.4, 12.8, 3.4), "one bristle in a turn, on the workpart"), whole
+    )
     title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
     labels = {"xlabel": "time (ms)", "ylabel": "normal force (N)"}
-    axes, series = add_panel(figure, (1.5, 1.2, 12.8, 4.7), title, **labels), load_cell_series(whole)
-    force, end = series["normal_force (N)"], MILLISECONDS * PASSES * whole.period
+    axes = add_panel(figure, (1.5, 1.2, 12.8, 4.7), title, **labels)
+    series = load_cell_series(whole)
+    force = series["normal_force (N)"]
+    end = MILLISECONDS * PASSES * whole.period
     time = np.concatenate([series["time (s)"] + number * whole.period for number in range(PASSES)])
     low, high = np.percentile(force, BAND)
     axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
@@ -92,13 +139,17 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     for each in (each for each in whole.forces[-1] if each.obstacle == "workpart"):
         if each.course:
             time = np.linspace(each.begin, each.end, 200)
-            force, angle = each.course(time)[:, 0], turned * time
+            force = each.course(time)[:, 0]
+            angle = turned * time
             axes.fill_between(angle, force, color=SKY, linewidth=0.0)
             axes.plot([angle[0], *angle], [0.0, *force], color=BLUE)
         else:
             angle = 2 * [turned * each.begin]
             impulses.plot(angle, [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
-    for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN·s)", VERMILION)):
+    for scale, label, color in (
+        (axes, "sustained force (N)", BLUE),
+        (impulses, "impulse (mN·s)", VERMILION),
+    ):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
         scale.yaxis.set_visible(bool(scale.lines))

@@ -25,22 +25,38 @@ LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_ve
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
     """Draw an impact on the impulse plane: the energetic law as lines, a contact resolved in time as crosses."""
-    figure, surface, recorded = blank_figure(16.0, 7.4), impacts.surface, None
+    figure = blank_figure(16.0, 7.4)
+    surface = impacts.surface
+    recorded = None
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
-    later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
-    words = f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
-    course, resolved = energetic_course(impacts.chain, surface), impacts.strikes.get("compliant")
+    later = (
+        "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
+    )
+    words = (
+        f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
+    )
+    course = energetic_course(impacts.chain, surface)
+    resolved = impacts.strikes.get("compliant")
     if resolved is not None and resolved.contact.history is not None:
         recorded = recorded_course(resolved.contact.history)
         if resolved.contact.outcome != "rebound":  # a tip in stiction stays pressed on
             shown = recorded.impulse <= 1.01 * course.impulse[-1]
             recorded = ImpulseCourse(
-                *(each[shown] for each in (recorded.impulse, recorded.normal_velocity, recorded.tangential_velocity))
+                *(
+                    each[shown]
+                    for each in (
+                        recorded.impulse,
+                        recorded.normal_velocity,
+                        recorded.tangential_velocity,
+                    )
+                )
             )
         rigid, elastic = (": rigid along the surface", ", elastic") if impacts.elastic else ("", "")
         words += f"; lines{rigid or ': energetic law'}, crosses: resolved in time{elastic}"
     _draw_impulse_plane(
-        add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words), course, recorded
+        add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words),
+        course,
+        recorded,
     )
     return figure
 
@@ -48,26 +64,46 @@ def impact_figure(impacts: Impacts) -> Figure:
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
     """Draw the energetic law's straight lines over shaded phases, and a contact resolved in time as crosses."""
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
-    impulse, speed = scale_for(float(course.impulse[-1]), "N·s"), scale_for(fastest, "m/s")
-    axes.set(xlabel=f"normal impulse p ({impulse.unit})", ylabel=f"velocity of the tip ({speed.unit})")
+    impulse = scale_for(float(course.impulse[-1]), "N·s")
+    speed = scale_for(fastest, "m/s")
+    axes.set(
+        xlabel=f"normal impulse p ({impulse.unit})", ylabel=f"velocity of the tip ({speed.unit})"
+    )
     if course.impulse.size < 2:
         say(axes, "the tip does not approach: no contact")
         return
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     for name, color, which in LINES:
-        place, values = course.impulse * impulse.factor, getattr(course, which) * speed.factor
+        place = course.impulse * impulse.factor
+        values = getattr(course, which) * speed.factor
         axes.plot(place, values, color=color, gid=which)
         # Named on the side of the line that is away from zero.
-        quarter, side = 0.25 * float(place[1]), -1.0 if values[0] < 0.0 else 1.0
-        look: dict[str, Any] = {"color": color, "fontsize": 9.0, "va": "top" if side < 0.0 else "bottom"}
-        note(axes, name, (quarter, float(np.interp(quarter, place, values))), (3.0, 3.0 * side), **look)
+        quarter = 0.25 * float(place[1])
+        side = -1.0 if values[0] < 0.0 else 1.0
+        look: dict[str, Any] = {
+            "color": color,
+            "fontsize": 9.0,
+            "va": "top" if side < 0.0 else "bottom",
+        }
+        note(
+            axes,
+            name,
+            (quarter, float(np.interp(quarter, place, values))),
+            (3.0, 3.0 * side),
+            **look,
+        )
         if recorded is not None:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
             look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
             axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
-    (bottom, top), last = axes.get_ylim(), max(each.impulse[-1] for each in (course, recorded) if each is not None)
+    (bottom, top), last = (
+        axes.get_ylim(),
+        max(each.impulse[-1] for each in (course, recorded) if each is not None),
+    )
     axes.set_xlim(0.0, 1.03 * last * impulse.factor)
-    axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))  # room for names above and below
+    axes.set_ylim(
+        bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom)
+    )  # room for names above and below
     _shade_phases(axes, course, impulse.factor)
     _mark_impulses(axes, course, impulse.factor)
 
@@ -82,9 +118,16 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
         narrow = end - start < 0.25 * ends[-1]
-        named.append((motion.replace(" ", "\n") if narrow else motion, 0.89, (start, end), "normal"))
+        named.append(
+            (motion.replace(" ", "\n") if narrow else motion, 0.89, (start, end), "normal")
+        )
     named += [(half, 0.97, place, "bold") for half, place in halves.items()]
-    look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0}
+    look: dict[str, Any] = {
+        "transform": axes.get_xaxis_transform(),
+        "ha": "center",
+        "va": "top",
+        "fontsize": 7.0,
+    }
     for words, height, (start, end), weight in named:
         if end - start >= NARROWEST_NAMED * right:
             axes.text(0.5 * (start + end), height, words, linespacing=1.05, weight=weight, **look)
@@ -98,8 +141,15 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         if 0.0 < place < math.inf:
             near = next((other for other in marks if abs(other - place) < 0.02 * last), place)
             marks.setdefault(near, []).append(name)
-    foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
+    foot: dict[str, Any] = {
+        "xycoords": axes.get_xaxis_transform(),
+        "ha": "right",
+        "color": BLACK,
+        "fontsize": 8.0,
+    }
     for place, names in marks.items():
-        top = 0.8 if names == ["p_s"] else 1.0  # slip may stop within a phase whose name stands above
+        top = (
+            0.8 if names == ["p_s"] else 1.0
+        )  # slip may stop within a phase whose name stands above
         axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=top)
         note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)

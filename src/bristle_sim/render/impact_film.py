@@ -24,7 +24,8 @@ from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.timed_contact import pieces
 from bristle_sim.trajectory import ContactRecord
 
-NORMAL, TANGENTIAL = BLUE, VERMILION
+NORMAL = BLUE
+TANGENTIAL = VERMILION
 PANELS = (
     ("$v_t$, along\nthe surface", "m/s", {"tangential_velocity": TANGENTIAL}),
     ("$v_n$, away\nfrom it", "m/s", {"normal_velocity": NORMAL}),
@@ -32,13 +33,19 @@ PANELS = (
 )
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
-BEFORE, AFTER = 0.10, 0.18  # free motion shown before and after, as fractions of the time in touch
+# free motion shown before and after, as fractions of the time in touch
+BEFORE = 0.10
+AFTER = 0.18
 STILL = 1e-6  # velocities below this fraction of the fastest are drawn as zero
-ARROW = 0.13  # length of the tip's velocity before the impact, as a fraction of its drawing's height
+ARROW = (
+    0.13  # length of the tip's velocity before the impact, as a fraction of its drawing's height
+)
 LONGEST_FORCE = 0.28  # length of the largest force, as a fraction of its drawing's height
 LETTERS = 15.0  # height of the letters in a picture of normal size, px
 CRATER = 0.02  # depth at which the tip leaves, as a fraction of the largest, from which on the picture explains it
-TIP_RADIUS, ROD_LENGTH = 9.0, 300.0  # size of the enlarged rod's end, not to scale, points in a picture of normal size
+# size of the enlarged rod's end, not to scale, points in a picture of normal size
+TIP_RADIUS = 9.0
+ROD_LENGTH = 300.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,18 +86,23 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     """
     history = record.history
     if history is None or history.time.size < 2:
-        raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
+        raise ValueError(
+            f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show"
+        )
     clock, samples = history.time - history.time[0], {
         "normal_velocity": history.normal_velocity, "tangential_velocity": history.tangential_velocity,
         "normal_force": history.normal_force, "tangential_force": history.tangential_force,
         "depth": history.penetration, "along": slide_path(history),
     }  # fmt: skip
-    end, touching = float(clock[-1]), np.array([*samples.values()])
+    end = float(clock[-1])
+    touching = np.array([*samples.values()])
 
     def freely(state: Array, elapsed: float) -> Array:
         """Return the state after free motion for some time, s: the same velocities, no forces."""
         normal, tangential, _, _, depth, along = state.tolist()
-        return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])
+        return np.array(
+            [normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed]
+        )
 
     before = [freely(touching[:, 0], elapsed) for elapsed in (-BEFORE * end, 0.0)]
     after = [freely(touching[:, -1], elapsed) for elapsed in (0.0, AFTER * end)]
@@ -99,8 +111,13 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     columns = np.column_stack([*before, touching, *after])
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
     # A piece of no length is rounding at the end of another one.
-    parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[-len(record.phases) :]
-    named = [Phase(float(clock[part[0]]), name) for part, name in zip(sorted(parts), record.phases, strict=False)]
+    parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[
+        -len(record.phases) :
+    ]
+    named = [
+        Phase(float(clock[part[0]]), name)
+        for part, name in zip(sorted(parts), record.phases, strict=False)
+    ]
     ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
     outcome = Phase(end, ending.get(record.outcome, record.outcome))
     phases = (Phase(-BEFORE * end, "the tip arrives"), *named, outcome)
@@ -111,46 +128,61 @@ class TipDrawing:
     """The surface and the tip's path, to scale; the rod's end and the forces are not to scale. ``moving`` are its artists."""
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
-        along, depth = motion.samples["along"], motion.samples["depth"]
-        self._motion, box, size = motion, axes.get_window_extent(), 0.62 * letters
+        along = motion.samples["along"]
+        depth = motion.samples["depth"]
+        self._motion = motion
+        box = axes.get_window_extent()
+        size = 0.62 * letters
         self.scale = scale_for(max(float(np.ptp(along)), float(np.ptp(depth))), "m")
         self._path = np.stack([along, -depth], axis=-1) * self.scale.factor
         view = View.around([self._path], box.width / box.height, 0.5)
         height = view.top - view.bottom
         view.apply(axes)
         axes.grid(visible=False)
-        axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
-        axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size)
+        axes.axhspan(
+            2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0
+        )
+        axes.set_xlabel(
+            f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size
+        )
         axes.set_ylabel(f"away from it ({self.scale.unit})", fontsize=size)
         axes.tick_params(labelsize=0.9 * size)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
         outline = _rod_outline(last_rod) * letters / LETTERS
-        look: dict[str, Any] = {"markerfacecolor": "#bcd9ec", "markeredgecolor": BLUE, "alpha": 0.95}
-        (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
+        look: dict[str, Any] = {
+            "markerfacecolor": "#bcd9ec",
+            "markeredgecolor": BLUE,
+            "alpha": 0.95,
+        }
+        (self.rod,) = axes.plot(
+            [], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look
+        )
         self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
         self.moving = [self.trail, self.rod, *self.forces]
         strongest = motion.largest("normal_force", "tangential_force") or 1.0
-        self._newton, self._shortest = LONGEST_FORCE / strongest * height, 0.02 * height
+        self._newton = LONGEST_FORCE / strongest * height
+        self._shortest = 0.02 * height
         words: dict[str, Any] = {"transform": axes.transAxes, "fontsize": size}
         left = motion.at("depth", motion.touch_end)
         if left > CRATER * depth.max():
             crater = scale_for(left, "m")
             deep = f"{left * crater.factor:.3g} {crater.unit}"
-            why = (
-                f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {deep}, below\nthe old surface."
-            )
+            why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {deep}, below\nthe old surface."
             axes.text(0.03, 0.1, why, color=BLACK, **words | {"fontsize": 0.92 * size})
         axes.text(0.03, 0.02, "normal force", color=NORMAL, **words)
         axes.text(0.97, 0.02, "friction on the tip", color=TANGENTIAL, ha="right", **words)
 
     def move(self, time: float) -> None:
         """Move the rod's end, its trail and the forces to an instant, s."""
-        motion, factor = self._motion, self.scale.factor
+        motion = self._motion
+        factor = self.scale.factor
         x, y = motion.at("along", time) * factor, -motion.at("depth", time) * factor
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
         self.trail.set_data(*np.vstack([past, [x, y]]).T)
         self.rod.set_data([x], [y])
-        up, aside = (motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential"))
+        up, aside = (
+            motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential")
+        )
         # The normal arrow ends at the tip: above it is the rod.
         point_arrow(self.forces[0], (x, y - up), (x, y), shortest=self._shortest)
         point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self._shortest)
@@ -162,35 +194,61 @@ class ImpactFilm(Film):
     :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact visible.
     """
 
-    size, letter_size = (960, 540), LETTERS
+    size = (960, 540)
+    letter_size = LETTERS
 
     @styled()
-    def __init__(self, impacts: Impacts, *, width: int = 960, height: int = 540, duration: float = 10.0) -> None:
+    def __init__(
+        self, impacts: Impacts, *, width: int = 960, height: int = 540, duration: float = 10.0
+    ) -> None:
         if "compliant" not in impacts.strikes:
-            raise ValueError("contact: not resolved in time for these values; there is no motion to film")
-        struck, surface = impacts.strikes["compliant"], impacts.surface
+            raise ValueError(
+                "contact: not resolved in time for these values; there is no motion to film"
+            )
+        struck = impacts.strikes["compliant"]
+        surface = impacts.surface
         self.motion = motion = contact_motion(struck.contact)
         warp = slow_motion(float(motion.time[0]), float(motion.time[-1]), duration)
-        super().__init__(warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s"))
-        self.fastest, top = motion.largest("normal_velocity", "tangential_velocity"), 1.0 - HEADER
+        super().__init__(
+            warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s")
+        )
+        self.fastest = motion.largest("normal_velocity", "tangential_velocity")
+        top = 1.0 - HEADER
         self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        self.arrow = draw_chain(self.chain, struck.centre_line, impacts.chain.hub_radius, 0.62 * self.letters)
+        self.arrow = draw_chain(
+            self.chain, struck.centre_line, impacts.chain.hub_radius, 0.62 * self.letters
+        )
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
-        self.tip = TipDrawing(close_up, motion, struck.centre_line[-1] - struck.centre_line[-2], self.letters)
+        self.tip = TipDrawing(
+            close_up, motion, struck.centre_line[-1] - struck.centre_line[-2], self.letters
+        )
         self.markers: list[tuple[Line2D, str, float]] = []
         for number, row in enumerate(PANELS):
             self._draw_panel(number, *row)
-        self.moving = [*self.tip.moving, self.arrow, *self.hands, *(each for each, *_ in self.markers)]
+        self.moving = [
+            *self.tip.moving,
+            self.arrow,
+            *self.hands,
+            *(each for each, *_ in self.markers),
+        ]
         source = f" ({impacts.timing})" if impacts.timing else ""
         instants = (motion.compression_end, motion.touch_end)
-        compressed, touched = (f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in instants)
+        compressed, touched = (
+            f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in instants
+        )
         words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
-        self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY)
+        self.figure.text(
+            0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY
+        )
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move drawings and markers to an instant, s; the arrow ends at a tip that comes, and begins at one that leaves."""
-        motion, height = self.motion, float(np.ptp(self.chain.get_ylim()))
-        tangential, normal = motion.at("tangential_velocity", time), motion.at("normal_velocity", time)
+        motion = self.motion
+        height = float(np.ptp(self.chain.get_ylim()))
+        tangential, normal = (
+            motion.at("tangential_velocity", time),
+            motion.at("normal_velocity", time),
+        )
         x, y = ARROW * height / self.fastest * np.array([tangential, normal])
         start, end = ((-x, -y), (0.0, 0.0)) if normal < 0.0 else ((0.0, 0.0), (x, y))
         point_arrow(self.arrow, start, end, shortest=0.006 * height)
@@ -199,13 +257,18 @@ class ImpactFilm(Film):
             marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
         speed = scale_for(self.fastest, "m/s")
         words = (("away", normal), ("along", tangential))
-        texts = (f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words)
+        texts = (
+            f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words
+        )
         half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
     def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
-        motion, letters, height = self.motion, 0.6 * self.letters, (1.0 - HEADER - 0.13) / len(PANELS)
-        lowest, clock = number == len(PANELS) - 1, self.clock.factor
+        motion = self.motion
+        letters = 0.6 * self.letters
+        height = (1.0 - HEADER - 0.13) / len(PANELS)
+        lowest = number == len(PANELS) - 1
+        clock = self.clock.factor
         bottom = 0.10 + (len(PANELS) - 1 - number) * height
         axes = self.add_timeline((0.685, bottom, 0.305, height - 0.035), 0.9 * letters)
         largest = max(motion.largest(name) for name in lines)
@@ -213,7 +276,9 @@ class ImpactFilm(Film):
         scale = scale_for(max(largest, least), unit)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         for name, color in lines.items():
-            axes.plot(motion.time * clock, motion.samples[name] * scale.factor, color=color, linewidth=1.8)
+            axes.plot(
+                motion.time * clock, motion.samples[name] * scale.factor, color=color, linewidth=1.8
+            )
             (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
             self.markers.append((marker, name, scale.factor))
         ends = [*(phase.start for phase in motion.phases[1:]), float(motion.time[-1])]
@@ -226,23 +291,31 @@ class ImpactFilm(Film):
         axes.set_ylabel(f"{title} ({scale.unit})", fontsize=letters)
         axes.locator_params(axis="y", nbins=5)
         axes.tick_params(labelbottom=lowest)
-        axes.set_xlabel(f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters)
+        axes.set_xlabel(
+            f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters
+        )
 
 
-def draw_chain(axes: Axes, centre_line: Array, hub_radius: float, letters: float) -> FancyArrowPatch:
+def draw_chain(
+    axes: Axes, centre_line: Array, hub_radius: float, letters: float
+) -> FancyArrowPatch:
     """Draw the rods as they strike, the tip at the origin, and return the arrow of the tip's velocity.
 
     ``centre_line`` has root, hinges and tip from the hub's centre, shape (corners, 2), m; the hub's radius, m, is zero for a
     fixed root.
     """
-    points, centre, box = centre_line - centre_line[-1], -centre_line[-1], axes.get_window_extent()
+    points = centre_line - centre_line[-1]
+    centre = -centre_line[-1]
+    box = axes.get_window_extent()
     view = View.around([points], box.width / box.height, 0.35)
     size, width, (x, y) = view.top - view.bottom, view.right - view.left, points[0]
     View(view.left, view.right, -0.15 * size, 0.85 * size).apply(axes)
     axes.set_axis_off()
     axes.add_patch(Rectangle((view.left - width, -0.3 * size), 3.0 * width, 0.3 * size, **GROUND))
     if hub_radius > 0.0:
-        axes.add_patch(Circle((centre[0], centre[1]), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY))
+        axes.add_patch(
+            Circle((centre[0], centre[1]), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY)
+        )
         axes.text(x, y + 0.1 * size, "hub", color=GREY, ha="right", fontsize=letters, clip_on=True)
     else:
         axes.add_patch(Rectangle((x - 0.04 * size, y), 0.08 * size, 0.04 * size, **GROUND))
@@ -260,5 +333,7 @@ def _rod_outline(last_rod: Array) -> Array:
     towards_hinge = -last_rod / math.hypot(*last_rod)
     across = np.array([-towards_hinge[1], towards_hinge[0]])
     turn = np.linspace(0.0, np.pi, 40)[:, None]
-    end = np.array([0.0, TIP_RADIUS]) + TIP_RADIUS * (np.cos(turn) * across - np.sin(turn) * towards_hinge)
+    end = np.array([0.0, TIP_RADIUS]) + TIP_RADIUS * (
+        np.cos(turn) * across - np.sin(turn) * towards_hinge
+    )
     return np.concatenate([end, end[[-1, 0]] + ROD_LENGTH * towards_hinge, end[:1]])

@@ -12,7 +12,15 @@ from matplotlib.figure import Figure
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.style import MILLIMETRES, QUANTITIES, add_panel, blank_figure, draw_colours, styled, write_key
+from bristle_sim.render.style import (
+    MILLIMETRES,
+    QUANTITIES,
+    add_panel,
+    blank_figure,
+    draw_colours,
+    styled,
+    write_key,
+)
 from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:
@@ -20,7 +28,11 @@ if TYPE_CHECKING:
 
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
-ARC: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "dashes": (3, 2)}  # of the bar's places at its distance
+ARC: dict[str, Any] = {
+    "color": GREY,
+    "linewidth": 0.7,
+    "dashes": (3, 2),
+}  # of the bar's places at its distance
 ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # of the places for a lag of zero
 COLOUR_PERCENTILE = 97.0
 """Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
@@ -32,12 +44,19 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
     ``maps`` is the result of :func:`bristle_sim.studies.cue_map.position_map`.
     """
-    figure, places = blank_figure(16.0, 15.3), _places(found)
+    figure = blank_figure(16.0, 15.3)
+    places = _places(found)
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
         place = (1.5 + 7.9 * (number % 2), 9.0 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
-        _draw_map(axes, maps, None if name not in maps else factor * maps[name].values, unit, signed=number == 0)
+        _draw_map(
+            axes,
+            maps,
+            None if name not in maps else factor * maps[name].values,
+            unit,
+            signed=number == 0,
+        )
         axes.autoscale_view()  # matplotlib puts it off until the limits are read
         axes.autoscale(enable=False)
         axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
@@ -47,13 +66,18 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
         axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
     words = "Arrows on the scales: cells beside a jam, where the work has no bound, lie beyond the colours."
     figure.text(1.5 / 16.0, 1.1 / 15.3, words, fontsize=7.0, color=GREY)
-    named = {f"{name}, {math.degrees(direction):.2f}°": look for name, (direction, look) in places.items()}
+    named = {
+        f"{name}, {math.degrees(direction):.2f}°": look
+        for name, (direction, look) in places.items()
+    }
     named |= {"lag zero": ZERO, "bar at its distance from the hub": ARC}
     write_key(figure, named, ncols=3, columnspacing=1.0, handletextpad=0.3)
     return figure
 
 
-def _draw_map(axes: Axes, maps: xr.Dataset, values: Array | None, unit: str, *, signed: bool) -> None:
+def _draw_map(
+    axes: Axes, maps: xr.Dataset, values: Array | None, unit: str, *, signed: bool
+) -> None:
     x, y = (maps[each].values * MILLIMETRES for each in ("bar_horizontal", "bar_vertical"))
     values = np.full((y.size, x.size), math.nan) if values is None else values
     finite = values[np.isfinite(values)] if np.isfinite(values).any() else np.array([0.0, 1.0])
@@ -61,13 +85,19 @@ def _draw_map(axes: Axes, maps: xr.Dataset, values: Array | None, unit: str, *, 
     if signed:
         high = float(np.abs(finite).max())
         low = -high
-    look: dict[str, Any] = {"cmap": "RdBu" if signed else "viridis", "vmin": low, "vmax": max(high, low + 1e-12)}
+    look: dict[str, Any] = {
+        "cmap": "RdBu" if signed else "viridis",
+        "vmin": low,
+        "vmax": max(high, low + 1e-12),
+    }
     scale = draw_colours(axes, x, y, values, "max" if finite.max() > high else "neither", **look)
     scale.set_title(unit, fontsize=7.0, color=GREY)
     axes.set_aspect("equal")
     lag = maps.get("lag_deg_at_contact")
     if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):
-        axes.contour(x, y, lag.values, levels=[0.0], colors=[ZERO["color"]], linewidths=ZERO["linewidth"])
+        axes.contour(
+            x, y, lag.values, levels=[0.0], colors=[ZERO["color"]], linewidths=ZERO["linewidth"]
+        )
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
@@ -75,16 +105,31 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
     assert found.tool.bar is not None
     own = math.atan2(found.tool.bar.horizontal, found.tool.bar.vertical)
     bar = "printed position" if found.tool.bar == Bar() else "the tool's bar"
-    look = {"linestyle": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7, "markersize": 5.5}
+    look = {
+        "linestyle": "none",
+        "markeredgecolor": BLACK,
+        "markeredgewidth": 0.7,
+        "markersize": 5.5,
+    }
     places = {bar: (own, look | {"marker": "s", "markersize": 4.5, "markerfacecolor": "white"})}
     if found.formula is not None:
         places["by the formula"] = (found.formula, look | {"marker": "^", "markerfacecolor": BLUE})
-    places["radial strike"] = (found.radial.direction, look | {"marker": "o", "markerfacecolor": VERMILION})
-    places["fastest tip at this distance"] = (found.fastest.direction, look | {"marker": "+", "markersize": 7.0})
+    places["radial strike"] = (
+        found.radial.direction,
+        look | {"marker": "o", "markerfacecolor": VERMILION},
+    )
+    places["fastest tip at this distance"] = (
+        found.fastest.direction,
+        look | {"marker": "+", "markersize": 7.0},
+    )
     return places
 
 
 def _places_at(found: CueMap, directions: Array) -> Array:
     """Return the bar's places at its distance from the hub's centre in some directions, shape (2, n), mm."""
     assert found.tool.bar is not None
-    return math.hypot(*found.tool.bar.centre) * MILLIMETRES * np.stack([np.sin(directions), np.cos(directions)])
+    return (
+        math.hypot(*found.tool.bar.centre)
+        * MILLIMETRES
+        * np.stack([np.sin(directions), np.cos(directions)])
+    )

@@ -10,7 +10,15 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, draw_colours, styled, write_key
+from bristle_sim.render.style import (
+    MICROSECONDS,
+    MILLIMETRES,
+    add_panel,
+    blank_figure,
+    draw_colours,
+    styled,
+    write_key,
+)
 from bristle_sim.studies.film import FOLLOWED, MEASURED, FilmMap
 from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, sphere_rebound
 
@@ -24,13 +32,27 @@ SPHERES = {
 @styled()
 def measured_figure(compliance: float) -> Figure:
     """Draw velocity ratio, spin and rebound angle: measured points, and the law's curves with and without compliance."""
-    figure, angle, lines = blank_figure(16.0, 7.6), np.linspace(0.5, 62.0, 400), []
+    figure = blank_figure(16.0, 7.6)
+    angle = np.linspace(0.5, 62.0, 400)
+    lines = []
     for place, (name, (title, words)) in enumerate(SPHERES.items()):
-        axes = add_panel(figure, (1.3 + 5.1 * place, 1.9, 3.9, 4.4), title, words, xlabel="angle of incidence (°)")
+        axes = add_panel(
+            figure,
+            (1.3 + 5.1 * place, 1.9, 3.9, 4.4),
+            title,
+            words,
+            xlabel="angle of incidence (°)",
+        )
         by_compliance = [sphere_rebound(angle, each)[name] for each in (0.0, compliance)]
-        lines = axes.plot(angle, by_compliance[0], "--", color=VERMILION, label="rigid along the surface")
-        lines += axes.plot(angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliance:g}")
-        lines += axes.plot(*MEASURED_SPHERES[name].T, "o", color=BLACK, markersize=3.5, label="measured")
+        lines = axes.plot(
+            angle, by_compliance[0], "--", color=VERMILION, label="rigid along the surface"
+        )
+        lines += axes.plot(
+            angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliance:g}"
+        )
+        lines += axes.plot(
+            *MEASURED_SPHERES[name].T, "o", color=BLACK, markersize=3.5, label="measured"
+        )
     figure.legend(handles=lines, loc="lower center", ncols=3)
     return figure
 
@@ -46,7 +68,13 @@ MOST_ABOVE = 3.0  # values above this multiple of the measured one take no part 
 SMEAR = 9  # places of the wire in an exposure
 LOOKS: dict[str, dict[str, Any]] = {
     "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
-    "nearest pair": {"color": BLACK, "marker": "o", "markerfacecolor": "white", "markersize": 5.0, "linestyle": ""},
+    "nearest pair": {
+        "color": BLACK,
+        "marker": "o",
+        "markerfacecolor": "white",
+        "markersize": 5.0,
+        "linestyle": "",
+    },
     "continuous motion": {"color": BLUE},
     "in the camera's exposures": {"color": BLACK, "linewidth": 3.0},
 }
@@ -58,10 +86,19 @@ def film_map_figure(film: FilmMap) -> Figure:
     """Draw maps of touches, compression time and crater depth, and below them the nearest pass as a camera films it."""
     figure = blank_figure(16.0, 14.0)
     for number, (name, (title, words, _)) in enumerate(MAPS.items()):
-        axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words, xlabel="contact duration (µs)")
+        axes = add_panel(
+            figure,
+            (1.6 + 4.9 * number, 8.6, 3.4, 3.7),
+            title,
+            words,
+            xlabel="contact duration (µs)",
+        )
         _draw_map(axes, film, name, first=number == 0)
-    rate, exposure = f"{film.grid.frame_rate:g} frames a second", f"{MICROSECONDS * film.grid.exposure:g} µs"
-    frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", f"{rate}, exposure {exposure}")
+    rate = f"{film.grid.frame_rate:g} frames a second"
+    exposure = f"{MICROSECONDS * film.grid.exposure:g} µs"
+    frames = add_panel(
+        figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", f"{rate}, exposure {exposure}"
+    )
     words = "continuous, and in the camera's frames"
     height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words)
     _draw_frames(frames, height, film)
@@ -70,16 +107,22 @@ def film_map_figure(film: FilmMap) -> Figure:
 
 
 def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
-    values, measured = MAPS[name][2] * film.results[name], MAPS[name][2] * MEASURED[name]
+    values = MAPS[name][2] * film.results[name]
+    measured = MAPS[name][2] * MEASURED[name]
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
     draw_colours(axes, x, y, values)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
     level = 1.5 if name == "touches" else measured
     if line.count() and line.min() < level < line.max():
-        axes.contour(x, y, line, levels=[level], colors=[VERMILION], linewidths=MEASURED_LINE["linewidth"])
+        axes.contour(
+            x, y, line, levels=[level], colors=[VERMILION], linewidths=MEASURED_LINE["linewidth"]
+        )
     row, column = film.nearest
     axes.plot(x[column], y[row], **NEAREST)
-    across, up = (np.unique(np.linspace(0, each.size - 1, most).round().astype(int)) for each, most in ((x, 3), (y, 6)))
+    across, up = (
+        np.unique(np.linspace(0, each.size - 1, most).round().astype(int))
+        for each, most in ((x, 3), (y, 6))
+    )
     axes.set_xticks(x[across], [f"{MICROSECONDS * each:.0f}" for each in film.durations[across]])
     axes.set_yticks(y[up], [f"{each:.2g}" * first for each in film.dampings[up]])
     axes.set_ylabel("damping ratio of the wire" * first)
@@ -87,18 +130,23 @@ def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
     """Draw the wire blurred by each exposure, and the tip's height with the exposures marked."""
-    strike, ground = film.run.event_time("strike") or 0.0, -MILLIMETRES * film.tool.workpart_depth
+    strike = film.run.event_time("strike") or 0.0
+    ground = -MILLIMETRES * film.tool.workpart_depth
     lines = []
     for opened in film.frames:
         during = opened + film.grid.exposure * np.linspace(0.0, 1.0, SMEAR)
         lines.append(MILLIMETRES * film.run.at(during).centre_line)
         for wire in lines[-1]:
             frames.plot(*wire.T, color=BLACK, alpha=1.5 / SMEAR, linewidth=0.8)
-        height.plot(MICROSECONDS * (during - strike), lines[-1][:, -1, 1] - ground, zorder=3, **EXPOSED)
+        height.plot(
+            MICROSECONDS * (during - strike), lines[-1][:, -1, 1] - ground, zorder=3, **EXPOSED
+        )
     View.around([np.array(lines), np.array([[0.0, ground - 2.0]])], 6.4 / 4.4, 0.03).apply(frames)
     frames.axhspan(frames.get_ylim()[0], ground, color=LIGHT, zorder=0)
     frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
     time = strike + np.linspace(-FOLLOWED, FOLLOWED, 801)
-    height.plot(MICROSECONDS * (time - strike), MILLIMETRES * film.run.at(time).tip[:, 1] - ground, **MOTION)
+    height.plot(
+        MICROSECONDS * (time - strike), MILLIMETRES * film.run.at(time).tip[:, 1] - ground, **MOTION
+    )
     height.axhline(0.0, color=GREY, linewidth=0.8)
     height.set(xlabel="time from the strike (µs)", ylabel="height (mm)")

@@ -17,7 +17,10 @@ from bristle_sim.trajectory import ContactRecord, Interpolation, Motion, Traject
 ROUNDS = 12  # most times that an interval between two samples is halved
 TRIED = 0.4  # fraction of an interval where the page's interpolation is tried: errors do not cancel there
 
-LINE_SHOWN, RETRACTION_SHOWN, FORCE_SHOWN, SPEED_SHOWN = 0.001, 0.001, 0.0007, 0.01
+LINE_SHOWN = 0.001
+RETRACTION_SHOWN = 0.001
+FORCE_SHOWN = 0.0007
+SPEED_SHOWN = 0.01
 """Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, degrees, N, and m/s of the tip."""
 
 FORCE_RATIO = 1e-4
@@ -48,7 +51,9 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
     places, slopes = np.round(np.stack([nodes.before, nodes.after], axis=2)[:, kept], 9)
     return {
-        "time": np.round(MILLISECONDS * np.stack([nodes.time, nodes.time], axis=1)[kept], 12).tolist(),
+        "time": np.round(
+            MILLISECONDS * np.stack([nodes.time, nodes.time], axis=1)[kept], 12
+        ).tolist(),
         "line": places[:, :-2].tolist(),
         "velocity": slopes[:, :-2].tolist(),
         "retraction": np.stack([places[:, -2], slopes[:, -2]], axis=1).tolist(),
@@ -57,7 +62,9 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
         "hub": [float(run.hub_angle[0]), run.hub_speed / MILLISECONDS],
         "hubRadius": tool.hub.radius * MILLIMETRES,
         "wire": tool.bristle.wire_diameter * MILLIMETRES,
-        "bar": None if tool.bar is None else [each * MILLIMETRES for each in (*tool.bar.centre, tool.bar.radius)],
+        "bar": None
+        if tool.bar is None
+        else [each * MILLIMETRES for each in (*tool.bar.centre, tool.bar.radius)],
         "surface": None if tool.workpart is None else -tool.workpart_depth * MILLIMETRES,
         "contacts": [
             [
@@ -93,7 +100,8 @@ class _Nodes:
         samples = int(np.searchsorted(run.time, last, side="right"))
         self.time, first = np.unique(run.time[:samples], return_index=True)
         states = _states(run)
-        self.before, self.after = states[:, first], states[:, np.append(first[1:], samples) - 1]
+        self.before = states[:, first]
+        self.after = states[:, np.append(first[1:], samples) - 1]
         self.before[0, :, -1] = self._interpolation.normal_force(self.time, "before")
         self.after[0, :, -1] = self._interpolation.normal_force(self.time, "after")
         self._most = MOST_NUMBERS // (2 * self.before.shape[2])
@@ -111,10 +119,8 @@ class _Nodes:
         between = self._add_between(kept)
         more = f" and {between} instants between them" if between else ""
         errors = (self._loosened * each for each in (LINE_SHOWN, RETRACTION_SHOWN, SPEED_SHOWN))
-        self.drawn = (
-            "{} of {} samples drawn{}; between these the motion is interpolated to {:g} mm, {:g}° and {:g} m/s".format(
-                kept.size, first.size, more, *errors
-            )
+        self.drawn = "{} of {} samples drawn{}; between these the motion is interpolated to {:g} mm, {:g}° and {:g} m/s".format(
+            kept.size, first.size, more, *errors
         )
 
     @property
@@ -128,13 +134,20 @@ class _Nodes:
         kept = self.jumps
         kept[[0, -1]] = True
         while kept.sum() <= self._most:
-            nodes, others = np.flatnonzero(kept), np.flatnonzero(~kept)
+            nodes = np.flatnonzero(kept)
+            others = np.flatnonzero(~kept)
             interval = np.searchsorted(nodes, others)
-            starts, ends = nodes[interval - 1], nodes[interval]
+            starts = nodes[interval - 1]
+            ends = nodes[interval]
             length = self.time[ends] - self.time[starts]
             part = (self.time[others] - self.time[starts]) / length
             wrong = self._wrong(
-                length, part, self.after[:, starts], self.before[:, ends], self.after[:, others], self._allowed[others]
+                length,
+                part,
+                self.after[:, starts],
+                self.before[:, ends],
+                self.after[:, others],
+                self._allowed[others],
             )
             if not wrong.any():
                 break
@@ -143,10 +156,14 @@ class _Nodes:
 
     def _add_between(self, kept: Indices) -> int:
         """Keep these samples, add the nodes between them that the page needs, and return their number."""
-        starts, ends = self.time[kept[:-1]], self.time[kept[1:]]
-        at_start, at_end = self.after[:, kept[:-1]], self.before[:, kept[1:]]
+        starts = self.time[kept[:-1]]
+        ends = self.time[kept[1:]]
+        at_start = self.after[:, kept[:-1]]
+        at_end = self.before[:, kept[1:]]
         allowed = np.maximum(self._allowed[kept[:-1]], self._allowed[kept[1:]])
-        times, before, after = [self.time[kept]], [self.before[:, kept]], [self.after[:, kept]]
+        times = [self.time[kept]]
+        before = [self.before[:, kept]]
+        after = [self.after[:, kept]]
         added = 0
         for _ in range(ROUNDS):
             length = ends - starts
@@ -157,7 +174,8 @@ class _Nodes:
                 break
             middles = 0.5 * (starts + ends)[wrong]
             at_middle = _states(self._interpolation(middles))
-            starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
+            starts = np.concatenate([starts[wrong], middles])
+            ends = np.concatenate([middles, ends[wrong]])
             at_start = np.concatenate([at_start[:, wrong], at_middle], axis=1)
             at_end = np.concatenate([at_middle, at_end[:, wrong]], axis=1)
             allowed = np.concatenate([allowed[wrong], allowed[wrong]])
@@ -182,11 +200,21 @@ class _Nodes:
         h, s = (MILLISECONDS * length)[:, np.newaxis], part[:, np.newaxis]
         (p, v), (q, w), (true, velocity) = start, end, motion
         # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight line.
-        place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * h * ((1.0 - s) * v - s * w)
-        slope = 6.0 * s * (s - 1.0) * (p - q) / h + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w
+        place = (
+            q
+            + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q)
+            + s * (1.0 - s) * h * ((1.0 - s) * v - s * w)
+        )
+        slope = (
+            6.0 * s * (s - 1.0) * (p - q) / h
+            + (1.0 - s) * (1.0 - 3.0 * s) * v
+            + s * (3.0 * s - 2.0) * w
+        )
         place[:, -1] = (p + s * (q - p))[:, -1]
         speed, true_speed = (np.hypot(*each[:, -4:-2].T) for each in (slope, velocity))
-        error = np.maximum((np.abs(place - true) / allowed).max(axis=1), np.abs(speed - true_speed) / SPEED_SHOWN)
+        error = np.maximum(
+            (np.abs(place - true) / allowed).max(axis=1), np.abs(speed - true_speed) / SPEED_SHOWN
+        )
         found: NDArray[np.bool_] = error > self._loosened
         return found
 

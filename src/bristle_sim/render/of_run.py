@@ -27,7 +27,9 @@ def plot(run: Trajectory, until: float | None) -> Figure:
     return pass_figure(run, run.tool, until=until)
 
 
-def film(run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]) -> Path:
+def film(
+    run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]
+) -> Path:
     """Film a run, with frames a second and a size in px."""
     from bristle_sim.render.tool_films import pass_film
 
@@ -43,7 +45,8 @@ def view(run: Trajectory) -> Html:
 
 def summary_page(run: Trajectory) -> str:
     """Return the summary as HTML beside a drawing to scale: tip path, wire at the strike or the end, and tool if known."""
-    contact, tool = run.first_contact("workpart"), None
+    contact = run.first_contact("workpart")
+    tool = None
     wire = run.centre_line[-1 if contact is None else int(np.abs(run.time - contact.time).argmin())]
     with contextlib.suppress(ValueError):  # a run of something else has no tool to draw
         tool = run.tool

@@ -17,10 +17,20 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled, write_key
+from bristle_sim.render.style import (
+    MILLIMETRES,
+    MILLISECONDS,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+    write_key,
+)
 from bristle_sim.trajectory import Event, Motion, Trajectory
 
-DRAWING, PANEL, ROW = (8.1, 6.6), (13.4, 2.9), 3.2
+DRAWING = (8.1, 6.6)
+PANEL = (13.4, 2.9)
+ROW = 3.2
 """Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
 
 BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
@@ -50,9 +60,11 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     Raises ValueError if the trajectory has fewer than two instants.
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
-    marks, rows = _marks(trajectory, float(course.time[-1])), _rows(course, tool)
+    marks = _marks(trajectory, float(course.time[-1]))
+    rows = _rows(course, tool)
     height = 10.4 + len(rows) * ROW
-    figure, base = blank_figure(16.0, height), height - 7.0
+    figure = blank_figure(16.0, height)
+    base = height - 7.0
     paths = _draw_tool(axes_at(figure, 1.4, base, *DRAWING), course, tool, trajectory, marks)
     write_key(figure, paths | _LOOKS, loc="center", bbox_to_anchor=(0.5, (base - 1.6) / height))
     _draw_table(axes_at(figure, 9.65, base, 6.2, 6.6), marks, trajectory)
@@ -70,7 +82,9 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
     """Return the panels over time: by label the lines, and by name each line's values and look."""
-    potential = "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
+    potential = (
+        "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
+    )
     first = " of\nthe first link" if tool.bristle.links > 1 else ""
     rows: dict[str, dict[str, tuple[Array, dict[str, Any]]]] = {
         f"retraction{first} (°)": {"retraction": (np.degrees(course.retraction), {})},
@@ -88,12 +102,21 @@ def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[s
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     """Number the key events from 1; a start away from the radial direction is number 0."""
-    events, first = key_events(trajectory, until), 1
+    events = key_events(trajectory, until)
+    first = 1
     if abs(trajectory.relative_angle[0]) > CARRIED:
-        events, first = (Event("start", float(trajectory.time[0])), *events), 0
-    wires = dict(_WIRES) if trajectory.event_time("strike") else _WIRES | {"highest relative speed": BLACK}
+        events = (Event("start", float(trajectory.time[0])), *events)
+        first = 0
+    wires = (
+        dict(_WIRES)
+        if trajectory.event_time("strike")
+        else _WIRES | {"highest relative speed": BLACK}
+    )
     # Of several events of a name the first shows the wire.
-    return [_Mark(number, event, wires.pop(event.name, GREY)) for number, event in enumerate(events, first)]
+    return [
+        _Mark(number, event, wires.pop(event.name, GREY))
+        for number, event in enumerate(events, first)
+    ]
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
@@ -110,12 +133,18 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
 
 
 def _draw_lines(
-    axes: Axes, label: str, time: Array, lines: dict[str, tuple[Array, dict[str, Any]]], marks: Sequence[_Mark]
+    axes: Axes,
+    label: str,
+    time: Array,
+    lines: dict[str, tuple[Array, dict[str, Any]]],
+    marks: Sequence[_Mark],
 ) -> None:
     for name, (values, look) in lines.items():
         axes.plot(time * MILLISECONDS, values, label=name, gid=name, **{"color": BLUE, **look})
     for mark in marks:
-        axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
+        axes.axvline(
+            mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1
+        )
     axes.set_ylabel(label, linespacing=1.4)
     axes.yaxis.set_label_coords(-1.05 / PANEL[0], 0.5)  # in line, however wide the numbers are
     if len(lines) > 1:
@@ -130,8 +159,17 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
     first, last = axes.get_xlim()
     times = [mark.event.time * MILLISECONDS for mark in marks]
     above = axes.get_xaxis_transform()
-    for mark, time, place in zip(marks, times, spread(times, BADGE_GAP * (last - first), first, last), strict=True):
-        axes.plot([time, place], [1.0, 1.06], color=mark.color, linewidth=0.6, transform=above, clip_on=False)
+    for mark, time, place in zip(
+        marks, times, spread(times, BADGE_GAP * (last - first), first, last), strict=True
+    ):
+        axes.plot(
+            [time, place],
+            [1.0, 1.06],
+            color=mark.color,
+            linewidth=0.6,
+            transform=above,
+            clip_on=False,
+        )
         _badge(axes, (place, 1.12), mark, above)
 
 
@@ -139,23 +177,32 @@ def _draw_tool(
     axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
 ) -> dict[str, dict[str, Any]]:
     """Draw the tool with the tip's path and the wire at some instants; return the looks of the path by name."""
-    view, strike = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1]), run.event_time("strike")
+    view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
+    strike = run.event_time("strike")
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
     # The sample after an impact begins the second line, so that the two meet at the strike.
-    after = int(np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right"))
+    after = int(
+        np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right")
+    )
     tip = course.tip * MILLIMETRES
     before = "tip path" if strike is None else "tip path until the strike"
     looks: dict[str, dict[str, Any]] = {before: {"color": BLUE, "linewidth": 1.0}}
     axes.plot(*tip[:after].T, gid="tip path", zorder=3, **looks[before])
     if strike is not None:
         looks["tip path after it"] = {"color": PURPLE, "linewidth": 1.0}
-        axes.plot(*tip[after - 1 :].T, gid="tip path after the strike", zorder=3, **looks["tip path after it"])
+        axes.plot(
+            *tip[after - 1 :].T,
+            gid="tip path after the strike",
+            zorder=3,
+            **looks["tip path after it"],
+        )
     view.apply(axes)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
     name_parts(axes, tool, 7.0)
-    drawn, height = [mark for mark in marks if mark.color != GREY], view.top - view.bottom
+    drawn = [mark for mark in marks if mark.color != GREY]
+    height = view.top - view.bottom
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
     shown = run.at([mark.event.time for mark in drawn])
     places = spread(shown.hub_angle, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf)
@@ -169,9 +216,22 @@ def _draw_tool(
 
 def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
     x, y = np.asarray(place, dtype=float)
-    box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color, "linewidth": 0.8}
-    look: dict[str, Any] = {"fontsize": 6.5, "ha": "center", "va": "center", "bbox": box, "zorder": 6}
-    axes.text(x, y, str(mark.number), color=mark.color, transform=transform or axes.transData, **look)
+    box = {
+        "boxstyle": "circle,pad=0.18",
+        "facecolor": "white",
+        "edgecolor": mark.color,
+        "linewidth": 0.8,
+    }
+    look: dict[str, Any] = {
+        "fontsize": 6.5,
+        "ha": "center",
+        "va": "center",
+        "bbox": box,
+        "zorder": 6,
+    }
+    axes.text(
+        x, y, str(mark.number), color=mark.color, transform=transform or axes.transData, **look
+    )
 
 
 def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
@@ -179,12 +239,25 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
     for x, heading in {0.08: "event", 0.75: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
-        axes.text(x, 0.4, heading, ha="left" if x < 0.5 else "right", va="center", fontsize=7.0, color=GREY)
+        axes.text(
+            x,
+            0.4,
+            heading,
+            ha="left" if x < 0.5 else "right",
+            va="center",
+            fontsize=7.0,
+            color=GREY,
+        )
     for row, mark in enumerate(marks, start=1):
         retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
         _badge(axes, (0.03, 0.12 - row), mark)
-        name = mark.event.name  # of the motion up to the strike; the picture may swing farther after it
-        if name == "largest retraction" and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01:
+        name = (
+            mark.event.name
+        )  # of the motion up to the strike; the picture may swing farther after it
+        if (
+            name == "largest retraction"
+            and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01
+        ):
             name = "largest retraction so far"
         axes.text(0.08, -row, name, fontsize=7.0)
         axes.text(0.75, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")

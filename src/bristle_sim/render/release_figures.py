@@ -12,7 +12,14 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, add_panel, blank_figure, note, styled
+from bristle_sim.render.style import (
+    MILLIMETRES,
+    MILLISECONDS,
+    add_panel,
+    blank_figure,
+    note,
+    styled,
+)
 from bristle_sim.studies.cue_timing import CueTiming
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.theory.cueing import released_motion
@@ -31,7 +38,9 @@ def cue_figure(timing: CueTiming) -> Figure:
     figure = blank_figure(16.0, 11.1)
     retraction = add_panel(figure, (1.5, 6.5, 5.8, 3.3), "released from rest: retraction")
     below = "up to the cue time, at which it is highest"
-    speed = add_panel(figure, (1.5, 1.2, 5.8, 3.6), "released from rest: relative speed", below, sharex=retraction)
+    speed = add_panel(
+        figure, (1.5, 1.2, 5.8, 3.6), "released from rest: relative speed", below, sharex=retraction
+    )
     _draw_motion(retraction, speed, timing)
     words = "to scale; filled: as given, blue: simulated, dashed: formula"
     _draw_plan(add_panel(figure, PLAN, "where the bar must stand", words), timing)
@@ -47,7 +56,9 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         lines["quasi-static formula"] = (VERMILION, "--", instants, *motion)
     latest = max(float(time[-1]) for _, _, time, *_ in lines.values())
     for name, (color, style, instants, angle, rate) in lines.items():
-        time, cued, highest = instants * MILLISECONDS, float(instants[-1]) * MILLISECONDS, float(rate[-1])
+        time = instants * MILLISECONDS
+        cued = float(instants[-1]) * MILLISECONDS
+        highest = float(rate[-1])
         for axes, values in ((retraction, np.degrees(angle)), (speed, rate)):
             axes.plot(time, values, color=color, linestyle=style, label=name)
             axes.axvline(cued, color=color, linewidth=0.8, linestyle=":")
@@ -65,13 +76,23 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
-    tool, wires, given = replace(timing.tool, bar=None), timing.wires, timing.bar
-    bars: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {"bar as given": (given.centre, {})}
+    tool = replace(timing.tool, bar=None)
+    wires = timing.wires
+    given = timing.bar
+    bars: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
+        "bar as given": (given.centre, {})
+    }
     for name, cue, color, style in (
         ("bar, simulated", timing.simulated, BLUE, "-"),
         ("bar, formula", timing.formula, VERMILION, "--"),
     ):
-        look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "zorder": 5, "fill": False, "linestyle": style}
+        look: dict[str, Any] = {
+            "edgecolor": color,
+            "linewidth": 1.3,
+            "zorder": 5,
+            "fill": False,
+            "linestyle": style,
+        }
         if cue is not None:
             bars[name] = (-cue.bar_horizontal, -cue.bar_vertical), look  # on the incoming side, m
     corners = given.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
@@ -84,7 +105,10 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
         draw_bar(axes, *centre, given.radius, gid=name, **look)
     view.apply(axes)
     name_parts(axes, tool, 7.0)
-    names = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
+    names = (
+        ("released", GREY, (0.0, 4.0), "right", "bottom"),
+        ("fastest", BLACK, (6.0, -2.0), "left", "top"),
+    )
     for line, (name, color, offset, ha, va) in zip(wires, names, strict=True):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
@@ -99,14 +123,32 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
 def inertia_figure(driven: InertiaDriven) -> Figure:
     """Draw retractions in degrees and rates relative to the hub in rad/s."""
     figure = blank_figure(16.0, 8.2)
-    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction", xlabel="turn of the hub (°)", ylabel="retraction (°)")
+    turn = add_panel(
+        figure,
+        (1.5, 1.2, 6.2, 5.6),
+        "retraction",
+        xlabel="turn of the hub (°)",
+        ylabel="retraction (°)",
+    )
     labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
     phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
-    contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
-    end = "no strike" if contact is None else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
+    contact = driven.pass_with_bar.first_contact("workpart")
+    radial = driven.radial
+    end = (
+        "no strike"
+        if contact is None
+        else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
+    )
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
     if radial is not None:
-        runs.append((radial.trajectory, VERMILION, "thrown by its inertia", f"{radial.tip_speed:.1f} m/s when radial"))
+        runs.append(
+            (
+                radial.trajectory,
+                VERMILION,
+                "thrown by its inertia",
+                f"{radial.tip_speed:.1f} m/s when radial",
+            )
+        )
     for run, color, name, words in runs:
         course = run.course()
         turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])
@@ -116,7 +158,15 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
             axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
         ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-        note(phase, words, (retraction[-1], speed[-1]), (6.0, 5.0), ha="left", color=color, bbox=ground)
+        note(
+            phase,
+            words,
+            (retraction[-1], speed[-1]),
+            (6.0, 5.0),
+            ha="left",
+            color=color,
+            bbox=ground,
+        )
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)
     turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2)

@@ -29,13 +29,20 @@ from bristle_sim.version import __version__, named_commit
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 
-LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")  # libraries whose version may change a digit or a line
+LIBRARIES = (
+    "numpy",
+    "scipy",
+    "pymunk",
+    "matplotlib",
+)  # libraries whose version may change a digit or a line
 BEFORE_UNIT = re.compile(
     r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
 )
 """A space between a number and its unit, or within a unit."""
 
-ALIGNED = re.compile(r"\S {3,}\S|\n")  # a line of a table in plain text, for which the page has a table of its own
+ALIGNED = re.compile(
+    r"\S {3,}\S|\n"
+)  # a line of a table in plain text, for which the page has a table of its own
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
 
@@ -57,8 +64,10 @@ def write_report(
     or all figures to a folder; if it fails, a remark says why. ``video`` is the path of a finished film. A slider shows the
     motion if the report's subject has a ``tool`` and a ``trajectory``. Raises OSError naming a file that cannot be written.
     """
-    run, tool = getattr(report.subject, "trajectory", None), getattr(report.subject, "tool", None)
-    figures, missing = list[Markup](), ""
+    run = getattr(report.subject, "trajectory", None)
+    tool = getattr(report.subject, "tool", None)
+    figures = list[Markup]()
+    missing = ""
     if plot is not None:
         try:
             figures = _embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
@@ -76,12 +85,24 @@ def write_report(
         "verdict": verdict(report),
         "table": cells(report.quantities),
         "rows": rows,
-        "head": [key for key in rows[0] if any(row[key] not in (None, "") for row in rows)] if rows else [],
+        "head": [key for key in rows[0] if any(row[key] not in (None, "") for row in rows)]
+        if rows
+        else [],
         "counts": Counter(row["status"] for row in rows),
-        "remarks": [each for each in (*report.remarks, missing) if each and not (rows and ALIGNED.search(each))],
+        "remarks": [
+            each
+            for each in (*report.remarks, missing)
+            if each and not (rows and ALIGNED.search(each))
+        ],
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
-        "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
-        "versions": {"bristle_sim": __version__, **named_commit(), "Python": platform.python_version()}
+        "motion": motion_data(run, tool)
+        if isinstance(run, Trajectory) and isinstance(tool, Tool)
+        else None,
+        "versions": {
+            "bristle_sim": __version__,
+            **named_commit(),
+            "Python": platform.python_version(),
+        }
         | {library: metadata.version(library) for library in LIBRARIES},
     }
     _write(path, "report.html.jinja", alone=False, **content)
@@ -103,7 +124,10 @@ def write_comparison(
     def plot(report: Report, target: Path) -> None:
         save_figure(pass_figure(report.subject.trajectory, report.subject.tool), target)
 
-    passes = [(name, each.answer, *_embedded_figures(each, plot)) for name, each in zip(names, reports, strict=True)]
+    passes = [
+        (name, each.answer, *_embedded_figures(each, plot))
+        for name, each in zip(names, reports, strict=True)
+    ]
     _write(path, "comparison.html.jinja", names=names, passes=passes, changed=changed, rows=rows)
 
 
@@ -114,7 +138,8 @@ def explore_page(knobs: Sequence[dict[str, Any]]) -> str:
 
 def filled(template: str, **content: Any) -> str:
     """Return a template filled with content; its filters keep a number with its unit and let names break after underscores."""
-    loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
+    loader = jinja2.PackageLoader("bristle_sim.render", ".")
+    strict = jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     environment.filters["shown"] = _shown
@@ -139,7 +164,10 @@ def verdict(report: Report) -> str:
 
 
 def _embedded_figures(
-    report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool = False, name: str = "the run"
+    report: Report,
+    plot: Callable[[Report, Path], None],
+    plot_is_folder: bool = False,
+    name: str = "the run",
 ) -> list[Markup]:
     """Return the figures as HTML: an SVG is placed in the page, any other picture is encoded."""
     found = []
@@ -149,7 +177,12 @@ def _embedded_figures(
         for path in sorted(target.iterdir()):
             if path.suffix == ".svg":
                 drawing = path.read_text(encoding="utf-8")
-                drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
+                drawing = re.sub(
+                    r"<metadata>.*?</metadata>",
+                    "",
+                    drawing[drawing.index("<svg") :],
+                    flags=re.DOTALL,
+                )
                 named = Markup('<svg role="img" aria-label="figure of {}"').format(name)
                 found.append(named + Markup(drawing.removeprefix("<svg")))
             else:

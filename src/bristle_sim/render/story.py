@@ -12,8 +12,12 @@ from bristle_sim.trajectory import Event, Trajectory
 MOST_LABELS = 9  # as many labels as fit above a panel of full width
 AFTERMATH = 0.12  # how long the story goes on after the tip has left the workpart, as a fraction of the time before
 SAME_INSTANT = 1e-9  # events nearer to each other than this are one, s
-CARRIED = math.radians(1.0)  # a bristle that starts nearer than this to radial is carried along, not thrown, rad
-LAGGING = 0.01  # a bristle whose first rate differs from the hub's by this fraction does not turn with it
+CARRIED = math.radians(
+    1.0
+)  # a bristle that starts nearer than this to radial is carried along, not thrown, rad
+LAGGING = (
+    0.01  # a bristle whose first rate differs from the hub's by this fraction does not turn with it
+)
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
@@ -39,7 +43,11 @@ def story_end(trajectory: Trajectory) -> float:
     """Return the instant to which a pass is shown, s: shortly after the last touch of the workpart, or the end."""
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])
     touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
-    touches += [contact.time + contact.duration for contact in trajectory.contacts if contact.obstacle == "workpart"]
+    touches += [
+        contact.time + contact.duration
+        for contact in trajectory.contacts
+        if contact.obstacle == "workpart"
+    ]
     if not touches or trajectory.event_time("strike") is None:
         return end
     return min(end, start + (1.0 + AFTERMATH) * (max(touches) - start))
@@ -65,32 +73,49 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
-    start, events = float(trajectory.time[0]), _notable(trajectory)
-    contact, strike = trajectory.first_contact("workpart"), trajectory.event_time("strike")
+    start = float(trajectory.time[0])
+    events = _notable(trajectory)
+    contact = trajectory.first_contact("workpart")
+    strike = trajectory.event_time("strike")
     lags = abs(trajectory.relative_rate[0]) > LAGGING * abs(trajectory.hub_speed)
     found = [Phase(start, "lags behind the hub by its inertia" if lags else "turns with the hub")]
     if abs(trajectory.relative_angle[0]) > CARRIED:
         found = [Phase(start, THROWN)]
     for number, event in enumerate(events):
-        obstacle, later = event.name.removesuffix(" touch"), events[number + 1 :]
+        obstacle = event.name.removesuffix(" touch")
+        later = events[number + 1 :]
         if event.name == "strike":
-            ends = [event.time + strike_shown, *(each.time for each in later if each.time > event.time)]
-            outcome = "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
+            ends = [
+                event.time + strike_shown,
+                *(each.time for each in later if each.time > event.time),
+            ]
+            outcome = (
+                "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
+            )
             if contact is None or contact.history is None:
                 found += [Phase(event.time, "strike"), Phase(min(ends), outcome)]
             else:
                 deepest = float(contact.history.time[np.argmax(contact.history.penetration)])
-                found += [Phase(event.time, "strike: compression"), Phase(deepest, "strike: restitution")]
+                found += [
+                    Phase(event.time, "strike: compression"),
+                    Phase(deepest, "strike: restitution"),
+                ]
                 found.append(Phase(contact.time + contact.duration, outcome))
         elif obstacle in _SUSTAINED:  # a touch is sustained if a release follows, else a bounce
-            following = next((each.name for each in later if each.name.startswith(f"{obstacle} ")), "")
+            following = next(
+                (each.name for each in later if each.name.startswith(f"{obstacle} ")), ""
+            )
             bounce = following != f"{obstacle} release"
-            found.append(Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle]))
+            found.append(
+                Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle])
+            )
         elif event.name == "bar release" and any(
             each.name == "bar touch" and (strike is None or each.time < strike) for each in later
         ):
             found.append(Phase(event.time, "off the bar"))
-        elif event.name == "largest retraction" and (event.time < strike if strike is not None else not lags):
+        elif event.name == "largest retraction" and (
+            event.time < strike if strike is not None else not lags
+        ):
             continue  # before a strike the release begins the phase
         elif event.name in _CAPTIONS and (event.name != "highest relative speed" or strike is None):
             found.append(Phase(event.time, _CAPTIONS[event.name]))
@@ -104,9 +129,12 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
     """Return the notable events without the releases at the instant of a touch, which belong to a bounce."""
-    touches, found = dict[str, float](), []
+    touches = dict[str, float]()
+    found = []
     for event in trajectory.notable_events:
-        obstacle, _, kind = ("workpart touch" if event.name == "strike" else event.name).partition(" ")
+        obstacle, _, kind = ("workpart touch" if event.name == "strike" else event.name).partition(
+            " "
+        )
         if kind == "touch":
             touches[obstacle] = event.time
         if kind != "release" or event.time - touches.get(obstacle, -math.inf) > SAME_INSTANT:

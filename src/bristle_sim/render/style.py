@@ -22,13 +22,17 @@ from numpy.typing import ArrayLike
 from bristle_sim.files import checked_target, complete_or_absent
 from bristle_sim.render.colours import GREY
 
-MILLIMETRES, MILLISECONDS, MICROSECONDS = 1e3, 1e3, 1e6
+MILLIMETRES = 1e3
+MILLISECONDS = 1e3
+MICROSECONDS = 1e6
 """Millimetres in a metre, milliseconds and microseconds in a second."""
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 
-_LOOK = mpl.rc_params_from_file(Path(__file__).with_name("look.mplstyle"), use_default_template=False)
+_LOOK = mpl.rc_params_from_file(
+    Path(__file__).with_name("look.mplstyle"), use_default_template=False
+)
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 QUANTITIES: dict[str, tuple[str, str, float]] = {
@@ -65,7 +69,9 @@ def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0
         return NotebookFigure(figsize=size, dpi=dots_per_inch)
 
 
-def axes_at(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
+def axes_at(
+    figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any
+) -> Axes:
     """Add axes at a place given in cm from the figure's lower left corner; ``options`` as for ``Figure.add_axes``."""
     across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
     with styled():
@@ -73,7 +79,11 @@ def axes_at(figure: Figure, left: float, bottom: float, width: float, height: fl
 
 
 def add_panel(
-    figure: Figure, place: tuple[float, float, float, float], title: str, subtitle: str = "", **options: Any
+    figure: Figure,
+    place: tuple[float, float, float, float],
+    title: str,
+    subtitle: str = "",
+    **options: Any,
 ) -> Axes:
     """Add axes at a place (left, bottom, width, height) in cm, with a title that the next letter of the figure leads."""
     letter = "abcdefghij"[sum(bool(axes.get_title(loc="left")) for axes in figure.axes) % 10]
@@ -94,7 +104,9 @@ def draw_colours(
 ) -> Axes:
     """Draw a map of coloured cells at their centres, and return the axes of its colour bar, to the right."""
     axes.grid(visible=False)
-    image = axes.pcolormesh(x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look})
+    image = axes.pcolormesh(
+        x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look}
+    )
     figure, (left, bottom, width, height) = axes.get_figure(root=True), axes.get_position().bounds
     assert figure is not None
     scale = figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height))
@@ -103,9 +115,16 @@ def draw_colours(
     return scale
 
 
-def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
+def note(
+    axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any
+) -> None:
     """Write small words beside a place, ``offset`` in points."""
-    axes.annotate(words, place, offset, **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look})
+    axes.annotate(
+        words,
+        place,
+        offset,
+        **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look},
+    )
 
 
 def say(axes: Axes, words: str) -> None:

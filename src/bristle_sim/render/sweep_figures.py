@@ -19,7 +19,10 @@ from bristle_sim.studies.tolerances import Study
 if TYPE_CHECKING:
     import xarray as xr
 
-COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2  # panels in a row, and their size with its margins, cm
+# panels in a row, and their size with its margins, cm
+COLUMNS = 3
+WIDTH = 6.0
+HEIGHT = 5.2
 TITLE_LETTERS = 32  # letters in a line of a panel's title
 
 
@@ -37,8 +40,11 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     figure = style.blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 0.4)
     (x, x_label), *others = (_shown(found, key) for key in keys)
     for number, name in enumerate(names):
-        column, row = number % COLUMNS, rows - 1 - number // COLUMNS
-        axes = style.axes_at(figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4)
+        column = number % COLUMNS
+        row = rows - 1 - number // COLUMNS
+        axes = style.axes_at(
+            figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4
+        )
         values, label = _shown(found, name)
         axes.set_title("\n".join(textwrap.wrap(label, TITLE_LETTERS)), loc="left", fontsize=7.5)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
@@ -55,7 +61,8 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
 
 def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
     """Return values in a readable unit, and their label with that unit."""
-    values, about = found[name].values, found[name].attrs
+    values = found[name].values
+    about = found[name].attrs
     unit, size = readable_unit(str(about.get("units", "1")), values.ravel().tolist())
     unit = {"1": "", "deg": "°"}.get(unit, unit)
     label = str(about.get("long_name", name.removesuffix("_deg").replace("_", " ")))
@@ -81,7 +88,8 @@ def tolerance_figure(study: Study) -> Figure:
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
         title, unit, factor = style.QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
-        axes, values = style.add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
+        axes = style.add_panel(figure, (1.3, bottom, 5.4, 2.1), title)
+        values = factor * study.values[number]
         axes.hist(values, bins="auto", color=SKY)
         axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
@@ -91,7 +99,8 @@ def tolerance_figure(study: Study) -> Figure:
         digits = max(0, 1 - math.floor(math.log10(spread))) if spread > 0.0 else 3
         words = f"{style.signed(values.mean(), digits)} ± {spread:.{digits}f} {unit}"
         style.note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
-        axes, chosen = style.axes_at(figure, 10.3, bottom, 5.3, 2.4), np.argsort(-study.total[number])[:MOST]
+        axes = style.axes_at(figure, 10.3, bottom, 5.3, 2.4)
+        chosen = np.argsort(-study.total[number])[:MOST]
         places = np.arange(chosen.size)
         axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7)
         axes.plot(study.first_order[number, chosen], places - 0.17, "o", color=BLUE, markersize=3.2)

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from bristle_sim.studies.neighbours import NeighbourRow
 
 CAPTION_SHOWN = 0.5  # film time for which the instant of the strike keeps its caption, s
-ROW_SLOWER, ROW_AFTER = 10.0, 0.15
+ROW_SLOWER = 10.0
+ROW_AFTER = 0.15
 """How much slower touches and strikes in a row are shown than the rest; how long a film of a row goes on after the last
 bristle's strike, as a fraction of the time before."""
 
@@ -56,19 +57,35 @@ class ToolFilm(Film):
             strike: place where a star marks the strike, m.
         """
         super().__init__(warp, *size, (wires[-1][1] if len(wires) > 1 else BLACK, BLACK))
-        self.tool, self.story, self._readings = tool, tuple(story), readings
-        self._motions, self._past, self._place = [motion for motion, _ in wires], trail, strike
+        self.tool = tool
+        self.story = tuple(story)
+        self._readings = readings
+        self._motions = [motion for motion, _ in wires]
+        self._past = trail
+        self._place = strike
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
         draw_film_tool(axes, tool, view, 0.75 * self.letters)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-        self.wires = [WireDrawing(axes, tool, color=color, details=trail is not None) for _, color in wires]
-        (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
-        (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-        self.moving = [self.trail, *(each for wire in self.wires for each in wire.artists), self.star, self.rings]
+        self.wires = [
+            WireDrawing(axes, tool, color=color, details=trail is not None) for _, color in wires
+        ]
+        (self.star,) = axes.plot(
+            [], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3
+        )
+        (self.rings,) = axes.plot(
+            [], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6
+        )
+        self.moving = [
+            self.trail,
+            *(each for wire in self.wires for each in wire.artists),
+            self.star,
+            self.rings,
+        ]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires, trail, star and rings to an instant, s."""
-        now, caption = [motion(time) for motion in self._motions], phase_at(self.story, time).caption
+        now = [motion(time) for motion in self._motions]
+        caption = phase_at(self.story, time).caption
         lines = [each.centre_line for each in now]
         for drawing, line in zip(self.wires, lines, strict=True):
             drawing.place(line)
@@ -99,50 +116,79 @@ def pass_film(
         slower: how much slower the strike is shown than the rest.
         until: the last instant shown, s.
     """
-    motion, contact = Interpolation(run), run.first_contact("workpart")
+    motion = Interpolation(run)
+    contact = run.first_contact("workpart")
     course = motion.course(story_end(run) if until is None else until)
     focus = () if (strike := run.event_time("strike")) is None else (strike,)
     warp = slow_motion(float(run.time[0]), float(course.time[-1]), duration, focus, slower=slower)
-    shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
+    shown = (
+        0.0
+        if strike is None
+        else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
+    )
     place = None if strike is None else motion(strike).tip
     in_time = contact is not None and contact.history is not None
 
     def readings(now: Sequence[Motion]) -> tuple[str, str]:
         speed = f"tip {now[0].tip_speed:5.1f} m/s"
-        force = f"{speed} {now[0].normal_force:5.1f} N" if in_time else f"tip speed {now[0].tip_speed:5.1f} m/s"
+        force = (
+            f"{speed} {now[0].normal_force:5.1f} N"
+            if in_time
+            else f"tip speed {now[0].tip_speed:5.1f} m/s"
+        )
         return _retraction(now[0]), force
 
     size = (width, height)
-    view, story = _view(tool, course.centre_line, size, 0.04), phases(run, shown)
-    return ToolFilm(tool, [(motion, BLUE)], view, warp, story, readings, size, trail=course, strike=place)
+    view = _view(tool, course.centre_line, size, 0.04)
+    story = phases(run, shown)
+    return ToolFilm(
+        tool, [(motion, BLUE)], view, warp, story, readings, size, trail=course, strike=place
+    )
 
 
 def _retraction(motion: Motion, whose: str = "") -> str:
     return f"retraction {whose}{signed(math.degrees(float(motion.retraction)), 1, 6)}°"
 
 
-def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0) -> ToolFilm:
+def row_film(
+    row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0
+) -> ToolFilm:
     """Return a film of a row of bristles, from the first touch of the bar until after the last strike."""
-    motions, colors = [Interpolation(run) for run in row.bristles], (SERIES * 2)[: len(row.bristles)]
-    last, strikes = row.bristles[-1], [run.event_time("strike") for run in row.bristles]
+    motions = [Interpolation(run) for run in row.bristles]
+    colors = (SERIES * 2)[: len(row.bristles)]
+    last = row.bristles[-1]
+    strikes = [run.event_time("strike") for run in row.bristles]
     end = float(last.time[-1])
     begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
-    until = end if strikes[-1] is None else min(end, strikes[-1] + ROW_AFTER * (strikes[-1] - begin))
-    focus = [each for each in (*row.touches, *strikes) if each is not None and begin <= each <= until]
+    until = (
+        end if strikes[-1] is None else min(end, strikes[-1] + ROW_AFTER * (strikes[-1] - begin))
+    )
+    focus = [
+        each for each in (*row.touches, *strikes) if each is not None and begin <= each <= until
+    ]
     warp = slow_motion(begin, until, duration, focus, slower=ROW_SLOWER, width=0.012)
-    shown = np.concatenate([motion(np.linspace(begin, until, 200)).centre_line for motion in motions])
+    shown = np.concatenate(
+        [motion(np.linspace(begin, until, 200)).centre_line for motion in motions]
+    )
 
     def readings(now: Sequence[Motion]) -> tuple[str]:
         return (_retraction(now[-1], f"of bristle {len(now)} "),)
 
-    wires, size = list(zip(motions, colors, strict=True)), (width, height)
-    return ToolFilm(row.tool, wires, _view(row.tool, shown, size, 0.08), warp, _story(row), readings, size)
+    wires = list(zip(motions, colors, strict=True))
+    size = (width, height)
+    return ToolFilm(
+        row.tool, wires, _view(row.tool, shown, size, 0.08), warp, _story(row), readings, size
+    )
 
 
 def _story(row: NeighbourRow) -> tuple[Phase, ...]:
-    found = [Phase(-math.inf, "turning with the hub"), *(Phase(each, "wires touch each other") for each in row.touches)]
+    found = [
+        Phase(-math.inf, "turning with the hub"),
+        *(Phase(each, "wires touch each other") for each in row.touches),
+    ]
     for number, run in enumerate(row.bristles, 1):
-        name, contact = f"bristle {number}", run.first_contact("workpart")
+        name = f"bristle {number}"
+        contact = run.first_contact("workpart")
         strike = math.inf if contact is None else contact.time
         captions = {
             f"{name} meets the bar": run.event_time("bar touch", before=strike),

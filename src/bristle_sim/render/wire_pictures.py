@@ -12,7 +12,13 @@ from matplotlib.ticker import MaxNLocator
 from bristle_sim.arrays import Array
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
+from bristle_sim.render.drawing import (
+    WireDrawing,
+    close_up,
+    draw_film_tool,
+    moving_arrow,
+    point_arrow,
+)
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 from bristle_sim.studies.timed_contact import cubics
@@ -32,17 +38,21 @@ LINK_COLOURS = (ORANGE, GREEN, BLUE)
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     """Draw the force of one strike, and how its measures depend on the contact's duration and the number of links."""
-    figure, size = style.blank_figure(16.0, 13.6), (6.3, 4.6)
+    figure = style.blank_figure(16.0, 13.6)
+    size = (6.3, 4.6)
     _draw_force(figure, struck)
     by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
     impulse = style.add_panel(figure, (1.4, 1.2, *size), "impulse over the contact's duration")
     others = style.add_panel(figure, (9.4, 1.2, *size), "measures over the contact's duration")
-    durations, most = study.durations * style.MICROSECONDS, max(study.by_duration)
+    durations = study.durations * style.MICROSECONDS
+    most = max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
         look: dict[str, Any] = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
         by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
         others.plot(durations, study.by_duration[most][name], **look)
-    for color, (links, found) in zip(LINK_COLOURS[-len(study.by_duration) :], study.by_duration.items(), strict=True):
+    for color, (links, found) in zip(
+        LINK_COLOURS[-len(study.by_duration) :], study.by_duration.items(), strict=True
+    ):
         ratio = found["normal_final_impulse"]
         impulse.plot(durations, ratio, "o-", color=color, markersize=3.0, label=f"{links} links")
     own = struck.strike.contact.duration * style.MICROSECONDS
@@ -67,10 +77,14 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
 def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     times = rigid["peak_force"] / own["peak_force"]
-    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard")
+    axes = style.add_panel(
+        figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard"
+    )
     clock = style.scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
     names = ("rigid bristle", f"wire of {struck.strike.tool.bristle.links} links")
-    for run, color, name, values in zip((struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True):
+    for run, color, name, values in zip(
+        (struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True
+    ):
         history = run.contact.history
         assert history is not None
         shown = style.scale_for(values["normal_final_impulse"], "N·s")
@@ -94,23 +108,31 @@ GRID = 400  # instants of the curves of force and of the map of bending moments
 class WireFilm(Film):
     """A film of a wire's strike, from the first touch until the bending wave has come back."""
 
-    size, letter_size = (960, 540), 15.0
+    size = (960, 540)
+    letter_size = 15.0
 
     @style.styled()
-    def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
+    def __init__(
+        self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0
+    ) -> None:
         warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
         super().__init__(warp, width, height, (BLUE, ORANGE), style.Scale(style.MICROSECONDS, "µs"))
-        self.struck, small = struck, 0.62 * self.letters
+        self.struck = struck
+        small = 0.62 * self.letters
         self._draw_wires(self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER)), small)
         force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * small)
         wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * small)
         for (touch, pushed), color in ((_force(struck.rigid), ORANGE), (_force(struck.wire), BLUE)):
-            force.fill_between(touch * style.MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
+            force.fill_between(
+                touch * style.MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0
+            )
             force.plot(touch * style.MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
         force.set_title("normal force (N)", loc="left", fontsize=small)
         wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
-        self.arrival = _draw_wave(wave, self.figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck, small)
+        self.arrival = _draw_wave(
+            wave, self.figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck, small
+        )
         self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
@@ -128,15 +150,27 @@ class WireFilm(Film):
             caption = "the end is struck"
         elif time < self.arrival:
             caption = "the end is struck; the wave is on its way to the root"
-        return caption, f"wire {style.signed(pushed, 1, 5)} N", f"rigid {style.signed(rigid, 1, 5)} N"
+        return (
+            caption,
+            f"wire {style.signed(pushed, 1, 5)} N",
+            f"rigid {style.signed(rigid, 1, 5)} N",
+        )
 
     def _draw_wires(self, axes: Axes, letters: float) -> None:
-        tool, box, runs = self.struck.strike.tool, axes.get_window_extent(), (self.struck.wire, self.struck.rigid)
+        tool = self.struck.strike.tool
+        box = axes.get_window_extent()
+        runs = (self.struck.wire, self.struck.rigid)
         points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
-        span, links = float(np.ptp(points[:, 1])), tool.bristle.links
+        span = float(np.ptp(points[:, 1]))
+        links = tool.bristle.links
         self.longest = LONGEST_FORCE * span * style.MILLIMETRES
         below = points.min(axis=0) - [0.0, LONGEST_FORCE * span]
-        draw_film_tool(axes, tool, close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1), letters)
+        draw_film_tool(
+            axes,
+            tool,
+            close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1),
+            letters,
+        )
         self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
         self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
         wire = f"wire of {links} link{'s' * (links > 1)}"
@@ -146,7 +180,8 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    history, clock = run.contact.history, run.contact.history.time - run.contact.history.time[0]
+    history = run.contact.history
+    clock = run.contact.history.time - run.contact.history.time[0]
     time = np.linspace(0.0, clock[-1], GRID)
     return time, cubics(clock, history.normal_force)(time)
 
@@ -159,18 +194,28 @@ def _centre_line(run: Any, time: float) -> Array:
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
     """Draw bending moments over time and place, root on top; return the wave's arrival at the hinge next to the root, s."""
-    bristle, run = struck.strike.tool.bristle, struck.wire
-    time, bends = np.linspace(0.0, run.time[-1], GRID), np.diff(run.angles, axis=1).T
+    bristle = struck.strike.tool.bristle
+    run = struck.wire
+    time = np.linspace(0.0, run.time[-1], GRID)
+    bends = np.diff(run.angles, axis=1).T
     scale.set_visible(bool(bends.size))
     if not bends.size:
         style.say(axes, "a rigid bristle does not bend")
         return 0.0
-    stiffness = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links)
+    stiffness = hinge_stiffness(
+        bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links
+    )
     moments = stiffness * np.array([np.interp(time, run.time, each) for each in bends])
-    length, most = bristle.length * style.MILLIMETRES, float(np.abs(moments).max())
+    length = bristle.length * style.MILLIMETRES
+    most = float(np.abs(moments).max())
     half = 0.5 * length / (len(moments) + 1)
     sides = (0.0, float(time[-1]) * style.MICROSECONDS, length - half, half)
-    look: dict[str, Any] = {"cmap": "RdBu", "vmin": -1e3 * most, "vmax": 1e3 * most, "aspect": "auto"}
+    look: dict[str, Any] = {
+        "cmap": "RdBu",
+        "vmin": -1e3 * most,
+        "vmax": 1e3 * most,
+        "aspect": "auto",
+    }
     picture = axes.imshow(1e3 * moments, extent=sides, interpolation="bilinear", **look)
     axes.set_ylim(length, 0.0)
     axes.set_xlabel("time since the first touch (µs)", fontsize=letters)

@@ -5,9 +5,11 @@ In reading order; a file imports only from files below it in this list:
 - ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
 - ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and contacts in SI units.
 - ``run``: the loop over intervals and events.
-- ``decide``: the decision after an event; ``spring_phases``, ``impact_error``: its springs, and the error over an impact.
+- ``decide``: the decision after an event; ``collisions``, ``spring_phases``, ``impact_error``: its impacts, its springs, and the
+  error over an impact.
 - ``motion``: one smooth motion, integrated interval by interval up to its first event.
-- ``events``: the events of a motion; ``touches``: gaps that close; ``locate``, ``root``: the locator and its root finder.
+- ``events``: the events of a motion; ``touches``: gaps that close; ``locate``, ``root``: the locator and its root finder;
+  ``interval``: an integrated interval.
 - ``system``: the state, the plan and the record of a run.
 - ``contact``: a contact that lasts; ``rigid``, ``spring``: its two kinds; ``course``: the record of a spring.
 - ``impacts``, ``compliant``: the contact laws.

@@ -55,13 +55,15 @@ class Scene:
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
         """Build the space; the links hang at angle 0 until placed."""
-        self.mechanism, self.effects = mechanism, effects
+        self.mechanism = mechanism
+        self.effects = effects
         space = pymunk.Space()
-        space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
-        space.collision_slop, space.collision_bias = 10.0 * SHAPE_MARGIN, 1.0
-        space.collision_persistence = (
-            1  # steps that the engine keeps a contact that has ended, which a record would read again
+        space.iterations = (
+            1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
         )
+        space.collision_slop = 10.0 * SHAPE_MARGIN
+        space.collision_bias = 1.0
+        space.collision_persistence = 1  # steps that the engine keeps a contact that has ended, which a record would read again
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
         self.hub: pymunk.Body | None = None
@@ -75,7 +77,9 @@ class Scene:
         self.engine.set_iterations(space.iterations)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
-        self.step, self.angles, self.rates = self.engine.take, self.engine.angles, self.engine.rates
+        self.step = self.engine.take
+        self.angles = self.engine.angles
+        self.rates = self.engine.rates
 
     def place(self, state: State, drift: float = 0.0) -> None:
         """Place every body where the state puts it, moved on at its velocity for the time ``drift``."""
@@ -91,7 +95,9 @@ class Scene:
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
             values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
-        for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
+        for pose, angle, rate in zip(
+            self.mechanism.poses(state), state.angles, state.rates, strict=True
+        ):
             (x, y), (u, v) = pose.centre, pose.centre_velocity
             values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
         self.engine.place(values)
@@ -122,11 +128,14 @@ class Scene:
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
     """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""
-    mechanism, effects = scene.mechanism, scene.effects
+    mechanism = scene.mechanism
+    effects = scene.effects
     belt = effects.damping if effects.stiffness is not None else 0.0
     hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
     damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
-    solver: type[LinkVelocity | WireVelocities] = LinkVelocity if mechanism.lone else WireVelocities
+    solver: type[LinkVelocity | WireVelocities] = (
+        LinkVelocity if mechanism.single_link else WireVelocities
+    )
     make = functools.partial(solver, space, mechanism, damping, scene.hub, scene.links)
     return SolvedSteps(make, bool(effects.hinges), space, scene.hub, scene.links, scene.joints)
 
@@ -135,10 +144,12 @@ def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
     """Add every link and the pivot that it hangs on, in order from the root."""
-    bodies, joints = [], []
+    bodies = []
+    joints = []
     for number, link in enumerate(mechanism.links):
         if number % mechanism.wire_links == 0:
-            carrier, lag = hub or space.static_body, number // mechanism.wire_links * mechanism.pitch
+            carrier = hub or space.static_body
+            lag = number // mechanism.wire_links * mechanism.pitch
             anchor = (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
         body = pymunk.Body(link.mass, link.inertia)
         joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
@@ -146,7 +157,8 @@ def _add_links(
         space.add(body, joint)
         bodies.append(body)
         joints.append(joint)
-        carrier, anchor = body, (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
+        carrier = body
+        anchor = (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
     return bodies, joints
 
 
@@ -156,12 +168,16 @@ def _add_springs(scene: Scene, space: pymunk.Space) -> None:
     They are added after the joints: damping then acts on velocities that the joints have settled, not on those of their warm
     start, and stays smooth in the step.
     """
-    mechanism, effects, size = scene.mechanism, scene.effects, scene.mechanism.wire_links
+    mechanism = scene.mechanism
+    effects = scene.effects
+    size = scene.mechanism.wire_links
     if scene.hub is not None and effects.stiffness is not None:
         for wire, link in enumerate(scene.links[::size]):
             spring = (wire * mechanism.pitch, effects.stiffness, effects.damping)
             space.add(pymunk.DampedRotarySpring(scene.hub, link, *spring))
-    joints = [pair for number, pair in enumerate(itertools.pairwise(scene.links), 1) if number % size]
+    joints = [
+        pair for number, pair in enumerate(itertools.pairwise(scene.links), 1) if number % size
+    ]
     if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(
             f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
@@ -195,10 +211,13 @@ move, and no error estimate shows it."""
 
 def damping_rate(scene: Scene) -> float:
     """Return the engine's damping rate: it treats links as free, about their centres, before the joints correct them."""
-    links, hinges = scene.mechanism.links, scene.effects.hinges
+    links = scene.mechanism.links
+    hinges = scene.effects.hinges
     belt = scene.effects.damping / links[0].inertia
     joints = zip(hinges, links, links[1:], strict=False)
-    return max([belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)])
+    return max(
+        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
+    )
 
 
 def damped_interval(scene: Scene) -> float:
@@ -216,7 +235,9 @@ def time_scale(scene: Scene) -> float:
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
     mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
-    return 1.0 / math.sqrt(max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+    return 1.0 / math.sqrt(
+        max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
+    )
 
 
 def motion_scale(scene: Scene, start: State) -> float:
@@ -225,10 +246,14 @@ def motion_scale(scene: Scene, start: State) -> float:
     A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
     with an obstacle, because the bar turns the hub's speed into the bristle's.
     """
-    mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
-    if effects.pairs or not mechanism.lone:
+    mechanism = scene.mechanism
+    effects = scene.effects
+    link = scene.mechanism.links[0]
+    if effects.pairs or not mechanism.single_link:
         return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
-    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(stiffness / link.inertia_about_joint)
+    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(
+        stiffness / link.inertia_about_joint
+    )
     return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0

@@ -39,7 +39,8 @@ LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as i
 
 PLAIN_ACCURACY = 1e-4  # of plain steps in the rigid limit: below their errors, above the rounding of a penetration
 
-SAMPLES_OF_A_COURSE, SAMPLES_OF_AN_OUTCOME = 24, 5
+SAMPLES_OF_A_COURSE = 24
+SAMPLES_OF_AN_OUTCOME = 5
 """Least number of intervals: of a contact of given duration, whose history is recorded, and of one whose outcome matters."""
 
 
@@ -63,9 +64,11 @@ class CompliantLaw(ContactLaw):
     stiffness: float | None = None
     tangential_compliance: float = 0.0
     name = "compliant"
-    at_once: ClassVar[bool] = False
+    instantaneous: ClassVar[bool] = False
 
-    def spring(self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0) -> Spring | None:
+    def spring(
+        self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
+    ) -> Spring | None:
         """Return the spring of a new contact; None if the touch is too slow to be resolved.
 
         Raises:
@@ -79,7 +82,9 @@ class CompliantLaw(ContactLaw):
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
         # A stiffer one is rigid here; the law takes a mean of the rigid impact and the one at that value.
-        compliance = self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
+        compliance = (
+            self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
+        )
         # A tangential spring multiplies rounding of places by its stiffness.
         rounding = max(1.0, 1.0 / compliance) if compliance else 1.0
         duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
@@ -91,7 +96,9 @@ class CompliantLaw(ContactLaw):
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
-        stiffness = self.stiffness or stiffness_for_duration(rigid, space.velocity[0], restitution, duration)
+        stiffness = self.stiffness or stiffness_for_duration(
+            rigid, space.velocity[0], restitution, duration
+        )
         self.stiffness = self.stiffness if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
@@ -102,22 +109,33 @@ class CompliantLaw(ContactLaw):
             longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
-        stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
-        law = ContactSpring(stiffness, restitution, pair.friction, pair.restitution_friction, compliance)
+        stepper = self._stepper(
+            duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading)
+        )
+        expected = Expectation(
+            duration, longest, rigid.outcome_name, self.duration is not None, stepper
+        )
+        law = ContactSpring(
+            stiffness, restitution, pair.friction, pair.restitution_friction, compliance
+        )
         return Spring(law, pair, expected, touch.gap, space.inverse_mass)
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        return max(LEAST_DURATION / math.sqrt(unloading * damping), 0.1 * self.accuracy / max(fastest, damping))
+        return max(
+            LEAST_DURATION / math.sqrt(unloading * damping),
+            0.1 * self.accuracy / max(fastest, damping),
+        )
 
     def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
         """Return the integrator of a contact of this duration, no more accurate than its rounding, ``least``, permits."""
         if self.plain_steps is not None:
             return PlainSteps(duration / self.plain_steps)
         tolerance = max(0.1 * self.accuracy, least)
-        return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest)
+        return Extrapolation(
+            tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest
+        )
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
@@ -149,15 +167,20 @@ def rigid_stiffness(
 
     k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
     """
-    size, poses, link = mechanism.wire_links, mechanism.poses(state), pair.link % len(mechanism.links)
+    size = mechanism.wire_links
+    poses = mechanism.poses(state)
+    link = pair.link % len(mechanism.links)
     wire = Mechanism(mechanism.links[link - link % size :][:size])
     unstressed = wire.poses(State(0.0, (0.0,) * size, (0.0,) * size))
     inertia = sum(
         each.inertia + each.mass * math.hypot(*pose.centre) ** 2
         for each, pose in zip(wire.links, unstressed, strict=True)
     )
-    joint, root = poses[link].joint, poses[link - link % size].joint
-    lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
+    joint = poses[link].joint
+    root = poses[link - link % size].joint
+    lever = cross(
+        (joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal
+    )
     return frictionless_stiffness(lever**2 / inertia, pair.restitution, duration)
 
 

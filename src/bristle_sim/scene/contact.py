@@ -58,7 +58,10 @@ class ActiveContact:
 
     def add(self, sums: Sums) -> None:
         """Add the impulse and the work in an interval."""
-        self.impulse = (self.impulse[0] + sums.impulse_normal, self.impulse[1] + sums.impulse_tangential)
+        self.impulse = (
+            self.impulse[0] + sums.impulse_normal,
+            self.impulse[1] + sums.impulse_tangential,
+        )
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
     def expect_release(self, sums: Sums, length: float) -> float:
@@ -82,7 +85,9 @@ class ActiveContact:
         touch = gaps.closest(self.pair, state)
         penetration = self.spring.surface - touch.gap
         normal, tangential = self.spring.forces(penetration)
-        self.spring.course.rows.append((state.time, normal, tangential, penetration, *touch.velocity))
+        self.spring.course.rows.append(
+            (state.time, normal, tangential, penetration, *touch.velocity)
+        )
         return normal
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:

@@ -66,7 +66,9 @@ class ContactCourse:
         for phase, end in zip(self.phases, ends, strict=True):
             if end - phase.impulse >= LEAST_PHASE * impulse or (jams and phase is self.phases[-1]):
                 first = first or phase.slip
-                motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+                motion = (
+                    "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+                )
                 names.append(f"{'compression' if phase.loading else 'restitution'} {motion}")
         return tuple(name for name, _ in itertools.groupby(names))
 
@@ -77,18 +79,24 @@ class ContactCourse:
         """
         rows = np.array(self.rows)
         if inverse_mass is not None:
-            start, change = rows[:-1], rows[1:] - rows[:-1]
-            length, deeper = change[:, :1], change[:, 3:4]
+            start = rows[:-1]
+            change = rows[1:] - rows[:-1]
+            length = change[:, :1]
+            deeper = change[:, 3:4]
             steepness = change[:, 1:3] / np.where(deeper == 0.0, 1.0, deeper)
             rates = np.concatenate([-rows[:, 4:5], rows[:, 1:3] @ inverse_mass], axis=1)
             first, last = (
-                np.concatenate([steepness * each[:, :1], each], axis=1) * length for each in (rates[:-1], rates[1:])
+                np.concatenate([steepness * each[:, :1], each], axis=1) * length
+                for each in (rates[:-1], rates[1:])
             )
-            part, left = BETWEEN, 1.0 - BETWEEN
+            part = BETWEEN
+            left = 1.0 - BETWEEN
             between = start[:, 1:] + part**2 * (3.0 - 2.0 * part) * change[:, 1:]
             between += part * left * (left * first - part * last)
             added = np.concatenate([start[:, :1] + part * length, between], axis=2)
             every = np.concatenate([start[None], added]).transpose(1, 0, 2)
-            kept = (length > ONE_INSTANT * (rows[-1, 0] - rows[0, 0])) | (np.arange(1 + len(part)) == 0)
+            kept = (length > ONE_INSTANT * (rows[-1, 0] - rows[0, 0])) | (
+                np.arange(1 + len(part)) == 0
+            )
             rows = np.concatenate([every[kept], rows[-1:]])
         return ContactHistory(*np.ascontiguousarray(rows.T))

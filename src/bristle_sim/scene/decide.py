@@ -9,30 +9,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
+from bristle_sim.scene.collisions import (
+    Contacts,
+    end_contacts,
+    given_up,
+    name_releases,
+    resolve_impacts,
+)
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.gaps import opening_rate
 from bristle_sim.scene.happening import SPRING_KINDS, Happening, Kind
-from bristle_sim.scene.impact_error import propagate_error
-from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair, dented
-from bristle_sim.scene.rigid import LEAST_SLIP, RigidContacts, sense_of_slip
+from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
 from bristle_sim.scene.spring import ContactLoad, Spring
-from bristle_sim.scene.spring_phases import after_impact, begin_spring, change_spring, pressed_on
+from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
-from bristle_sim.trajectory import ContactRecord
-
-MOST_IMPACTS_AT_ONCE = 64  # times the square of the number of contacts that pass them on; then links are wedged
-
-
-class Contacts(NamedTuple):
-    """The contacts that a decision leaves: the active ones, and pairs that separate but whose gaps are not open yet."""
-
-    active: Sequence[ActiveContact] = ()
-    separating: Sequence[ContactPair] = ()
 
 
 def first_motion(system: System) -> Motion:
@@ -50,9 +43,13 @@ def first_motion(system: System) -> Motion:
 
 def decide(system: System, motion: Motion, event: Happening) -> Motion:
     """Return the motion that follows an event; the same motion if no contact changes."""
-    kind, subject = event.kind, event.subject
+    kind = event.kind
+    subject = event.subject
     if kind in (Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED):
-        system.event(LARGEST_RETRACTION if kind is Kind.LARGEST_RETRACTION else "highest relative speed", (subject,))
+        system.event(
+            LARGEST_RETRACTION if kind is Kind.LARGEST_RETRACTION else "highest relative speed",
+            (subject,),
+        )
         return motion
     if kind is Kind.RETRACTION_LIMIT:
         system.stop(StopReason.RETRACTION_LIMIT)
@@ -67,7 +64,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         contacts = _spring_changed(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
         staying = end_contacts(system, motion.contacts, subject, Outcome.RELEASE)
-        _name_releases(system, subject)
+        name_releases(system, subject)
         contacts = Contacts(staying, [*motion.separating, *(contact.pair for contact in subject)])
     elif kind is Kind.HAND_OVER:
         contact, following = subject
@@ -89,8 +86,8 @@ def _sense_after(system: System, event: Happening) -> int:
         return int(event.detail)
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
-    # Geometry and hub alone determine how a lone link slips: it turns back where several may stick.
-    return -(contact.slip or 0) if system.mechanism.lone else 0
+    # Geometry and hub alone determine how a single link slips: it turns back where several may stick.
+    return -(contact.slip or 0) if system.mechanism.single_link else 0
 
 
 def begin_motion(system: System, contacts: Contacts) -> Motion:
@@ -113,24 +110,35 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
     if active:
         motion.load = ContactLoad(system.scene, motion.rigid, springs) if springs else motion.rigid
         system.sample(
-            {contact: contact.sample(system.gaps, system.state) for contact in active if contact.spring is not None}
+            {
+                contact: contact.sample(system.gaps, system.state)
+                for contact in active
+                if contact.spring is not None
+            }
         )
-    shortest = min((spring.expected for spring in springs), key=lambda expected: expected.longest, default=None)
+    shortest = min(
+        (spring.expected for spring in springs), key=lambda expected: expected.longest, default=None
+    )
     system.stepper = system.flight if shortest is None else shortest.stepper
     motion.watch(system)
     return motion
 
 
-def _engage(system: System, motion: Motion, ordered: Sequence[ActiveContact], *, paired: bool) -> None:
+def _engage(
+    system: System, motion: Motion, ordered: Sequence[ActiveContact], *, paired: bool
+) -> None:
     """Let rigid contacts act from the nearest state on in which they are closed, and slip in the sense of their motion."""
     gaps = system.gaps
     for contact in ordered:
         if contact.slip is None and contact.pair.friction:
-            contact.slip = sense_of_slip(gaps, contact.pair, system.state, system.slip_error(system.state))
-    pairs, slips = [contact.pair for contact in ordered], [contact.slip for contact in ordered]
+            contact.slip = sense_of_slip(
+                gaps, contact.pair, system.state, system.slip_error(system.state)
+            )
+    pairs = [contact.pair for contact in ordered]
+    slips = [contact.slip for contact in ordered]
     motion.rigid = RigidContacts(system.scene, pairs, slips, paired=paired)
     system.state = motion.rigid.set_back(gaps, system.state)
-    if system.mechanism.lone and paired:
+    if system.mechanism.single_link and paired:
         # From here on the geometry gives angle and rate, whatever their errors before.
         system.recording.error = system.recording.summed
     if motion.rigid.engage(gaps, system.state) <= 0.0:
@@ -141,73 +149,49 @@ def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
     """Stop a run in which no force keeps contacts closed: friction locks them, or frictionless links meet obstacles end-on."""
     if any(contact.pair.friction for contact in contacts):
         system.stop(StopReason.JAM)
-        system.event("jam", sorted({wire for contact in contacts for wire in system.wires_of(contact.pair)}))
+        system.event(
+            "jam", sorted({wire for contact in contacts for wire in system.wires_of(contact.pair)})
+        )
     system.stop(StopReason.NO_GRIP)
-
-
-def end_contacts(
-    system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
-) -> list[ActiveContact]:
-    """End some contacts and record them; return the others."""
-    system.scene.keep_closed(())
-    for contact in contacts:
-        if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
-            system.contact(record, contact.pair)
-    return [contact for contact in contacts if contact not in ending]
-
-
-def _name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
-    for contact in contacts:
-        system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
 
 
 def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) -> Contacts:
     """Return the contacts after a touch: with one that lasts, with a spring or at rest, or after the impact."""
-    name, law = _touch_name(system, pair), system.law_of(pair)
+    name = _touch_name(system, pair)
+    law = system.law_of(pair)
     known = [contact for contact in motion.contacts if contact.pair is pair]
     began = None
-    if not known and rests and not system.mechanism.lone:
+    if not known and rests and not system.mechanism.single_link:
         # Coupled links would pass a hop on to each other for ever: all touching links come to rest together.
         began = ActiveContact(pair)
-    elif not known and not law.at_once and -system.approach(pair) > system.slow:
+    elif not known and not law.instantaneous and -system.approach(pair) > system.slow:
         try:
             spring = law.spring(system.scene, system.state, pair)
         except ValueError as error:
-            return _given_up(system, motion, error)
+            return given_up(system, motion, error)
         began = None if spring is None else begin_spring(system, motion, pair, spring)
     if began is not None:
         system.event(name, system.wires_of(pair), lasts=began.spring is not None)
-        return Contacts([*motion.contacts, began], [other for other in motion.separating if other is not pair])
-    return _after_impact(system, motion, pair, name, rests=rests)
+        return Contacts(
+            [*motion.contacts, began], [other for other in motion.separating if other is not pair]
+        )
+    return resolve_impacts(system, motion, pair, name, rests=rests)
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:
     """Return the name of a touch: that of the first one, or of a later one of the same wire."""
-    wire, size = system.wires_of(pair)[0], system.mechanism.wire_links
+    wire = system.wires_of(pair)[0]
+    size = system.mechanism.wire_links
     for contact, links in system.recording.contacts:
         if contact.obstacle == pair.name and wire in [link // size for link in links]:
             return f"{pair.name} touch"
     return pair.first_touch
 
 
-def _given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
-    """Stop the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
-    if not system.recording.contacts:
-        raise error
-    system.stop(StopReason.UNRESOLVED, str(error))
-    return Contacts(motion.contacts, motion.separating)
-
-
-def _jammed(system: System, contacts: Sequence[ActiveContact], pair: ContactPair) -> Contacts:
-    """Stop the run at an impact that jams a link."""
-    system.stop(StopReason.JAM)
-    system.event("jam", system.wires_of(pair))
-    return Contacts(contacts)
-
-
 def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind: Kind) -> Contacts:
     """Return the contacts after a phase of a contact with a spring, or after its end."""
-    spring, pair = contact.spring, contact.pair
+    spring = contact.spring
+    pair = contact.pair
     assert spring is not None
     outcome = change_spring(system, motion, contact, spring, kind)
     if outcome is None:
@@ -247,83 +231,6 @@ def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> 
     if contact.start is None or spring.expected.moves:
         return
     limit, _ = system.law_of(contact.pair).resolve(system.scene, contact.start, contact.pair)
-    system.recording.error += max(abs(a - b) for a, b in zip(system.state.rates, limit.rates, strict=True))
-
-
-def _after_impact(system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool) -> Contacts:
-    """Resolve an impact and those that follow it at the same instant; return the contacts after it."""
-    lone = system.mechanism.lone
-    contacts: Sequence[ActiveContact] = motion.contacts
-    known = [contact for contact in contacts if contact.pair is pair]
-    if known:
-        # Another piece of the same link takes over.
-        contacts = end_contacts(system, contacts, known, pair.name)
-    elif lone:
-        contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
-        _name_releases(system, motion.ordered)
-    left = _least_opening_rate(system, pair) if lone else math.inf
-    system.scene.keep_closed(())
-    try:
-        record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
-    except ValueError as error:
-        return _given_up(system, motion, error)
-    jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
-    if jams:
-        system.stop(StopReason.JAM)
-    system.event(name, system.wires_of(pair))
-    if jams:
-        return _jammed(system, contacts, pair)
-    after = replace(motion, contacts=tuple(contacts))
-    if not lone:
-        return _after_all_touches(system, after, pair)
-    springs = after_impact(system, after)
-    if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow:
-        return Contacts([*springs, ActiveContact(pair)])
-    return Contacts(springs, [pair])
-
-
-def _least_opening_rate(system: System, pair: ContactPair) -> float:
-    """Return the least opening rate of a lone link between this pair and any other one that it touches."""
-    touch = system.gaps.closest(pair, system.state)
-    closed = [other for other in system.pairs if other is not pair and system.touches(other)]
-    rates = (opening_rate(touch, system.gaps.closest(other, system.state)) for other in closed)
-    return min(rates, default=math.inf)
-
-
-def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Contacts:
-    """Resolve other closed contacts that the impact drives together, the fastest approach first; return the contacts after it."""
-    lasting = {contact.pair: contact for contact in motion.ordered}
-    closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
-    for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
-        rates = {pair: system.approach(pair) for pair in closed}
-        fastest = min(rates, key=rates.__getitem__)
-        if rates[fastest] >= -system.slow:
-            break
-        if _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
-            return _jammed(system, motion.contacts, fastest)
-    else:
-        return _jammed(system, motion.contacts, fastest)
-    leaving = [pair for pair in closed if rates[pair] > system.slow]
-    released = [contact for pair, contact in lasting.items() if pair in leaving]
-    end_contacts(system, motion.contacts, released, touched.name)
-    _name_releases(system, released)
-    for contact in lasting.values():
-        contact.slip = None
-    springs = after_impact(system, motion)
-    staying = [lasting.get(pair) or ActiveContact(pair) for pair in closed if pair not in leaving]
-    return Contacts([*staying, *springs], leaving)
-
-
-def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
-    """Resolve the impact by the pair's law, or by a law without restitution."""
-    before, touched = system.state, pair
-    law = system.law_of(pair)
-    if system.recording.lost is None:
-        law = law.known_to(system.recording.error)
-    if rests or -system.approach(pair) <= system.slow:
-        law, touched = ENERGETIC, replace(pair, restitution=0.0)
-    system.state, record = law.resolve(system.scene, before, touched)
-    propagate_error(system, pair, before, record)
-    system.contact(record, pair)
-    system.sample()
-    return record
+    system.recording.error += max(
+        abs(a - b) for a, b in zip(system.state.rates, limit.rates, strict=True)
+    )

@@ -17,16 +17,21 @@ from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.scene.mechanism import Vector
 
-ITERATIONS_OF_A_STEP = 100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us
+ITERATIONS_OF_A_STEP = (
+    100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us
+)
 
-LONGEST_WARM_RATIO, LONGEST_SINGLE_RATIO = 1e3, 2.0
+LONGEST_WARM_RATIO = 1e3
+LONGEST_SINGLE_RATIO = 2.0
 """A step up to this many times as long as the one before starts from its impulses; scaled further, their rounding would show.
 The limit is lower for a single step: the engine scales the impulse that it applies, by s, but not the one that it remembers,
 which becomes 1 - s times what it was. Further steps of the same length correct that; alternating short and long steps would
 make it grow without bound."""
 
 LOG_SOLVED = math.log(1e-17)  # iterations leave this fraction of the error: rounding
-MOST_ITERATIONS = 40_000  # of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them
+MOST_ITERATIONS = (
+    40_000  # of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them
+)
 
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""
@@ -46,10 +51,12 @@ class EngineSteps:
         joints: Sequence[pymunk.Constraint],
     ) -> None:
         """Start with no impulses cached from an earlier step."""
-        self.space, self.joints = space, joints
+        self.space = space
+        self.joints = joints
         bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
-        self.place, self._kept = Placer(bodies), Placer(bodies)
+        self.place = Placer(bodies)
+        self._kept = Placer(bodies)
         self._links = [link._body for link in links]
         self._last_length = math.inf
         space.step(0.0)  # all that was added is in the space from here on
@@ -84,7 +91,8 @@ class EngineSteps:
         self._last_length = length
         self.steps += count
         self.work += count * self._price
-        advance, links = self._step, self._links
+        advance = self._step
+        links = self._links
         for _ in range(count - 1):
             if act is not None:
                 act()
@@ -100,7 +108,11 @@ class EngineSteps:
         before = list(map(lib.cpBodyGetAngularVelocity, links))
         advance(length)
         after = list(map(lib.cpBodyGetAngularVelocity, links))
-        return [*map(lib.cpBodyGetAngle, links), *after, *[change / length for change in map(sub, after, before)]]
+        return [
+            *map(lib.cpBodyGetAngle, links),
+            *after,
+            *[change / length for change in map(sub, after, before)],
+        ]
 
     def _start_cold(self, length: float) -> None:
         """Make the engine forget the last step's impulses, which it would otherwise scale to the next step's length."""
@@ -136,7 +148,9 @@ class Placer:
         self._bodies = [body._body for body in bodies]
         # Room for another body, or the engine would move the numbers to a place of its own.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
-        self._numbers = ffi.new("pmFloatArray *", (0, len(self.values), ffi.from_buffer("double[]", self.values)))
+        self._numbers = ffi.new(
+            "pmFloatArray *", (0, len(self.values), ffi.from_buffer("double[]", self.values))
+        )
         fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
@@ -145,7 +159,8 @@ class Placer:
         if values is not None:
             self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
-        put, data = lib.pmSpaceBodySetIteratorFuncBatched, self._data
+        put = lib.pmSpaceBodySetIteratorFuncBatched
+        data = self._data
         for body in self._bodies:
             put(body, data)
 
@@ -159,7 +174,9 @@ class Placer:
 def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Callable[[], Any]]:
     """Return the functions for the place and the velocity of a body's point, each with ``x`` and ``y``."""
     bare = body._body
-    return partial(lib.cpBodyLocalToWorld, bare, point), partial(lib.cpBodyGetVelocityAtLocalPoint, bare, point)
+    return partial(lib.cpBodyLocalToWorld, bare, point), partial(
+        lib.cpBodyGetVelocityAtLocalPoint, bare, point
+    )
 
 
 def pusher(body: pymunk.Body) -> Pusher:

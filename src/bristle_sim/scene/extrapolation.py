@@ -19,13 +19,17 @@ from bristle_sim.scene.build import Scene, damping_rate
 from bristle_sim.scene.load import Load, Sums, sums_of
 from bristle_sim.scene.mechanism import State
 
-PLACING_COST = 6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
+PLACING_COST = (
+    6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
+)
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
 LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
-LEAST_CORRECTED_STEP = 1e-6  # shorter steps, in time units, open joints by less than rounding matters
+LEAST_CORRECTED_STEP = (
+    1e-6  # shorter steps, in time units, open joints by less than rounding matters
+)
 
 
-class Advance(NamedTuple):
+class IntervalResult(NamedTuple):
     """Result of integrating over an interval: the state at its end, the links' accelerations there, the sums of a load.
 
     Attributes:
@@ -45,21 +49,38 @@ class Advance(NamedTuple):
 
     @classmethod
     def of(
-        cls, scene: Scene, time: float, values: list[float], error: float, failed: bool, errors: Mapping[int, float]
-    ) -> Advance:
+        cls,
+        scene: Scene,
+        time: float,
+        values: list[float],
+        error: float,
+        failed: bool,
+        errors: Mapping[int, float],
+    ) -> IntervalResult:
         """Return the angles, rates, accelerations and totals that a scene had at a time."""
-        size, state = len(scene.links), state_of(scene, time, values)
-        return cls(state, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)
+        size = len(scene.links)
+        state = state_of(scene, time, values)
+        return cls(
+            state,
+            tuple(values[2 * size : 3 * size]),
+            tuple(values[3 * size :]),
+            error,
+            failed,
+            errors,
+        )
 
     def sums(self, index: int) -> Sums:
         """Return the forces and sums of one contact of the load."""
         return sums_of(self.totals, index)
 
-    def moved(self, time: float) -> Advance:
+    def moved(self, time: float) -> IntervalResult:
         """Return the result a short time later, by the accelerations."""
         when, angles, rates = self.state
         angles = tuple(
-            [a + time * (u + 0.5 * time * b) for a, u, b in zip(angles, rates, self.accelerations, strict=True)]
+            [
+                a + time * (u + 0.5 * time * b)
+                for a, u, b in zip(angles, rates, self.accelerations, strict=True)
+            ]
         )
         rates = tuple([u + time * b for u, b in zip(rates, self.accelerations, strict=True)])
         return self._replace(state=State(when + time, angles, rates))
@@ -67,8 +88,11 @@ class Advance(NamedTuple):
 
 def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
     """Return the state with the angles and rates that a scene's bodies had at a time."""
-    size, turned = len(scene.links), scene.turned
-    return State(time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size]))
+    size = len(scene.links)
+    turned = scene.turned
+    return State(
+        time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size])
+    )
 
 
 class Repetitions:
@@ -85,7 +109,9 @@ class Repetitions:
     def __init__(self, *counts: int, power: int = 1) -> None:
         """Compute all from ascending numbers of steps."""
         rows = range(1, len(counts) + 1)
-        self.counts, self.power, self.least_rows = counts, power, 3 if power > 1 else 4
+        self.counts = counts
+        self.power = power
+        self.least_rows = 3 if power > 1 else 4
         self.costs = [PLACING_COST * row + sum(counts[:row]) for row in rows]
         self.first_order = [lagrange_weights(counts[:row]) for row in rows]
         self.weights = [lagrange_weights(counts[:row], power) for row in rows]
@@ -97,15 +123,26 @@ class Repetitions:
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
     """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h^power, h = 1/n, at 0."""
-    return tuple(math.prod(n**power / (n**power - other**power) for other in counts if other != n) for n in counts)
+    return tuple(
+        math.prod(n**power / (n**power - other**power) for other in counts if other != n)
+        for n in counts
+    )
 
 
-HALVED = Repetitions(4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40)  # even, so that the motion is known in the middle too
+HALVED = Repetitions(
+    4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40
+)  # even, so that the motion is known in the middle too
 CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # few steps for an order
-WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)  # small weights, for forces with the rounding of a small penetration
-EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)  # symmetric in time; odd numbers have an error of their own
+WIDE = Repetitions(
+    4, 6, 8, 12, 16, 24, 32, 48
+)  # small weights, for forces with the rounding of a small penetration
+EVEN = Repetitions(
+    2, 4, 6, 8, 10, 12, 16, 20, 24, power=2
+)  # symmetric in time; odd numbers have an error of their own
 LEAST_NOISE = HALVED.noise[3]  # rounding of an interval: none is known to be more accurate
-CUT_SHORT = 0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
+CUT_SHORT = (
+    0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
+)
 
 
 class Extrapolation:
@@ -116,10 +153,10 @@ class Extrapolation:
 
     Attributes:
         noise: the error that an interval may have.
-        straightness: 0, as a link's tip deviates from the cubic through an interval's ends only by the cubic's own error.
+        interpolation_error: 0, as a link's tip deviates from the cubic through an interval's ends only by the cubic's own error.
     """
 
-    straightness = 0.0
+    interpolation_error = 0.0
 
     def __init__(
         self,
@@ -130,7 +167,10 @@ class Extrapolation:
         damped_step: float = math.inf,
     ) -> None:
         """Start with an interval of about a radian of the scene's motion."""
-        self._given, self.longest, self.damped_step, self.length = repetitions, longest, damped_step, 1.5
+        self._given = repetitions
+        self.longest = longest
+        self.damped_step = damped_step
+        self.length = 1.5
         self.noise = max(tolerance * scale, repetitions.noise[3])
         self._use(repetitions)
 
@@ -143,7 +183,9 @@ class Extrapolation:
         """Return the interval that costs least per time, shortened so that the remaining time is divided evenly."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+    def advance(
+        self, scene: Scene, state: State, duration: float, load: Load | None = None
+    ) -> IntervalResult:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
@@ -152,7 +194,9 @@ class Extrapolation:
         ) is not self.repetitions:
             self._use(table)
         known: dict[int, float] = {}
-        size, end, halved = len(scene.links), state.time + duration, table is HALVED
+        size = len(scene.links)
+        end = state.time + duration
+        halved = table is HALVED
         results: list[list[float]] = []
         halves: list[list[float]] = []
         error = math.inf
@@ -166,10 +210,11 @@ class Extrapolation:
             if load is not None:
                 values += load.totals()
                 if load.fails(values[3 * size :]):
-                    return Advance.of(scene, end, values, math.inf, True, known)
+                    return IntervalResult.of(scene, end, values, math.inf, True, known)
             results.append(values)
             if row + 1 >= table.least_rows:
-                columns, differences = [*zip(*results, strict=True)], table.differences[row]
+                columns = [*zip(*results, strict=True)]
+                differences = table.differences[row]
                 errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
                 # With a NaN among them, the largest of numbers depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
@@ -177,40 +222,46 @@ class Extrapolation:
                     if self.damped_step < math.inf:
                         error = min(max(error, LEAST_GAIN * known.get(row - 1, 0.0)), self.noise)
                     break
-        weights, others = table.weights[len(results) - 1], table.first_order[len(results) - 1]
+        weights = table.weights[len(results) - 1]
+        others = table.first_order[len(results) - 1]
         best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]
         best += [sum(map(mul, others, column)) for column in columns[2 * size :]]
-        found = Advance.of(scene, end, best, error, False, known)
+        found = IntervalResult.of(scene, end, best, error, False, known)
         if not halved:
             return found
         middle = [sum(map(mul, weights, column)) for column in zip(*halves, strict=True)]
         return found._replace(middle=state_of(scene, state.time + 0.5 * duration, middle))
 
-    def accepts(self, result: Advance, duration: float) -> bool:
+    def accepts(self, result: IntervalResult, duration: float) -> bool:
         """Whether the estimate is within the tolerance; in either case it determines the next interval.
 
         An interval that was cut far short of the proposed one does not shorten the next proposal.
         """
         proposed = self.length
-        self.length = self.learnt(result, duration)
+        self.length = self.next_length(result, duration)
         accurate = result.error <= self.noise
         if accurate and duration < CUT_SHORT * proposed:
             self.length = max(self.length, proposed)
         return accurate
 
-    def learnt(self, result: Advance, duration: float) -> float:
+    def next_length(self, result: IntervalResult, duration: float) -> float:
         """Return the length of the next interval that costs least per time, by the estimates so far."""
-        costs, limit = self.repetitions.costs, self.noise
-        lengths, prices = {}, {}
+        costs = self.repetitions.costs
+        limit = self.noise
+        lengths = {}
+        prices = {}
         for row, error in result.errors.items():
             least = error if error > 1e-3 * limit else 1e-3 * limit
             change = 0.9 * (0.5 * limit / least) ** (1.0 / (self.repetitions.power * row + 1))
             length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
             lengths[row] = length = length if length < self.longest else self.longest
             prices[row] = costs[row] / length
-        last, best = max(prices), min(prices, key=prices.__getitem__)
+        last = max(prices)
+        best = min(prices, key=prices.__getitem__)
         length = lengths[best]
-        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
+        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(
+            best - 1, math.inf
+        ):
             # Still getting cheaper: one more repetition, with the interval that would keep the price.
             length *= costs[best + 1] / costs[best]
         return length if result.error <= limit else min(length, 0.5 * duration)
@@ -226,11 +277,11 @@ class PlainSteps:
     In flight the engine corrects the joints, which keeps the energy of the motion. The correction adds velocities, which a load
     such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
 
-    ``straightness`` times the length and the changes of the rates bounds the distance of a link's tip from the cubic through an
+    ``interpolation_error`` times the length and the changes of the rates bounds the distance of a link's tip from the cubic through an
     interval's ends: twice that of a straight line, as the engine goes straight on at the old rates.
     """
 
-    straightness = 0.3
+    interpolation_error = 0.3
 
     def __init__(self, step: float) -> None:
         """Take steps of a length."""
@@ -241,7 +292,9 @@ class PlainSteps:
         """Return the length of one step, or the remaining time if that is shorter."""
         return min(self.step, remaining)
 
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+    def advance(
+        self, scene: Scene, state: State, duration: float, load: Load | None = None
+    ) -> IntervalResult:
         """Take one engine step, in flight from where the bodies are if they were left there.
 
         The correction divides a joint's opening by the step. A shortened step therefore starts from closed joints, and a very
@@ -256,11 +309,11 @@ class PlainSteps:
         values = scene.step(duration, 1, act) + ([] if load is None else load.totals())
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * len(scene.links) :])
-        result = Advance.of(scene, state.time + duration, values, 0.0, failed, {})
+        result = IntervalResult.of(scene, state.time + duration, values, 0.0, failed, {})
         self._left = result.state, scene.placed, scene.engine.steps
         return result
 
-    def accepts(self, result: Advance, duration: float) -> bool:
+    def accepts(self, result: IntervalResult, duration: float) -> bool:
         """Accept every interval: return True."""
         del result, duration
         return True

@@ -55,7 +55,11 @@ NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 
 
 
 def contact_row(
-    mechanism: Mechanism, poses: Sequence[Pose], pair: ContactPair, touch: ClosestApproach, direction: Vector
+    mechanism: Mechanism,
+    poses: Sequence[Pose],
+    pair: ContactPair,
+    touch: ClosestApproach,
+    direction: Vector,
 ) -> Array:
     """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
     row = mechanism.row(poses, pair.link, touch.arm, direction)
@@ -80,10 +84,18 @@ def set_back(
     mechanism = gaps.mechanism
     for _ in range(NEWTON_ROUNDS):
         poses = mechanism.poses(state)
-        touches = [each.closest(poses, state.rates, piece) for each, piece in zip(pairs, pieces, strict=True)]
+        touches = [
+            each.closest(poses, state.rates, piece)
+            for each, piece in zip(pairs, pieces, strict=True)
+        ]
         stuck = [index for index, each in enumerate(slips) if each == 0]
-        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(pairs, touches, strict=True)]
-        along = [contact_row(mechanism, poses, pairs[i], touches[i], touches[i].tangent) for i in stuck]
+        across = [
+            contact_row(mechanism, poses, o, t, t.normal)
+            for o, t in zip(pairs, touches, strict=True)
+        ]
+        along = [
+            contact_row(mechanism, poses, pairs[i], touches[i], touches[i].tangent) for i in stuck
+        ]
         mass = mechanism.mass_matrix(poses)
         angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
         speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
@@ -105,7 +117,7 @@ def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
 
 
 def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None = None) -> State:
-    """Turn a lone link back onto an pair."""
+    """Turn a single link back onto a pair."""
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON_ROUNDS):
         placed = State(state.time, (angle,), (rate,))
@@ -121,14 +133,16 @@ def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None =
 
 
 MOMENT = 1e-6
-"""Time (scene units) after which the touching piece, and a lone link's slip, are looked up again."""
+"""Time (scene units) after which the touching piece, and a single link's slip, are looked up again."""
 
 
 def slip_acceleration(gaps: Gaps, pair: ContactPair, state: State) -> float:
-    """Return the tangential acceleration of the contact point of a lone link that stays on an pair."""
+    """Return the tangential acceleration of the contact point of a single link that stays on a pair."""
     slips = []
     for time in (0.0, MOMENT):
-        angles = tuple(angle + time * rate for angle, rate in zip(state.angles, state.rates, strict=True))
+        angles = tuple(
+            angle + time * rate for angle, rate in zip(state.angles, state.rates, strict=True)
+        )
         placed = turned_back(gaps, pair, State(state.time + time, angles, state.rates))
         slips.append(gaps.closest(pair, placed).velocity[1])
     return (slips[1] - slips[0]) / MOMENT

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
-from bristle_sim.scene.extrapolation import Advance
+from bristle_sim.scene.extrapolation import IntervalResult
 
 
 class Kind(Enum):
@@ -26,19 +26,27 @@ class Kind(Enum):
     SLIP_STOPS = auto()  # rigid contact: its slip velocity falls to zero
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
     SLIPS = auto()  # rigid contact, and the sense in which it slips from now on
-    KINK = auto()  # contact: it passes a corner of the wire, or its slip changes its sense without friction's
+    KINK = (
+        auto()
+    )  # contact: it passes a corner of the wire, or its slip changes its sense without friction's
     LOCKED = auto()  # rigid contact: no force keeps it closed
-    DENT_LEFT = auto()  # number of a pair: the tip comes out of the dent that a contact in time has left
+    DENT_LEFT = (
+        auto()
+    )  # number of a pair: the tip comes out of the dent that a contact in time has left
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
-    PRESSED_ON = auto()  # contact with a spring that unloads: the penetration exceeds the deepest one
-    RELOADING_ENDS = (
+    PRESSED_ON = (
         auto()
-    )  # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
+    )  # contact with a spring that unloads: the penetration exceeds the deepest one
+    RELOADING_ENDS = auto()  # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
     REST_ENDS = auto()  # contact with a spring in slip at rest: friction no longer keeps it at rest
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
-    CONE_REACHED = auto()  # contact with a spring that sticks: its tangential force reaches the friction cone
-    OVERDUE = auto()  # contact with a spring in the rigid-body limit: it lasts too long to be an impact
+    CONE_REACHED = (
+        auto()
+    )  # contact with a spring that sticks: its tangential force reaches the friction cone
+    OVERDUE = (
+        auto()
+    )  # contact with a spring in the rigid-body limit: it lasts too long to be an impact
     LARGEST_RETRACTION = auto()  # wire: its first link turns back towards the hub's direction
     HIGHEST_SPEED = auto()  # wire: the rate of its only link is highest
     RETRACTION_LIMIT = auto()  # wire: it lies on the hub
@@ -75,7 +83,9 @@ TURNS = SPRING_KINDS | {Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY, Kind.HIGHEST_SPEED})
 """Kinds whose value contains a difference of rates over a step, and so its rounding."""
 
-OF_THE_MOTION = frozenset({Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED, Kind.RETRACTION_LIMIT, Kind.DENT_LEFT})
+OF_THE_MOTION = frozenset(
+    {Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED, Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
+)
 """Kinds that do not depend on a contact."""
 
 
@@ -90,7 +100,7 @@ class Event:
         tolerance: value to which the zero is located; None for the run's own. Values then have a sign down to rounding.
     """
 
-    value: Callable[[Advance], float]
+    value: Callable[[IntervalResult], float]
     direction: int
     kind: Kind
     subject: Any

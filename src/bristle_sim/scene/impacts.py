@@ -24,7 +24,9 @@ from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
 
-def energetic_at(pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0) -> Impact:
+def energetic_at(
+    pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0
+) -> Impact:
     """Return the impact on a pair of rigid bodies with energetic restitution, and eta^2 of the contact."""
     coefficients = pair.friction, pair.restitution, pair.restitution_friction
     further = space.stick_compliance, tangential_compliance
@@ -40,9 +42,11 @@ class ContactLaw(ABC):
     """
 
     name: ClassVar[str]
-    at_once: ClassVar[bool] = True
+    instantaneous: ClassVar[bool] = True
 
-    def spring(self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0) -> Spring | None:
+    def spring(
+        self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
+    ) -> Spring | None:
         """Return the spring of a contact that is resolved in time; None if the impact is instantaneous.
 
         ``press`` is the acceleration at which a point at rest would approach.
@@ -59,7 +63,9 @@ class ContactLaw(ABC):
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply an instantaneous impact to the scene; all values are in engine units."""
 
-    def _after(self, scene: Scene, pair: ContactPair, before: State, **entries: Any) -> tuple[State, ContactRecord]:
+    def _after(
+        self, scene: Scene, pair: ContactPair, before: State, **entries: Any
+    ) -> tuple[State, ContactRecord]:
         """Return the state after an impact that has changed the scene's rates, and its record with further entries."""
         after = State(before.time, before.angles, tuple(scene.rates()))
         works = {"compressive_impulse": None, "compressive_work": None, "restitutive_work": None}
@@ -68,7 +74,9 @@ class ContactLaw(ABC):
         return after, ContactRecord(**{**general, **motion, **works, **entries})
 
 
-def contact_at(scene: Scene, state: State, pair: ContactPair) -> tuple[ClosestApproach, ContactSpace]:
+def contact_at(
+    scene: Scene, state: State, pair: ContactPair
+) -> tuple[ClosestApproach, ContactSpace]:
     """Place the scene and describe its contact with a pair, from the bodies as they are in the engine."""
     scene.place(state)
     poses = scene.mechanism.poses(state)
@@ -77,7 +85,9 @@ def contact_at(scene: Scene, state: State, pair: ContactPair) -> tuple[ClosestAp
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
     partner = None if pair.partner is None else scene.links[pair.partner]
     connected = scene.connected if scene.mechanism.wires == 1 else None
-    return touch, contact_space(scene.links[pair.link], point, touch.normal, partner, connected=connected)
+    return touch, contact_space(
+        scene.links[pair.link], point, touch.normal, partner, connected=connected
+    )
 
 
 @dataclass(frozen=True)
@@ -111,7 +121,10 @@ class EnergeticLaw(ContactLaw):
             state,
             outcome=impact.outcome_name,
             impulse=impulse,
-            compressive_impulse=(impact.compressive_impulse_normal, impact.compressive_impulse_tangential),
+            compressive_impulse=(
+                impact.compressive_impulse_normal,
+                impact.compressive_impulse_tangential,
+            ),
             compressive_work=tuple(map(float, impact.compressive_work)),
             restitutive_work=tuple(map(float, impact.restitutive_work)),
             velocity_before=space.velocity,
@@ -155,10 +168,16 @@ class EngineLaw(ContactLaw):
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that only the impact happens in it."""
         touch, _ = contact_at(scene, state, pair)
-        impulse = engine_impact(scene, pair, touch.piece, touch.normal, self.iterations, ENGINE_STEP)
+        impulse = engine_impact(
+            scene, pair, touch.piece, touch.normal, self.iterations, ENGINE_STEP
+        )
         rates = tuple(scene.rates())
         scene.place(State(state.time, state.angles, rates))
         velocity = pair.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
         outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
-        entries = {"impulse": impulse, "velocity_before": touch.velocity, "velocity_after": velocity}
+        entries = {
+            "impulse": impulse,
+            "velocity_before": touch.velocity,
+            "velocity_after": velocity,
+        }
         return self._after(scene, pair, state, outcome=outcome, **entries)

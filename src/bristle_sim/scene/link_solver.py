@@ -51,7 +51,9 @@ class LinkVelocity:
         self._damping = damping[0]
         self._springs: list[pymunk.DampedRotarySpring] = []
         if self._damping:
-            self._springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
+            self._springs = [
+                each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
+            ]
         self._active = False
         self._link = mechanism.links[0]
         self._inertia = self._link.inertia_about_joint
@@ -88,7 +90,10 @@ class LinkVelocity:
 
         The engine's step has made it obey the joint: the belt's spring acts before the joint is solved.
         """
-        touch, body, speed, ratio = self._touch, self._body, self._speed, self._ratio
+        touch = self._touch
+        body = self._body
+        speed = self._speed
+        ratio = self._ratio
         assert touch is not None
         hub = _angle(self._hub) if self._hub is not None else 0.0
         angle = _angle(body)
@@ -106,12 +111,19 @@ class LinkVelocity:
         along = -arm_x * normal_x - arm_y * normal_y
         turning = (lever + ratio * along) / inertia
         yields = lever * turning
-        push = -(moving_x * normal_x + moving_y * normal_y + rate * lever) / yields if yields else 0.0
+        push = (
+            -(moving_x * normal_x + moving_y * normal_y + rate * lever) / yields if yields else 0.0
+        )
         rate += turning * push
         x, y = self._centre
         _set_rate(body, rate)
-        _set_velocity(body, (moving_x - rate * (sine * x + cosine * y), moving_y + rate * (cosine * x - sine * y)))
-        self.impulses = [(push, ratio * push, moving_x * normal_y - moving_y * normal_x + rate * along)]
+        _set_velocity(
+            body,
+            (moving_x - rate * (sine * x + cosine * y), moving_y + rate * (cosine * x - sine * y)),
+        )
+        self.impulses = [
+            (push, ratio * push, moving_x * normal_y - moving_y * normal_x + rate * along)
+        ]
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:
@@ -129,7 +141,9 @@ def _corner(corner: Vector) -> Touch:
     """Return the touch of a corner on the workpart."""
     x, y = corner
 
-    def touch(joint_x: float, joint_y: float, cosine: float, sine: float) -> tuple[float, float, float, float]:
+    def touch(
+        joint_x: float, joint_y: float, cosine: float, sine: float
+    ) -> tuple[float, float, float, float]:
         del joint_x, joint_y
         return cosine * x - sine * y, sine * x + cosine * y, 0.0, 1.0
 
@@ -145,7 +159,9 @@ def _flank(bar: BarPair, start: Vector, end: Vector) -> Touch:
     bar_x, bar_y = bar.centre
     wire = bar.wire_radius
 
-    def touch(joint_x: float, joint_y: float, cosine: float, sine: float) -> tuple[float, float, float, float]:
+    def touch(
+        joint_x: float, joint_y: float, cosine: float, sine: float
+    ) -> tuple[float, float, float, float]:
         x = cosine * start_x - sine * start_y
         y = sine * start_x + cosine * start_y
         u = cosine * along_x - sine * along_y

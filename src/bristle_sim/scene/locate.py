@@ -10,16 +10,19 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.extrapolation import Advance, acceleration
+from bristle_sim.scene.extrapolation import IntervalResult, acceleration
 from bristle_sim.scene.happening import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event, Kind
-from bristle_sim.scene.mechanism import Curve, State
+from bristle_sim.scene.interval import Interval, at_state
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import LEAST_VALUE, System
 
-Value = Callable[[Advance], float]
+Value = Callable[[IntervalResult], float]
 """A function of the result of an interval."""
 
-LOCATED_VALUE = 1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
+LOCATED_VALUE = (
+    1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
+)
 RATE_ROUNDING = 1e-13  # of the difference of two rates that give an acceleration, and of a force times a duration
 
 EXTREME_ERROR = 0.1
@@ -30,46 +33,14 @@ LONGEST_OF_A_FORCE = 0.025
 """Longest interval, in time scales of the fastest motion, in which a zero of a force is located: extrapolation from h/4, h/5, h/6
 and h/7 leaves h^4/840 of the force's fourth derivative, and its error is not estimated."""
 
-ROUGH_VALUE, BEFORE_ZERO = 0.01, 0.95
+ROUGH_VALUE = 0.01
+BEFORE_ZERO = 0.95
 """Fraction of the ends' values to which a zero of a force is located in a longer interval, and fraction of the time to it after which
 a shorter interval begins."""
 
-ENDS_WITHOUT_EXTREME = 0.01  # fraction of an interval from its ends in which a function hardly moves
-
-ONE_INSTANT = 1e-15  # of the time at an interval's end plus 1: an event sooner after the start is at the start
-
-
-class Interval:
-    """An interval that has been integrated: the results at its ends, and the function that integrates a shorter time."""
-
-    __slots__ = ("_curve", "again", "end", "first", "length", "start")
-
-    def __init__(self, first: Advance, end: Advance, again: Callable[[float], Advance]) -> None:
-        self.first = first
-        self.end = end
-        self.again = again
-        self.start = first.state
-        self.length = end.state.time - first.state.time
-        self._curve: Curve | None = None
-
-    def at(self, time: float) -> State:
-        """Return the state a time after the start, on the polynomial through start, end and, where it is known, middle."""
-        if self._curve is None:
-            middle = () if self.end.middle is None else (self.end.middle,)
-            self._curve = Curve(self.start, *middle, self.end.state)
-        return self._curve(self.start.time + time)
-
-    @property
-    def instant(self) -> float:
-        """The time within which the end is the start."""
-        return ONE_INSTANT * (1.0 + self.end.state.time)
-
-    def up_to(self, end: Advance) -> Interval:
-        """Return the interval with an earlier end; within an instant that is the start, where nothing is integrated."""
-        if end is self.end:
-            return self
-        at_start = end.state.time - self.start.time <= self.instant
-        return Interval(self.first, self.first if at_start else end, self.again)
+ENDS_WITHOUT_EXTREME = (
+    0.01  # fraction of an interval from its ends in which a function hardly moves
+)
 
 
 class Monitor:
@@ -113,12 +84,9 @@ class Monitor:
             self.sign = sign
 
 
-def at_state(state: State) -> Advance:
-    """Return a state as the end of an interval of no length."""
-    return Advance(state, (math.nan,) * len(state.angles), (), 0.0)
-
-
-def first_change(system: System, monitors: Sequence[Monitor], interval: Interval) -> tuple[Interval, Monitor | None]:
+def first_change(
+    system: System, monitors: Sequence[Monitor], interval: Interval
+) -> tuple[Interval, Monitor | None]:
     """Return the interval up to the first event that triggers, and its monitor."""
     first = None
     for monitor in monitors:
@@ -141,13 +109,20 @@ def first_change(system: System, monitors: Sequence[Monitor], interval: Interval
 
 def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
     """Return the values at the ends of an interval in which the event triggers, or None."""
-    event, exact = monitor.event, monitor.exact
+    event = monitor.event
+    exact = monitor.exact
     right = event.value(interval.end)
     monitor.reached = right
-    if monitor.sign is None and exact is not None and _may_have_changed(event.value, interval, right):
+    if (
+        monitor.sign is None
+        and exact is not None
+        and _may_have_changed(event.value, interval, right)
+    ):
         monitor.sign = monitor.sign_of(exact(interval.start))
     sign = monitor.sign
-    noise = max(monitor.noise, RATE_ROUNDING / interval.length) if monitor.difference else monitor.noise
+    noise = (
+        max(monitor.noise, RATE_ROUNDING / interval.length) if monitor.difference else monitor.noise
+    )
     if sign is None or not sign * right < -noise or event.direction == sign:
         return None
     left = event.value(interval.first)
@@ -166,7 +141,7 @@ def _rise(value: Value, interval: Interval, instant: float) -> float:
     time = interval.length
     while time > instant:
         time *= 0.5
-        if value(interval.again(time)) > 0.0:
+        if value(interval.integrate_to(time)) > 0.0:
             return time
     return 0.0
 
@@ -185,50 +160,66 @@ def _is_far(system: System, monitor: Monitor, interval: Interval) -> bool:
     return monitor.difference and monitor.exact is None and interval.length > longest
 
 
-def _before_zero(value: Value, interval: Interval, left: float, right: float) -> Advance:
+def _before_zero(value: Value, interval: Interval, left: float, right: float) -> IntervalResult:
     """Return the result just before a force's zero in a long interval."""
-    again = interval.again
+    integrate_to = interval.integrate_to
     rough = ROUGH_VALUE * max(abs(left), abs(right))
-    zero = locate(lambda time: value(again(time)), 0.0, interval.length, left, right, rough)
-    return again(BEFORE_ZERO * zero)
+    zero = locate(lambda time: value(integrate_to(time)), 0.0, interval.length, left, right, rough)
+    return integrate_to(BEFORE_ZERO * zero)
 
 
-def _zero(system: System, monitor: Monitor, interval: Interval, left: float, right: float) -> Advance:
+def _zero(
+    system: System, monitor: Monitor, interval: Interval, left: float, right: float
+) -> IntervalResult:
     """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
-    again, exact, instant = interval.again, monitor.exact, interval.instant
-    value, tolerance = monitor.event.value, monitor.event.tolerance
+    integrate_to = interval.integrate_to
+    exact = monitor.exact
+    instant = interval.instant
+    value = monitor.event.value
+    tolerance = monitor.event.tolerance
     rises = monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0
     begin = _rise(value, interval, instant) if rises else 0.0
     if tolerance is None:
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
-        tolerance = max(located, 10.0 * RATE_ROUNDING / interval.length if monitor.difference else 0.1 * LEAST_VALUE)
+        tolerance = max(
+            located,
+            10.0 * RATE_ROUNDING / interval.length if monitor.difference else 0.1 * LEAST_VALUE,
+        )
 
     def of_state(state: State) -> float:
         return value(at_state(state)) if exact is None else exact(state)
 
     def of_time(time: float) -> float:
-        return value(again(time)) if exact is None else exact(again(time).state)
+        return value(integrate_to(time)) if exact is None else exact(integrate_to(time).state)
 
     near = None
     if exact is None and (near := guess(of_state, interval, interval.length, begin)) is not None:
         found = settle(system, of_state, interval, near, tolerance)
         if found is not None:
             return found
-    time, back = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant), 1e-12
-    while (result := again(time)).failed and back < 1.0:
+    time = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant)
+    back = 1e-12
+    while (result := integrate_to(time)).failed and back < 1.0:
         # A step beyond the release would pull: the last one before it is accurate.
-        time, back = time * (1.0 - back), 10.0 * back
+        time = time * (1.0 - back)
+        back = 10.0 * back
     return result
 
 
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Shorten the interval to the function's extreme, by parabolas through its values, if it changes its sign twice before the end."""
     sense = -float(event.direction)
-    length, end = interval.length, interval.end
+    length = interval.length
+    end = interval.end
     half = at_state(end.middle or interval.at(0.5 * length))
-    first, middle, last = (sense * event.value(each) for each in (at_state(interval.start), half, end))
-    bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
-    if not (bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)):
+    first, middle, last = (
+        sense * event.value(each) for each in (at_state(interval.start), half, end)
+    )
+    bend = first + last - 2.0 * middle
+    slope = 0.5 * (last - first)
+    if not (
+        bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)
+    ):
         return interval  # without an extreme within, or far above zero there, nothing is missed
     quarters = [sense * event.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
     margins = [first, quarters[0], middle, quarters[1], last]
@@ -236,18 +227,23 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
         return interval
     least = min(max(margins.index(min(margins)), 1), 3)
     before, middle, after = margins[least - 1 : least + 2]
-    bend, slope = before + after - 2.0 * middle, 0.5 * (after - before)
+    bend = before + after - 2.0 * middle
+    slope = 0.5 * (after - before)
     at = 0.25 * (least - slope / bend) if bend > 0.0 else 0.0
     inside = ENDS_WITHOUT_EXTREME < at < 1.0 - ENDS_WITHOUT_EXTREME
     if not inside or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * (max(margins) - min(margins)):
         return interval
-    part = interval.again(at * length)
+    part = interval.integrate_to(at * length)
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
-MOST_GUESSES = 4  # one or two bring an event that is found on the polynomial of a whole interval to rounding
+MOST_GUESSES = (
+    4  # one or two bring an event that is found on the polynomial of a whole interval to rounding
+)
 MOST_SECANTS = 3  # by the accelerations, from a guess's end
-ROUNDED_TOLERANCES = 10.0  # within which the last guess must be, where rounding lets none come nearer
+ROUNDED_TOLERANCES = (
+    10.0  # within which the last guess must be, where rounding lets none come nearer
+)
 SLOPE_SPAN = 1e-4  # fraction of an interval over which a slope is taken, before a secant step
 GUESS_TOLERANCE = 1e-7  # to which a guess is located, relative; the polynomial is hardly better
 
@@ -258,8 +254,12 @@ the error."""
 
 
 def settle(
-    system: System, value: Callable[[State], float], interval: Interval, near: float, tolerance: float
-) -> Advance | None:
+    system: System,
+    value: Callable[[State], float],
+    interval: Interval,
+    near: float,
+    tolerance: float,
+) -> IntervalResult | None:
     """Return the result, near a guessed time, at which a function of the state is zero; None if in doubt.
 
     Each guess is followed by secant steps along the motion with the accelerations at its end.
@@ -267,15 +267,24 @@ def settle(
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
-        reached = interval.again(near)
+        reached = interval.integrate_to(near)
         found = value(reached.state)
-        if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED_TOLERANCES * tolerance):
+        if abs(found) <= (
+            tolerance if trial < MOST_GUESSES - 1 else ROUNDED_TOLERANCES * tolerance
+        ):
             return reached
-        moved, before, at_before, at_moved = span, 0.0, found, value(reached.moved(span).state)
+        moved = span
+        before = 0.0
+        at_before = found
+        at_moved = value(reached.moved(span).state)
         for _ in range(MOST_SECANTS):
             if at_moved == at_before or not abs(at_moved) > tolerance:
                 break
-            before, at_before, moved = moved, at_moved, moved - at_moved * (moved - before) / (at_moved - at_before)
+            before, at_before, moved = (
+                moved,
+                at_moved,
+                moved - at_moved * (moved - before) / (at_moved - at_before),
+            )
             at_moved = value(reached.moved(moved).state)
         near += moved
         if not (0.0 < near <= interval.length and abs(at_moved) < abs(found)):
@@ -285,7 +294,9 @@ def settle(
     return None
 
 
-def guess(value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0) -> float | None:
+def guess(
+    value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0
+) -> float | None:
     """Return the time, between ``first`` and ``last``, at which a function of the state is zero on the polynomial.
 
     None without a change of sign. The value may be NaN where the state does not determine it.

@@ -80,13 +80,13 @@ class Mechanism:
     wires: int = 1
     pitch: float = 0.0
     wire_links: int = field(init=False)
-    lone: bool = field(init=False)
+    single_link: bool = field(init=False)
     _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Count the links of a wire; ``lone`` is one link alone, with one degree of freedom."""
+        """Count the links of a wire; ``single_link`` is one link alone, with one degree of freedom."""
         self.wire_links = len(self.links) // self.wires
-        self.lone = len(self.links) == 1
+        self.single_link = len(self.links) == 1
         self._known = deque(maxlen=3)
 
     def hub_angle(self, time: float) -> float:
@@ -100,33 +100,52 @@ class Mechanism:
     def wire(self, number: int) -> Mechanism:
         """Return one of the wires alone."""
         own = slice(number * self.wire_links, (number + 1) * self.wire_links)
-        return Mechanism(self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
+        return Mechanism(
+            self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch
+        )
 
     def poses(self, state: State) -> list[Pose]:
         """Return the poses of all links; the last few are cached, as the same state is needed repeatedly."""
         for known, poses in self._known:
             if known is state:
                 return poses
-        poses, speed, hub = [], self.hub_speed, self.hub_start + self.hub_speed * state.time
-        for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
+        poses = []
+        speed = self.hub_speed
+        hub = self.hub_start + self.hub_speed * state.time
+        for number, (link, angle, rate) in enumerate(
+            zip(self.links, state.angles, state.rates, strict=True)
+        ):
             if number % self.wire_links == 0:
                 root = hub - number // self.wire_links * self.pitch
                 x, y = joint = self.hub_radius * math.sin(root), -self.hub_radius * math.cos(root)
                 u, v = joint_velocity = -speed * y, speed * x
             cosine, sine = math.cos(angle), math.sin(angle)
             (a, b), (c, d) = link.centre, link.tip
-            a, b, c, d = cosine * a - sine * b, sine * a + cosine * b, cosine * c - sine * d, sine * c + cosine * d
-            tip, tip_velocity = (x + c, y + d), (u - rate * d, v + rate * c)
+            a, b, c, d = (
+                cosine * a - sine * b,
+                sine * a + cosine * b,
+                cosine * c - sine * d,
+                sine * c + cosine * d,
+            )
+            tip = (x + c, y + d)
+            tip_velocity = (u - rate * d, v + rate * c)
             knees: tuple[Vector, ...] = ()
             if link.knees:
-                knees = tuple([(x + cosine * p - sine * q, y + sine * p + cosine * q) for p, q in link.knees])
-            centre, centre_velocity = (x + a, y + b), (u - rate * b, v + rate * a)
-            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
+                knees = tuple(
+                    [(x + cosine * p - sine * q, y + sine * p + cosine * q) for p, q in link.knees]
+                )
+            centre = (x + a, y + b)
+            centre_velocity = (u - rate * b, v + rate * a)
+            poses.append(
+                Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees)
+            )
             (x, y), (u, v) = joint, joint_velocity = tip, tip_velocity
         self._known.append((state, poses))
         return poses
 
-    def walk(self, time: Array, angles: Array, rates: Array) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
+    def walk(
+        self, time: Array, angles: Array, rates: Array
+    ) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
         """Yield each link of a wire with e^(i angle), its rate, and its joint's position and velocity, at times, angles, rates.
 
         Points are complex numbers x + iy. A point with the arm r from a joint at p has the velocity p' + i rate r.
@@ -137,7 +156,8 @@ class Mechanism:
             turn = np.exp(1j * angle)
             yield link, turn, rate, joint, velocity
             tip = complex(*link.tip) * turn
-            joint, velocity = joint + tip, velocity + 1j * rate * tip
+            joint = joint + tip
+            velocity = velocity + 1j * rate * tip
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
         """Return the corners of a wire's centre line from root to tip, and their velocities, each of shape (n, corners, 2).
@@ -150,7 +170,9 @@ class Mechanism:
             corners += [] if corners else [(joint, velocity)]
             corners += [(joint + arm, velocity + 1j * rate * arm) for arm in arms]
         places, velocities = (np.stack(each, axis=1) for each in zip(*corners, strict=True))
-        return np.stack([places.real, places.imag], axis=-1), np.stack([velocities.real, velocities.imag], axis=-1)
+        return np.stack([places.real, places.imag], axis=-1), np.stack(
+            [velocities.real, velocities.imag], axis=-1
+        )
 
     def speed_bound(self, state: State) -> float:
         """Bound the speed of all points, also of two wires relative to each other, while no rate exceeds the state's."""
@@ -163,7 +185,8 @@ class Mechanism:
         """Return d(velocity along a direction)/d(rates) of a link's point at ``arm`` from its joint, shape (links,)."""
         row = np.zeros(len(self.links))
         for each in range(link - link % self.wire_links, link):
-            joint, tip = poses[each].joint, poses[each].tip
+            joint = poses[each].joint
+            tip = poses[each].tip
             row[each] = cross((tip[0] - joint[0], tip[1] - joint[1]), direction)
         row[link] = cross(arm, direction)
         return row
@@ -197,11 +220,14 @@ class Curve:
         ]
 
     def _differences(self, *places: Vector) -> list[float]:
-        times, column = self._times, [angle for angle, _ in places for _ in range(2)]
+        times = self._times
+        column = [angle for angle, _ in places for _ in range(2)]
         found = [column[0]]
         for order in range(1, len(times)):
             column = [
-                places[low // 2][1] if order == 1 and low % 2 == 0 else (b - a) / (times[low + order] - times[low])
+                places[low // 2][1]
+                if order == 1 and low % 2 == 0
+                else (b - a) / (times[low + order] - times[low])
                 for low, (a, b) in enumerate(itertools.pairwise(column))
             ]
             found.append(column[0])
@@ -210,9 +236,11 @@ class Curve:
     def __call__(self, time: float) -> State:
         """Return the state at a time."""
         distances = [time - node for node in self._nodes]
-        angles, rates = [], []
+        angles = []
+        rates = []
         for highest, *others in self._links:
-            value, rate = highest, 0.0
+            value = highest
+            rate = 0.0
             for distance, coefficient in zip(distances, others, strict=True):
                 rate = rate * distance + value
                 value = value * distance + coefficient

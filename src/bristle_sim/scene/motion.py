@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.events import contact_events, motion_events
-from bristle_sim.scene.extrapolation import Advance
+from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.happening import OF_THE_MOTION, Happening, Kind
+from bristle_sim.scene.interval import Interval, at_state
 from bristle_sim.scene.load import Load, sums_of
-from bristle_sim.scene.locate import Interval, Monitor, at_state, first_change
+from bristle_sim.scene.locate import Monitor, first_change
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
@@ -30,14 +31,22 @@ LONGEST_TURN = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
 
-BEYOND_RELEASE = 1.02  # multiple of the time to an expected release that the next interval takes, to contain it
-BEFORE_RELEASE = (
-    0.95  # of the time to a release located by the steps of one repetition: an interval that ends before it
+BEYOND_RELEASE = (
+    1.02  # multiple of the time to an expected release that the next interval takes, to contain it
 )
-SHORTEST_CONTACT_INTERVAL = 1e-9  # fraction of a contact with a spring in which rounding exceeds the tolerance
-OVERDUE_DURATIONS = 10.0  # after which a contact in the rigid-body limit is no impact: it is pressed on
-SHORTEST_SAMPLED = 2e-3  # shorter intervals are left to the cubic: its error falls with their third power
-CUBIC_RATE_ERROR = 0.1  # fraction of the requested error of the rate above which the middle alone is not enough
+BEFORE_RELEASE = 0.95  # of the time to a release located by the steps of one repetition: an interval that ends before it
+SHORTEST_CONTACT_INTERVAL = (
+    1e-9  # fraction of a contact with a spring in which rounding exceeds the tolerance
+)
+OVERDUE_DURATIONS = (
+    10.0  # after which a contact in the rigid-body limit is no impact: it is pressed on
+)
+SHORTEST_SAMPLED = (
+    2e-3  # shorter intervals are left to the cubic: its error falls with their third power
+)
+CUBIC_RATE_ERROR = (
+    0.1  # fraction of the requested error of the rate above which the middle alone is not enough
+)
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest
@@ -63,7 +72,7 @@ class Motion:
     rigid: RigidContacts | None = None
     load: Load | None = None
     limit: float = math.inf
-    before: Advance | None = None
+    before: IntervalResult | None = None
     locked: bool = False
     monitors: tuple[Monitor, ...] = ()
 
@@ -75,7 +84,9 @@ class Motion:
     @property
     def springs(self) -> Iterator[tuple[ActiveContact, Spring]]:
         """The contacts with springs."""
-        return ((contact, contact.spring) for contact in self.contacts if contact.spring is not None)
+        return (
+            (contact, contact.spring) for contact in self.contacts if contact.spring is not None
+        )
 
     def watch(self, system: System) -> None:
         """Watch the events of the contacts and of the motion from the present state on."""
@@ -91,14 +102,17 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 
     Without either the next interval must be shorter.
     """
-    start, first = system.state, motion.before is None
+    start = system.state
+    first = motion.before is None
     if first and (due := _due(motion)) is not None:
         return None, due
     for _, spring in motion.springs:
         follow_bodies(system.scene, start, spring)
     length = _proposed(system, motion)
-    again = functools.cache(functools.partial(system.stepper.advance, system.scene, start, load=motion.load))
-    result = again(length)
+    integrate_to = functools.cache(
+        functools.partial(system.stepper.advance, system.scene, start, load=motion.load)
+    )
+    result = integrate_to(length)
     if motion.rigid is not None and (result.failed or first):
         forces = motion.rigid.normal(result.totals)
         gone = result.failed or min(forces) <= 0.0
@@ -113,8 +127,10 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
             return None, _approach_release(system, motion, motion.rigid, result, length)
     if system.stepper.accepts(result, length):
         before = (motion.before or at_state(start))._replace(state=start)
-        return Interval(before, result, again), None
-    durations = [SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in motion.springs]
+        return Interval(before, result, integrate_to), None
+    durations = [
+        SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in motion.springs
+    ]
     if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
     return None, None
@@ -136,24 +152,27 @@ def _due(motion: Motion) -> Happening | None:
     return None
 
 
-def _break_away(motion: Motion, result: Advance, index: int) -> Happening:
+def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening:
     """Return the beginning of the slip, against friction, of a contact that has stuck."""
-    return Happening(Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1)
+    return Happening(
+        Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1
+    )
 
 
 def _approach_release(
-    system: System, motion: Motion, rigid: RigidContacts, result: Advance, length: float
+    system: System, motion: Motion, rigid: RigidContacts, result: IntervalResult, length: float
 ) -> Happening | None:
     """Shorten the interval towards the instant at which a force vanishes, or release the contact or its stick.
 
     Only a contact that does not stick is released: its force vanishes where its gap begins to open. In stick the force also
     depends on friction, which cannot act without it, and the gap may still close.
     """
-    plan, first = system.plan, motion.before is None
+    plan = system.plan
+    first = motion.before is None
     for contact in motion.ordered:
         if first and contact.stopped:
             return Happening(Kind.SLIPS, contact, -contact.stopped)
-    if (first and system.mechanism.lone) or length <= plan.shortest:
+    if (first and system.mechanism.single_link) or length <= plan.shortest:
         slipping = rigid.breaks_away(result.totals)
         if slipping is not None:
             return _break_away(motion, result, slipping)
@@ -166,13 +185,19 @@ def _approach_release(
 
 def _until_release(motion: Motion) -> float:
     """Return an interval that ends just after the first force vanishes, extrapolated from the last one."""
-    return BEYOND_RELEASE * min((contact.vanishes_in for contact in motion.contacts), default=math.inf)
+    return BEYOND_RELEASE * min(
+        (contact.vanishes_in for contact in motion.contacts), default=math.inf
+    )
 
 
-def up_to_first_event(system: System, motion: Motion, interval: Interval) -> tuple[Interval | None, Happening | None]:
+def up_to_first_event(
+    system: System, motion: Motion, interval: Interval
+) -> tuple[Interval | None, Happening | None]:
     """Return an interval up to its first event, and the event; None for the interval if it must be shorter."""
     whole = interval
-    of_contacts = [monitor for monitor in motion.monitors if monitor.event.kind not in OF_THE_MOTION]
+    of_contacts = [
+        monitor for monitor in motion.monitors if monitor.event.kind not in OF_THE_MOTION
+    ]
     of_motion = [monitor for monitor in motion.monitors if monitor.event.kind in OF_THE_MOTION]
     # Changes of contact come first: a link that slides onto its neighbour does not touch before that.
     interval, triggered = first_change(system, of_contacts, interval)
@@ -189,7 +214,9 @@ def up_to_first_event(system: System, motion: Motion, interval: Interval) -> tup
         if monitor is triggered:
             monitor.sign = monitor.sign_of(monitor.reached)
         else:
-            monitor.follow(monitor.reached if interval is whole else monitor.event.value(interval.end))
+            monitor.follow(
+                monitor.reached if interval is whole else monitor.event.value(interval.end)
+            )
     if triggered is None:
         return interval, touch
     return interval, Happening(triggered.event.kind, triggered.event.subject)
@@ -200,7 +227,8 @@ def _is_accurate(system: System, motion: Motion, interval: Interval) -> bool:
 
     Its integration is another one than that of the whole interval, whose estimate may have been too small.
     """
-    end, length = interval.end, interval.length
+    end = interval.end
+    length = interval.length
     if end.failed:
         motion.limit = 0.5 * length
         return False
@@ -213,9 +241,13 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     The first interval of a flight after a contact, which may be the only one, gets one more sample where the polynomial through
     three is less accurate than the run.
     """
-    gaps, recording = system.gaps, system.recording
-    result, length = interval.end, interval.length
-    system.state = result.state if motion.rigid is None else motion.rigid.set_back(gaps, result.state)
+    gaps = system.gaps
+    recording = system.recording
+    result = interval.end
+    length = interval.length
+    system.state = (
+        result.state if motion.rigid is None else motion.rigid.set_back(gaps, result.state)
+    )
     recording.error += result.error
     recording.summed += result.error
     if motion.contacts:
@@ -224,8 +256,10 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
         turned = length / system.plan.time_scale
         hops = motion.before is None and recording.contacts
         if hops and result.middle and QUINTIC_RATE_ERROR * turned**5 > system.plan.accuracy:
-            system.sample(state=interval.again(0.5 * length).middle)
-        if result.middle is not None and (motion.before is None or length > system.plan.longest_interval):
+            system.sample(state=interval.integrate_to(0.5 * length).middle)
+        if result.middle is not None and (
+            motion.before is None or length > system.plan.longest_interval
+        ):
             system.sample(state=result.middle)
         system.sample()
     motion.before = result
@@ -234,7 +268,9 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     if motion.rigid is not None:
         motion.limit = min(motion.limit, max(_until_release(motion), system.plan.shortest))
     if motion.separating:
-        motion.separating = tuple(pair for pair in motion.separating if gaps.gap(pair, system.state) <= GAP_ROUNDING)
+        motion.separating = tuple(
+            pair for pair in motion.separating if gaps.gap(pair, system.state) <= GAP_ROUNDING
+        )
 
 
 def _add(system: System, motion: Motion, interval: Interval) -> None:
@@ -254,7 +290,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     if motion.rigid is not None:
         if motion.before is None and len(begins) == len(ends):
             system.sample(begins, again=True)
-        if system.mechanism.lone and interval.length >= SHORTEST_SAMPLED:
+        if system.mechanism.single_link and interval.length >= SHORTEST_SAMPLED:
             system.recording.inner += _inner_states(system, motion.rigid, interval)
         motion.locked = motion.rigid.engage(system.gaps, system.state) <= 0.0
     system.sample(ends)
@@ -262,21 +298,27 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
 
 def _proposed(system: System, motion: Motion) -> float:
     """Return the length of a motion's next interval."""
-    plan, stepper = system.plan, system.stepper
+    plan = system.plan
+    stepper = system.stepper
     left = plan.end - system.state.time
     longest = min(plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
     lengths = [spring.expected.longest for _, spring in motion.springs]
     if lengths:
         longest = min(longest, *lengths)
-        return stepper.propose(min(left, longest, math.inf if motion.rigid is None else motion.limit))
+        return stepper.propose(
+            min(left, longest, math.inf if motion.rigid is None else motion.limit)
+        )
     if stepper.halves(system.scene, motion.load):
-        longest = min(2.0 * plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
+        longest = min(
+            2.0 * plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale
+        )
     return min(stepper.propose(left), longest, motion.limit)
 
 
 def _inner_states(system: System, rigid: RigidContacts, interval: Interval) -> list[State]:
-    """Return states within the last interval; for a lone link in contact they follow from geometry alone."""
-    length, gaps = interval.length, system.gaps
+    """Return states within the last interval; for a single link in contact they follow from geometry alone."""
+    length = interval.length
+    gaps = system.gaps
     guess = interval.at(0.5 * length)
     middle = rigid.set_back(gaps, guess)
     # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
@@ -295,6 +337,8 @@ def overdue(system: System, motion: Motion) -> Happening | None:
     single = system.plan.single_contact and not system.scene.effects.hinges
     for contact, spring in motion.springs:
         since = 0.0 if contact.start is None else system.state.time - contact.start.time
-        if since > OVERDUE_DURATIONS * spring.expected.duration and (single or not spring.expected.moves):
+        if since > OVERDUE_DURATIONS * spring.expected.duration and (
+            single or not spring.expected.moves
+        ):
             return Happening(Kind.OVERDUE, contact)
     return None

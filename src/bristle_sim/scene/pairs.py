@@ -17,7 +17,9 @@ import pymunk
 
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
-SHAPE_MARGIN = 0.02  # fraction of the link's length by which obstacle shapes are enlarged in the engine
+SHAPE_MARGIN = (
+    0.02  # fraction of the link's length by which obstacle shapes are enlarged in the engine
+)
 
 SAME_GAP = 1e-9  # two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch
 
@@ -119,22 +121,31 @@ class BarPair:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+    def closest(
+        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
+    ) -> ClosestApproach:
         """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
         If two pieces touch, the one that approaches faster is used, unless one is named.
         """
-        pose, rate = poses[self.link], rates[self.link]
+        pose = poses[self.link]
+        rate = rates[self.link]
         if not pose.knees:
             along, place = _foot(self.centre, (pose.joint, pose.tip))
             return self._approach(pose, rate, 0, place, (along - 1.0,))
         pieces = [_foot(self.centre, line) for line in itertools.pairwise(pose.corners)]
         kinks = tuple(kink for along, _ in pieces for kink in (along, along - 1.0))[1:]
-        touches = [self._approach(pose, rate, index, place, kinks) for index, (_, place) in enumerate(pieces)]
+        touches = [
+            self._approach(pose, rate, index, place, kinks)
+            for index, (_, place) in enumerate(pieces)
+        ]
         if piece is not None:
             return touches[piece]
         least = min(touch.gap for touch in touches)
-        return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
+        return min(
+            (touch for touch in touches if touch.gap <= least + SAME_GAP),
+            key=lambda touch: touch.velocity[0],
+        )
 
     def _approach(
         self, pose: Pose, rate: float, piece: int, place: Vector, kinks: tuple[float, ...]
@@ -157,7 +168,9 @@ class BarPair:
             along, place = _foot(self.centre, line)
             at_shared_corner = along >= 1.0 if index < piece else along <= 0.0
             if index != piece and not at_shared_corner:
-                gaps.append(math.dist(place, self.centre) - self.radius - self.wire_radius + self.dent)
+                gaps.append(
+                    math.dist(place, self.centre) - self.radius - self.wire_radius + self.dent
+                )
         return min(gaps)
 
     def foot(self, pose: Pose) -> tuple[float, float]:
@@ -165,10 +178,18 @@ class BarPair:
         corners = pose.corners
         return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
 
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
+    def shapes(
+        self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
+    ) -> list[pymunk.Shape]:
         """Return the engine's shapes: a circle for the bar, segments with round ends for the wire."""
         bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
-        return [bar, *(pymunk.Segment(body, *ends, self.wire_radius) for ends in itertools.pairwise(corners))]
+        return [
+            bar,
+            *(
+                pymunk.Segment(body, *ends, self.wire_radius)
+                for ends in itertools.pairwise(corners)
+            ),
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,20 +207,28 @@ class WorkpartPair:
     dent: float = 0.0
     corner: int = -1
 
-    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+    def closest(
+        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
+    ) -> ClosestApproach:
         """Return the corner above the surface; normal +y, tangent +x."""
         del piece
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
-        arm, normal = (x - pose.joint[0], y - pose.joint[1]), (0.0, 1.0)
+        arm = (x - pose.joint[0], y - pose.joint[1])
+        normal = (0.0, 1.0)
         gap = y + self.depth + self.dent
         return ClosestApproach(gap, arm, normal, _relative(pose, rates[self.link], arm, normal))
 
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
+    def shapes(
+        self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
+    ) -> list[pymunk.Shape]:
         """Return a thick segment whose upper face is the surface, and the corner as a point."""
         middle = -self.depth - HALF_PLANE
         surface = pymunk.Segment(
-            space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + SHAPE_MARGIN
+            space.static_body,
+            (-HALF_PLANE, middle),
+            (HALF_PLANE, middle),
+            HALF_PLANE + SHAPE_MARGIN,
         )
         return [surface, pymunk.Circle(body, 0.0, corners[1:][self.corner])]
 
@@ -229,14 +258,18 @@ class WirePair:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+    def closest(
+        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
+    ) -> ClosestApproach:
         """Return the closest approach of the two pieces, or of one named end and the other piece."""
         links = (self.link, self.partner)
         own, other = (
             poses[link].corners[number : number + 2]
             for link, number in zip(links, (self.own_piece, self.partner_piece), strict=True)
         )
-        found = [(end, _foot(end, other)[1]) for end in own] + [(_foot(end, own)[1], end) for end in other]
+        found = [(end, _foot(end, other)[1]) for end in own] + [
+            (_foot(end, own)[1], end) for end in other
+        ]
         if piece is None:
             piece = min(range(4), key=lambda end: math.dist(*found[end]))
         (x, y), (u, v) = found[piece]
@@ -246,7 +279,8 @@ class WirePair:
         x, y = x - self.wire_radius * normal[0], y - self.wire_radius * normal[1]
         arms = [(x - poses[link].joint[0], y - poses[link].joint[1]) for link in links]
         first, second = (
-            _relative(poses[link], rates[link], arm, normal) for link, arm in zip(links, arms, strict=True)
+            _relative(poses[link], rates[link], arm, normal)
+            for link, arm in zip(links, arms, strict=True)
         )
         crossed = _sides(own, other) < 0.0 and _sides(other, own) < 0.0
         gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
@@ -265,9 +299,15 @@ ContactPair = BarPair | WorkpartPair | WirePair
 """A pair of a link and an obstacle."""
 
 
-def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:
+def wire_pairs(
+    mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
+) -> Iterator[WirePair]:
     """Yield every pair of straight pieces of links of two wires."""
-    numbered = [(link, piece) for link, each in enumerate(mechanism.links) for piece in range(len(each.knees) + 1)]
+    numbered = [
+        (link, piece)
+        for link, each in enumerate(mechanism.links)
+        for piece in range(len(each.knees) + 1)
+    ]
     for (link, own), (partner, other) in itertools.combinations(numbered, 2):
         if link // mechanism.wire_links != partner // mechanism.wire_links:
             yield WirePair(link, own, partner, other, wire_radius, friction, restitution)

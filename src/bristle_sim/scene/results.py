@@ -29,16 +29,24 @@ def trajectories_in_si(
     with_estimate: bool,
 ) -> tuple[Trajectory, ...]:
     """Return a trajectory of each wire in SI units, from the recording of a run."""
-    estimate, lost = recording.error / motion_scale(scene, recording.states[0]), recording.lost
-    errors = (estimate, None if lost is None else lost * units.time) if with_estimate else (None, None)
-    found, size, forces = [], scene.mechanism.wire_links, np.array(recording.forces) * units.force
+    estimate = recording.error / motion_scale(scene, recording.states[0])
+    lost = recording.lost
+    errors = (
+        (estimate, None if lost is None else lost * units.time) if with_estimate else (None, None)
+    )
+    found = []
+    size = scene.mechanism.wire_links
+    forces = np.array(recording.forces) * units.force
     for number in range(scene.mechanism.wires):
-        mechanism, own = scene.mechanism.wire(number), slice(number * size, (number + 1) * size)
+        mechanism = scene.mechanism.wire(number)
+        own = slice(number * size, (number + 1) * size)
         motion = columns(recording.states, own)
         hub = mechanism.hub_start + mechanism.hub_speed * motion[0]
         kinetic, potential = energies(mechanism, scene.effects, motion)
         samples = _in_space(mechanism, motion, units)
-        inner = _in_space(mechanism, columns(recording.inner, own), units) if recording.inner else None
+        inner = (
+            _in_space(mechanism, columns(recording.inner, own), units) if recording.inner else None
+        )
         found.append(
             Trajectory(
                 **{each.name: getattr(samples, each.name) for each in dataclasses.fields(samples)},
@@ -69,7 +77,13 @@ def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: U
     """Return a wire's motion in SI, with its centre line."""
     line, velocity = mechanism.centre_line(*motion)
     time, angles, rates = motion
-    return WireMotion(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
+    return WireMotion(
+        time * units.time,
+        angles,
+        rates / units.time,
+        line * units.length,
+        velocity * units.velocity,
+    )
 
 
 def _events(
@@ -80,7 +94,10 @@ def _events(
     There is none if the retraction is larger at either end of that time than at every turn in between. The one at which the run
     stops is kept. Events that never happened are named at the end. ``lags`` are times and retractions of the samples.
     """
-    found, names, turns, strike = [], set(), [], math.inf
+    found = []
+    names = set()
+    turns = []
+    strike = math.inf
     for event, wires in recording.events:
         if wire in wires:
             found.append(event)
@@ -89,7 +106,9 @@ def _events(
             strike = min(strike, event.time) if event.name == "strike" else strike
     (times, lag), end = lags, float(lags[0][-1])
     last = int(np.searchsorted(times, strike, side="right")) - 1
-    at_turns = [(float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike]
+    at_turns = [
+        (float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike
+    ]
     largest, time = max(at_turns, default=(0.0, math.nan))
     if largest <= 0.0 or largest < max(lag[0], lag[last]):
         time = math.nan
@@ -104,16 +123,21 @@ def _events(
 
 
 def contacts_in_si(
-    records: Sequence[tuple[ContactRecord, tuple[int, ...]]], mechanism: Mechanism, wire: int, units: Units
+    records: Sequence[tuple[ContactRecord, tuple[int, ...]]],
+    mechanism: Mechanism,
+    wire: int,
+    units: Units,
 ) -> tuple[ContactRecord, ...]:
     """Return a wire's contact records, with its own angles and rates, its link in contact and its partner."""
-    found, size = [], mechanism.wire_links
+    found = []
+    size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
     for contact, links in records:
         wires = [link // size for link in links]
         if wire in wires:
             place = wires.index(wire)
-            link, neighbour = links[place] % size + 1, wires[place - 1] + 1
+            link = links[place] % size + 1
+            neighbour = wires[place - 1] + 1
             alone = dataclasses.replace(
                 contact,
                 angles=contact.angles[own],
@@ -126,14 +150,19 @@ def contacts_in_si(
     return tuple(sorted(found, key=attrgetter("time")))
 
 
-def energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+def energies(
+    mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
     """Return kinetic energy, and potential energy of belt, hinges and gravity, at times, angles and rates; engine units."""
     time, angles, _ = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
-    kinetic, potential = np.zeros(len(time)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    kinetic = np.zeros(len(time))
+    potential = 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
     for link, turn, rate, joint, velocity in mechanism.walk(*motion):
         arm = complex(*link.centre) * turn
-        kinetic += 0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
+        kinetic += (
+            0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
+        )
         potential += effects.gravity * link.mass * (joint + arm).imag
     for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
         potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
@@ -157,7 +186,9 @@ HISTORY_UNITS = {
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
     """Return a contact record converted from engine units to SI."""
-    history = contact.history and dataclasses.replace(contact.history, **_in_si(contact.history, HISTORY_UNITS, units))
+    history = contact.history and dataclasses.replace(
+        contact.history, **_in_si(contact.history, HISTORY_UNITS, units)
+    )
     return dataclasses.replace(contact, history=history, **_in_si(contact, RECORD_UNITS, units))
 
 
@@ -169,5 +200,9 @@ def _in_si(record: object, table: Mapping[str, tuple[str, ...]], units: Units) -
         for name in names:
             value = getattr(record, name)
             if value is not None:
-                found[name] = tuple([each * size for each in value]) if isinstance(value, tuple) else value * size
+                found[name] = (
+                    tuple([each * size for each in value])
+                    if isinstance(value, tuple)
+                    else value * size
+                )
     return found

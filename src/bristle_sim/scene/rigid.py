@@ -12,14 +12,25 @@ from operator import mul
 import numpy as np
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
+from bristle_sim.scene.gaps import (
+    MOMENT,
+    Gaps,
+    contact_row,
+    set_back,
+    slip_acceleration,
+    turned_back,
+)
 from bristle_sim.scene.load import NUMBERS, sums_of
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 
-LEAST_SLIP = 1e-9  # slip, in the scene's unit, below which it has no sense, however accurate the run is
+LEAST_SLIP = (
+    1e-9  # slip, in the scene's unit, below which it has no sense, however accurate the run is
+)
 
-LEAST_ACCELERATION = 1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
+LEAST_ACCELERATION = (
+    1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
+)
 
 
 class RigidContacts:
@@ -32,13 +43,18 @@ class RigidContacts:
         pairs: the pairs in contact.
         pieces: for each contact, the touching straight piece of its link.
         slips: for each contact, the sense of slip that friction opposes until an event changes it. 0 sticks; None is without
-            friction, or a lone link that does not slip.
+            friction, or a single link that does not slip.
     """
 
     symmetric = True  # they act alike forwards and backwards in time
 
     def __init__(
-        self, scene: Scene, pairs: Sequence[ContactPair], slips: Sequence[int | None], *, paired: bool
+        self,
+        scene: Scene,
+        pairs: Sequence[ContactPair],
+        slips: Sequence[int | None],
+        *,
+        paired: bool,
     ) -> None:
         self.scene = scene
         self.pairs = tuple(pairs)
@@ -52,19 +68,23 @@ class RigidContacts:
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
         self.pieces = [self._next_piece(each, state) for each in self.pairs]
-        self.scene.keep_closed([ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)])
+        self.scene.keep_closed(
+            [ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)]
+        )
         return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Set links back onto the pairs; contacts that stick do not slip either."""
-        if self.scene.mechanism.lone:
+        if self.scene.mechanism.single_link:
             return turned_back(gaps, self.pairs[0], state, self.pieces[0])
         return set_back(gaps, self.pairs, state, self.pieces, self.slips)
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the record of the impulses; return the callback that notes the previous step's."""
-        solver, steps = self.scene.engine.joint_solver, list[list[tuple[float, float, float]]]()
-        self._step, self._steps = step, steps
+        solver = self.scene.engine.joint_solver
+        steps = list[list[tuple[float, float, float]]]()
+        self._step = step
+        self._steps = steps
 
         def note() -> None:
             steps.append(solver.impulses)
@@ -73,12 +93,16 @@ class RigidContacts:
 
     def totals(self) -> list[float]:
         """Return the numbers of each contact; where it has to pull in the interval, the last pull is its force."""
-        found, steps = list[float](), [*self._steps[1:], self.scene.engine.joint_solver.impulses]
+        found = list[float]()
+        steps = [*self._steps[1:], self.scene.engine.joint_solver.impulses]
         self._pushes = [min(push for push, _, _ in step) for step in steps]
         for each in zip(*steps, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)
             normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
-            force = ([push for push in normal if push < 0.0] or normal)[-1] / self._step, along[-1] / self._step
+            force = (
+                ([push for push in normal if push < 0.0] or normal)[-1] / self._step,
+                along[-1] / self._step,
+            )
             found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
         return found
 
@@ -89,7 +113,9 @@ class RigidContacts:
         if count < 2:
             return 0.5 / max(len(pushes), 1)
         before, last = pushes[count - 2 : count]
-        return (count - 1.0 + min(last / (before - last), 1.0) if last < before else count) / len(pushes)
+        return (count - 1.0 + min(last / (before - last), 1.0) if last < before else count) / len(
+            pushes
+        )
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -114,24 +140,40 @@ class RigidContacts:
 
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
-        pair, mechanism = self.pairs[index], self.scene.mechanism
-        touch, poses = gaps.closest(pair, state), gaps.poses(state)
+        pair = self.pairs[index]
+        mechanism = self.scene.mechanism
+        touch = gaps.closest(pair, state)
+        poses = gaps.poses(state)
         slip: float | None = self.slips[index]
         if slip is None:
-            slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > LEAST_SLIP else 0.0
-        if mechanism.lone:
-            lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
+            slip = (
+                math.copysign(1.0, touch.velocity[1])
+                if abs(touch.velocity[1]) > LEAST_SLIP
+                else 0.0
+            )
+        if mechanism.single_link:
+            lever = cross(touch.arm, touch.normal)
+            along = cross(touch.arm, touch.tangent)
             inertia = mechanism.links[0].inertia_about_joint
-            normal, coupling = lever * lever / inertia, lever * along / inertia
+            normal = lever * lever / inertia
+            coupling = lever * along / inertia
         else:
             directions = (touch.normal, touch.tangent)
-            rows = np.array([contact_row(mechanism, poses, pair, touch, each) for each in directions])
-            normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
+            rows = np.array(
+                [contact_row(mechanism, poses, pair, touch, each) for each in directions]
+            )
+            normal, coupling = (
+                rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])
+            ).tolist()
         free = 0.0
         for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):
             if number is not None and arm is not None:
-                link, pose = mechanism.links[number], poses[number]
-                to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+                link = mechanism.links[number]
+                pose = poses[number]
+                to_centre = (
+                    pose.joint[0] + arm[0] - pose.centre[0],
+                    pose.joint[1] + arm[1] - pose.centre[1],
+                )
                 free += 1.0 / link.mass + cross(to_centre, touch.normal) ** 2 / link.inertia
         return (normal - pair.friction * slip * coupling) / free
 
@@ -139,25 +181,31 @@ class RigidContacts:
         """Return the piece that touches a moment from now; at a corner two pieces touch."""
         if pair.partner is None and not self.scene.mechanism.links[pair.link].knees:
             return 0
-        angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
+        angles = tuple(
+            angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True)
+        )
         later = State(state.time + MOMENT, angles, state.rates)
         return pair.closest(self.scene.mechanism.poses(later), later.rates).piece
 
 
 def _means(numbers: Sequence[float]) -> Sequence[float]:
     """Return the means of the first two numbers, the next two, and so on."""
-    return [0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)]
+    return [
+        0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)
+    ]
 
 
 def sense_of_slip(gaps: Gaps, pair: ContactPair, state: State, error: float) -> int | None:
     """Return the sense of slip that friction opposes in a new contact; 0 sticks, None is at rest.
 
     The sense of a slip velocity within the run's error is unknown. Several links then stick until friction no longer suffices.
-    A lone link slips in the direction of its contact point's acceleration; if that is zero too, it is at rest.
+    A single link slips in the direction of its contact point's acceleration; if that is zero too, it is at rest.
     """
-    slip, least = gaps.closest(pair, state).velocity[1], max(LEAST_SLIP, error)
+    slip = gaps.closest(pair, state).velocity[1]
+    least = max(LEAST_SLIP, error)
     if abs(slip) <= least:
-        if not gaps.mechanism.lone:
+        if not gaps.mechanism.single_link:
             return 0
-        slip, least = slip_acceleration(gaps, pair, state), LEAST_ACCELERATION
+        slip = slip_acceleration(gaps, pair, state)
+        least = LEAST_ACCELERATION
     return int(math.copysign(1.0, slip)) if abs(slip) > least else None

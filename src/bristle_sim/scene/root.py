@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12  # time, and fraction of the searched interval, of an instant
-MOST_TRIALS = 110  # a smooth function takes three to six; a jump is halved for the last digit of a double
+# time, and fraction of the searched interval, of an instant
+SHORTEST_BRACKET = 1e-15
+SHORTEST_BRACKET_FRACTION = 1e-12
+MOST_TRIALS = (
+    110  # a smooth function takes three to six; a jump is halved for the last digit of a double
+)
 LEAST_PART = 1e-10  # fraction of the bracket: closest to its ends that the root is looked for
 
 
@@ -26,7 +30,10 @@ def locate(
     T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm*, Adv. Eng. Softw. 28 (1997) 145-149: the root of the
     inverse quadratic through the last three points if that is monotonic between them, else the middle.
     """
-    last, at_last, other, at_other = right, at_right, left, at_left
+    last = right
+    at_last = at_right
+    other = left
+    at_other = at_left
     instant = min(SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION * (right - left))
     part = min(max(at_right / (at_right - at_left), 1e-4), 1.0 - 1e-4)
     if guess is not None and left < guess < right:
@@ -38,12 +45,18 @@ def locate(
         found = value(trial)
         if abs(found) <= tolerance:
             return trial
-        before, at_before = last, at_last
+        before = last
+        at_before = at_last
         if (found < 0.0) != (at_last < 0.0):
-            before, at_before, other, at_other = other, at_other, last, at_last
-        last, at_last = trial, found
+            before = other
+            at_before = at_other
+            other = last
+            at_other = at_last
+        last = trial
+        at_last = found
         # Seen from the other end, the root's place in units of the point before.
-        place, height = (last - other) / (before - other), (at_last - at_other) / (at_before - at_other)
+        place = (last - other) / (before - other)
+        height = (at_last - at_other) / (at_before - at_other)
         if height * height < place and (1.0 - height) ** 2 < 1.0 - place:
             part = at_last / (at_other - at_last) * at_before / (at_other - at_before)
             slope = (before - last) / (other - last)

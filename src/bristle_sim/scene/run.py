@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.decide import decide, end_contacts, first_motion
+from bristle_sim.scene.collisions import end_contacts
+from bristle_sim.scene.decide import decide, first_motion
 from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.happening import Happening, Kind
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
@@ -53,7 +54,8 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
         None; after an event once more, with the motion that was decided and None. At the end of the run a motion without
         contacts, and None.
     """
-    plan, engine = system.plan, system.scene.engine
+    plan = system.plan
+    engine = system.scene.engine
     budget = engine.work + plan.maximum_steps
     motion = first_motion(system)
     yield motion, None

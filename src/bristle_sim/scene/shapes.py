@@ -11,7 +11,9 @@ from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import ContactPair, WirePair
 
 
-def engine_impact(scene: Scene, pair: ContactPair, piece: int, normal: Vector, iterations: int, step: float) -> Vector:
+def engine_impact(
+    scene: Scene, pair: ContactPair, piece: int, normal: Vector, iterations: int, step: float
+) -> Vector:
     """Take one engine step in which the engine resolves an impact; return the normal and the tangential impulse on the link.
 
     Args:
@@ -22,10 +24,14 @@ def engine_impact(scene: Scene, pair: ContactPair, piece: int, normal: Vector, i
         iterations: of the engine's solver.
         step: length of the step, so short that only the impact happens in it.
     """
-    assert not isinstance(pair, WirePair), "the engine's own contacts are those of a link with a fixed obstacle"
+    assert not isinstance(pair, WirePair), (
+        "the engine's own contacts are those of a link with a fixed obstacle"
+    )
     space = scene.engine.space
     link = scene.mechanism.links[pair.link]
-    corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+    corners = [
+        (x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)
+    ]
     obstacle, *pieces = pair.shapes(space, scene.links[pair.link], corners)
     touching = pieces[piece]
     for shape in (obstacle, touching):

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval, damping_rate, motion_scale, time_scale
+from bristle_sim.scene.build import (
+    MOST_DAMPING,
+    Scene,
+    damped_interval,
+    damping_rate,
+    motion_scale,
+    time_scale,
+)
 from bristle_sim.scene.compliant import contact_law
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.impacts import ContactLaw
@@ -17,16 +24,25 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.system import Plan
-from bristle_sim.scene.tool import LONE, Row, Units, build_tool
+from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Declared, quantity, shown
 
-METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"  # names in a trajectory's parameters
+# names in a trajectory's parameters
+METHOD = "pymunk"
+ROW_METHOD = "pymunk, a row of bristles"
 REST_PERIODS = 3.0  # length of a run on a hub at rest, in the scene's periods
-RETRACTION_LIMIT = math.pi / 2.0  # angle from the radial direction at which a bristle lies on the hub, rad
-OVERLAP_ROUNDING = 1e-11  # fraction of the bristle's length by which it may overlap an obstacle at the start
-PLACE_KEYS = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}  # where they stand
+RETRACTION_LIMIT = (
+    math.pi / 2.0
+)  # angle from the radial direction at which a bristle lies on the hub, rad
+OVERLAP_ROUNDING = (
+    1e-11  # fraction of the bristle's length by which it may overlap an obstacle at the start
+)
+PLACE_KEYS = {
+    "bar": ("bar_horizontal", "bar_vertical"),
+    "workpart": ("penetration",),
+}  # where they stand
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +85,7 @@ def simulate(
             or a contact cannot be resolved in time.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = _simulated(tool, settings, begin, LONE, stop_after)
+    (run,) = _simulated(tool, settings, begin, ONE_BRISTLE, stop_after)
     return run
 
 
@@ -89,7 +105,9 @@ def simulate_in_steps(
     Raises:
         ValueError: also if the step is too long for this tool.
     """
-    (run,) = _simulated(tool, settings, (start_hub_angle, start_relative_angle, 0.0), LONE, stop_after, step)
+    (run,) = _simulated(
+        tool, settings, (start_hub_angle, start_relative_angle, 0.0), ONE_BRISTLE, stop_after, step
+    )
     return run
 
 
@@ -139,11 +157,20 @@ def _simulated(
     """Return the run of each bristle, all of which begin at the same angle and rate relative to their roots."""
     prepared = prepare(tool, settings, begin, row, stop_after, step)
     engine = prepared.scene.engine
-    wall, cpu, steps = clock.perf_counter(), clock.process_time(), engine.steps
-    recording = run(prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law)
+    wall = clock.perf_counter()
+    cpu = clock.process_time()
+    steps = engine.steps
+    recording = run(
+        prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law
+    )
     cost = (clock.perf_counter() - wall, clock.process_time() - cpu, engine.steps - steps)
     runs = trajectories_in_si(
-        recording, prepared.scene, prepared.units, prepared.parameters, cost, with_estimate=step is None
+        recording,
+        prepared.scene,
+        prepared.units,
+        prepared.parameters,
+        cost,
+        with_estimate=step is None,
     )
     return tuple([each.with_places(tool) for each in runs])
 
@@ -174,11 +201,15 @@ def prepare(
     if not isinstance(settings, Settings | None):
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     stop_after = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
-    settings, hub_angle = settings or Settings(), begin[0]
-    described = StartRelativeToHub(tool.start_hub_angle if hub_angle is None else hub_angle, *begin[1:])
+    settings = settings or Settings()
+    hub_angle = begin[0]
+    described = StartRelativeToHub(
+        tool.start_hub_angle if hub_angle is None else hub_angle, *begin[1:]
+    )
     scene, units = build_tool(tool, hub_start=described.hub_angle, row=row)
     mechanism = scene.mechanism
-    links, rate = range(len(mechanism.links)), mechanism.hub_speed + described.relative_rate * units.time
+    links = range(len(mechanism.links))
+    rate = mechanism.hub_speed + described.relative_rate * units.time
     angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
@@ -190,13 +221,13 @@ def prepare(
         stepper = plain_steps_for(scene, settings, step, units.time)
     law = contact_law(tool.contact, settings.accuracy, units.time)
     parameters = {
-        "method": METHOD if row is LONE else ROW_METHOD,
+        "method": METHOD if row is ONE_BRISTLE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
         "settings": dataclasses.asdict(settings),
         "start": dataclasses.asdict(described),
         "stop_after": stop_after,
     }
-    if row is not LONE:
+    if row is not ONE_BRISTLE:
         parameters["row"] = dataclasses.asdict(row)
     return Prepared(scene, units, start, stepper, plan, law, parameters)
 
@@ -204,7 +235,8 @@ def prepare(
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
     """Return the plan of a run, at whose end the last wire has turned as far as requested."""
     mechanism = scene.mechanism
-    turn, speed = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch, mechanism.hub_speed
+    turn = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch
+    speed = mechanism.hub_speed
     return Plan(
         end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
         accuracy=settings.accuracy,
@@ -217,15 +249,14 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
     )
 
 
-DAMPED_STEPS = (
-    27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
-)
+DAMPED_STEPS = 27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
 
 LARGEST_STEP = 1.0
 """Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
 unstable, and its damping has half the right value."""
 
-LOCAL_FRACTION, SOME_INTERVALS = 0.05, 50.0
+LOCAL_FRACTION = 0.05
+SOME_INTERVALS = 50.0
 """Each interval may use this fraction of the accuracy, enough for some twenty intervals. If damping forces more than the latter
 within the time in which the belt forgets an error, c/k, the fraction shrinks in proportion."""
 
@@ -236,21 +267,30 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     Raises:
         ValueError: if rounding would hide the accuracy of so small a motion.
     """
-    scale, fraction = motion_scale(scene, start), LOCAL_FRACTION
+    scale = motion_scale(scene, start)
+    fraction = LOCAL_FRACTION
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for so small and slow a motion,"
             " or rounding would hide its errors (dimensionless)"
         )
-    damping, stiffness, rate = scene.effects.damping, scene.effects.stiffness, damping_rate(scene)
-    if not scene.mechanism.lone:
-        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale)))
+    damping = scene.effects.damping
+    stiffness = scene.effects.stiffness
+    rate = damping_rate(scene)
+    if not scene.mechanism.single_link:
+        fraction *= min(
+            1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale))
+        )
     elif damping and stiffness:
-        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate))
+        fraction *= min(
+            1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate)
+        )
     longest = min(2.0 * plan.longest_interval, plan.damped_interval)
     damped_step = plan.damped_interval / DAMPED_STEPS
-    return Extrapolation(fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step)
+    return Extrapolation(
+        fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step
+    )
 
 
 def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) -> PlainSteps:
@@ -258,7 +298,9 @@ def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) 
     fastest = max(1.0 / time_scale(scene), damping_rate(scene))
     largest = min(2.0 * math.pi / settings.samples, LARGEST_STEP) / fastest * unit
     if not 0.0 < step <= largest:
-        raise ValueError(f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)")
+        raise ValueError(
+            f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)"
+        )
     return PlainSteps(step / unit)
 
 
@@ -276,7 +318,9 @@ def check_start(scene: Scene, tool: Tool, start: State) -> None:
                 f" these overlap by {overlap:.3g} m (in rad)"
             )
         part = getattr(tool, pair.name)
-        given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACE_KEYS[pair.name])
+        given = ", ".join(
+            f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACE_KEYS[pair.name]
+        )
         raise ValueError(
             f"{given}: the {pair.name} must be clear of the bristle at the start, this one overlaps it by"
             f" {overlap:.3g} (in m)"

@@ -13,7 +13,7 @@ from bristle_sim.scene.results import contacts_in_si
 from bristle_sim.scene.run import run_by_intervals
 from bristle_sim.scene.simulate import prepare
 from bristle_sim.scene.system import System
-from bristle_sim.scene.tool import LONE, Units
+from bristle_sim.scene.tool import ONE_BRISTLE, Units
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -113,8 +113,16 @@ def snapshots(
     Raises:
         ValueError: as ``simulate``; bad input is refused at once, a contact that cannot be resolved when the run comes to it.
     """
-    prepared = prepare(tool, settings, (start_hub_angle, start_relative_angle, start_relative_rate), LONE, stop_after)
-    system = System(prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law)
+    prepared = prepare(
+        tool,
+        settings,
+        (start_hub_angle, start_relative_angle, start_relative_rate),
+        ONE_BRISTLE,
+        stop_after,
+    )
+    system = System(
+        prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law
+    )
     return _snapshots(system, prepared.units)
 
 
@@ -143,7 +151,13 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
             events=tuple([recorded.name for recorded, _ in recording.events[event_count:]]),
             began=tuple([after[contact] for contact in active if contact not in before]),
             ended=tuple([before[contact] for contact in before if contact not in after]),
-            changed=tuple([after[contact] for contact in lasting if after[contact].mode != before[contact].mode]),
+            changed=tuple(
+                [
+                    after[contact]
+                    for contact in lasting
+                    if after[contact].mode != before[contact].mode
+                ]
+            ),
             impacts=contacts_in_si(recording.contacts[record_count:], system.mechanism, 0, units),
             stop_reason=recording.stop_reason,
         )
@@ -158,7 +172,8 @@ def _rates_in_si(state: State, units: Units) -> tuple[float, ...]:
 
 def contact_state(contact: ActiveContact, units: Units) -> ContactState:
     """Return the state of a contact in SI, with the forces last computed."""
-    pair, spring = contact.pair, contact.spring
+    pair = contact.pair
+    spring = contact.spring
     normal, tangential = contact.force, None if contact.force is None else contact.tangential
     if spring is not None:
         _, normal, tangential, *_ = spring.course.rows[-1]

@@ -64,7 +64,9 @@ class _Wires(NamedTuple):
 
 def _wires(mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
     """Return the constants of a mechanism's wires, whose joints have these damping coefficients, the root first."""
-    links, size, wires = mechanism.links, mechanism.wire_links, np.eye(mechanism.wires)
+    links = mechanism.links
+    size = mechanism.wire_links
+    wires = np.eye(mechanism.wires)
     tips, centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
     inertias = np.array([link.inertia for link in links])
     arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
@@ -72,7 +74,11 @@ def _wires(mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
     twists = np.eye(size) - np.eye(size, k=-1)
     lag = mechanism.pitch * (np.arange(len(links)) // size)
     products = np.kron(wires, moments @ arms + np.diag(inertias[:size]))
-    damped = np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)) if any(damping) else None
+    damped = (
+        np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float))
+        if any(damping)
+        else None
+    )
     belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
     roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
     return _Wires(size, tips, centres, inertias, arms.T, moments.T, products, damped, belt, roots)
@@ -84,14 +90,19 @@ class _Chains:
     ``matrix``, with damping, and ``turn``, e^{i angle} of each link, are those of the last solution.
     """
 
-    def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
+    def __init__(
+        self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array
+    ) -> None:
         from scipy.linalg.lapack import dposv  # imported where it is needed only
 
         self.solve = dposv
-        self.wires, self._links, self._hub = _wires(mechanism, damping), mechanism.links, hub
+        self.wires = _wires(mechanism, damping)
+        self._links = mechanism.links
+        self._hub = hub
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
-        self._angles, self.rates = numbers[:, 2], numbers[:, 5]
+        self._angles = numbers[:, 2]
+        self.rates = numbers[:, 5]
         self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
 
     def close(self, time: float, *, correct: bool) -> None:
@@ -104,14 +115,18 @@ class _Chains:
         if correct:
             carried = carried - (self._places - places - self.each(turn, wires.arms)) / time
         self.matrix = matrix = (back[:, None] * wires.products * turn).real
-        momenta = (back * self.each(self.velocities - carried, wires.moments)).imag + wires.inertias * self.rates
+        momenta = (
+            back * self.each(self.velocities - carried, wires.moments)
+        ).imag + wires.inertias * self.rates
         if wires.damping is not None:
             matrix += time * wires.damping
             momenta += time * self._hub[5] * wires.belt
         self.rates[:] = rates = self.solve(matrix, momenta)[1]
         self.velocities[:] = carried + self.each(1j * turn * rates, wires.arms)
 
-    def each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def each(
+        self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]
+    ) -> NDArray[np.complex128]:
         return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
 
     def closest(self, pair: ContactPair, piece: int | None) -> ClosestApproach:
@@ -120,19 +135,32 @@ class _Chains:
         rates: Any = {}
         for link in (pair.link, pair.partner):
             if link is not None:
-                turn, rate = complex(self.turn[link]), float(self.rates[link])
+                turn = complex(self.turn[link])
+                rate = float(self.rates[link])
                 to_centre = complex(self.wires.centres[link]) * turn
-                joint, carried = self._places[link] - to_centre, self.velocities[link] - 1j * rate * to_centre
-                corners = [joint + complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
-                start, moving, *knees, tip = [(each.real, each.imag) for each in (joint, carried, *corners)]
+                joint = self._places[link] - to_centre
+                carried = self.velocities[link] - 1j * rate * to_centre
+                corners = [
+                    joint + complex(*each) * turn
+                    for each in (*self._links[link].knees, self._links[link].tip)
+                ]
+                start, moving, *knees, tip = [
+                    (each.real, each.imag) for each in (joint, carried, *corners)
+                ]
                 # The velocities of centre and tip are not looked at.
-                rates[link], poses[link] = rate, Pose(start, start, tip, moving, moving, moving, tuple(knees))
+                rates[link], poses[link] = (
+                    rate,
+                    Pose(start, start, tip, moving, moving, moving, tuple(knees)),
+                )
         return pair.closest(poses, rates, piece)
 
     def row(self, pair: ContactPair, touch: ClosestApproach, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
         row = np.zeros(len(self._links))
-        for link, arm, sign in ((pair.link, touch.arm, 1.0), (pair.partner, touch.partner_arm, -1.0)):
+        for link, arm, sign in (
+            (pair.link, touch.arm, 1.0),
+            (pair.partner, touch.partner_arm, -1.0),
+        ):
             if link is not None and arm is not None:
                 carriers = slice(link - link % self.wires.size, link)
                 reaches = self.wires.tips[carriers] * self.turn[carriers]
@@ -165,14 +193,18 @@ class WireVelocities:
         self.contacts: Sequence[ClosedPair] = ()
         self.impulses: list[tuple[float, float, float]] = []
         self._springs = [
-            (each, each.damping) for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
+            (each, each.damping)
+            for each in space.constraints
+            if isinstance(each, pymunk.DampedRotarySpring)
         ]
         has_hub = hub is not None
         self._bodies = Placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
         self._velocities = rows[has_hub:, 3:]
         self._old = self._velocities.copy()
-        self._chains = _Chains(mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:])
+        self._chains = _Chains(
+            mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:]
+        )
 
     def take_over(self, *, active: bool) -> None:
         """Assign the damping to this solver or to the engine."""
@@ -188,7 +220,8 @@ class WireVelocities:
     def solve(self, step: float) -> None:
         """Make the bodies' velocities after an engine step obey joints and contacts."""
         self._bodies.keep()
-        velocities, old = self._velocities, self._old
+        velocities = self._velocities
+        old = self._old
         if self.symmetric:
             velocities += old
             velocities *= 0.5
@@ -203,11 +236,16 @@ class WireVelocities:
 
     def _push(self) -> None:
         """Add the impulses of the contacts."""
-        chains, contacts = self._chains, self.contacts
+        chains = self._chains
+        contacts = self.contacts
         touches = [chains.closest(each.pair, each.piece) for each in contacts]
         pairs = list(enumerate(zip(contacts, touches, strict=True)))
         across = [chains.row(each.pair, touch, touch.normal) for _, (each, touch) in pairs]
-        along = {at: chains.row(each.pair, touch, touch.tangent) for at, (each, touch) in pairs if each.pair.friction}
+        along = {
+            at: chains.row(each.pair, touch, touch.tangent)
+            for at, (each, touch) in pairs
+            if each.pair.friction
+        }
         ratios = [-each.pair.friction * (each.slip or 0) for each in contacts]
         pushes = [
             row + ratio * along[at] if ratio else row
@@ -217,7 +255,9 @@ class WireVelocities:
         sticking = [along[at] for at in stuck]
         response = chains.solve(chains.matrix, np.array([*pushes, *sticking]).T)[1]
         rigid = np.array([*across, *sticking]) @ response
-        stopped = -np.array([touch.velocity[0] for touch in touches] + [touches[at].velocity[1] for at in stuck])
+        stopped = -np.array(
+            [touch.velocity[0] for touch in touches] + [touches[at].velocity[1] for at in stuck]
+        )
         if len(stopped) == 1:  # a contact without lever bears nothing
             impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
         else:
@@ -227,7 +267,8 @@ class WireVelocities:
         chains.velocities += chains.each(1j * chains.turn * change, chains.wires.arms)
         # A mean of old and new velocities takes half of an impulse.
         whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
-        rubs, self.impulses = dict(zip(stuck, whole[len(across) :], strict=True)), []
+        rubs = dict(zip(stuck, whole[len(across) :], strict=True))
+        self.impulses = []
         for at, (push, touch) in enumerate(zip(whole, touches, strict=False)):
             slip = float(touch.velocity[1] + along[at] @ change) if at in along else 0.0
             self.impulses.append((push, rubs.get(at, ratios[at] * push), slip))
@@ -239,7 +280,9 @@ class SolvedSteps(EngineSteps):
     ``engine`` are the arguments of :class:`EngineSteps`; ``make`` makes the solver when it is first needed.
     """
 
-    def __init__(self, make: Callable[[], WireVelocities | LinkVelocity], bending: bool, *engine: Any) -> None:
+    def __init__(
+        self, make: Callable[[], WireVelocities | LinkVelocity], bending: bool, *engine: Any
+    ) -> None:
         super().__init__(*engine)
         self._make = make
         self._bending = bending
@@ -277,7 +320,9 @@ class SolvedSteps(EngineSteps):
         self._engine_step(length)
         self.joint_solver.solve(length)
 
-    def _take_symmetric(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
+    def _take_symmetric(
+        self, length: float, count: int, act: Callable[[], None] | None = None
+    ) -> list[float]:
         """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does."""
         self.steps += count
         self.work += count * self._price
@@ -292,7 +337,9 @@ class SolvedSteps(EngineSteps):
             self._step(length)
         solver.symmetric = False
         after = self.rates()
-        angles = [angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)]
+        angles = [
+            angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)
+        ]
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
 
     def _start_cold(self, length: float) -> None:

@@ -81,7 +81,9 @@ class Spring:
 
     def history(self) -> ContactHistory:
         """Return the samples, with others between them in the rigid-body limit of a contact that is rigid along the surface."""
-        return self.course.history(None if self.expected.moves or self.elastic else self.inverse_mass)
+        return self.course.history(
+            None if self.expected.moves or self.elastic else self.inverse_mass
+        )
 
     @property
     def loading(self) -> bool:
@@ -119,8 +121,12 @@ class Spring:
         normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
         if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
-        friction = max(self.law.friction, self.law.restitution_friction) if self.at_rest else self.friction
-        return normal, math.copysign(min(abs(self.stick_force), friction * normal), self.stick_force)
+        friction = (
+            max(self.law.friction, self.law.restitution_friction) if self.at_rest else self.friction
+        )
+        return normal, math.copysign(
+            min(abs(self.stick_force), friction * normal), self.stick_force
+        )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the margin of the force in stick to the limit of friction."""
@@ -128,7 +134,8 @@ class Spring:
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
         """Return the margins of friction in slip at rest: to that of restitution, which parts the point, and of compression."""
-        normal, friction = self.law.normal_force(penetration, self.deepest), -self.slip * force
+        normal = self.law.normal_force(penetration, self.deepest)
+        friction = -self.slip * force
         sense = math.copysign(1.0, self.law.restitution_friction - self.law.friction)
         to_part = sense * (self.law.restitution_friction * normal - friction)
         to_press = sense * (friction - self.law.friction * normal)
@@ -172,12 +179,15 @@ class SpringForce:
 
     def __init__(self, scene: Scene, spring: Spring) -> None:
         pair = spring.pair
-        body, link = scene.links[pair.link], scene.mechanism.links[pair.link]
+        body = scene.links[pair.link]
+        link = scene.mechanism.links[pair.link]
         x, y = (*link.knees, link.tip)[pair.corner]
-        self._spring, self._push = spring, pusher(body)
+        self._spring = spring
+        self._push = pusher(body)
         self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
         self._height = spring.surface - spring.residual - pair.depth - pair.dent
-        self._stiffness, self._ratio = spring.present_stiffness, -spring.friction * spring.slip
+        self._stiffness = spring.present_stiffness
+        self._ratio = -spring.friction * spring.slip
         self._rigidity = 0.0
         if spring.elastic and not spring.slip:
             self._rigidity = spring.law.stiffness / spring.law.compliance
@@ -185,23 +195,38 @@ class SpringForce:
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums; return a callback that applies the force of the spring's present phase for a step."""
-        spring, push, place_of, velocity_of = self._spring, self._push, self._place, self._velocity
-        stiffness, height, foot = self._stiffness, self._height, spring.foot
-        ratio, stop, rigidity, at_rest = self._ratio, 0.0, self._rigidity, spring.at_rest
+        spring = self._spring
+        push = self._push
+        place_of = self._place
+        velocity_of = self._velocity
+        stiffness = self._stiffness
+        height = self._height
+        foot = spring.foot
+        ratio = self._ratio
+        stop = 0.0
+        rigidity = self._rigidity
+        at_rest = spring.at_rest
         normal_gain, coupling = spring.inverse_mass[0].tolist()
         if at_rest:
-            ratio, stop = -normal_gain / coupling, 1.0 / (coupling * step)
+            ratio = -normal_gain / coupling
+            stop = 1.0 / (coupling * step)
         elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
-            ratio, stop = -coupling / tangential, 1.0 / (tangential * step)
+            ratio = -coupling / tangential
+            stop = 1.0 / (tangential * step)
         pushes = rubs = loss = heat = 0.0
         in_stick: list[float] = []
 
         def act() -> None:
             nonlocal pushes, rubs, loss, heat
-            place, velocity = place_of(), velocity_of()
-            x, y, slip = place.x, place.y, velocity.x
+            place = place_of()
+            velocity = velocity_of()
+            x = place.x
+            y = place.y
+            slip = velocity.x
             normal = stiffness * (height - y)
-            along = ratio * normal - stop * (velocity.y if at_rest else slip) - rigidity * (x - foot)
+            along = (
+                ratio * normal - stop * (velocity.y if at_rest else slip) - rigidity * (x - foot)
+            )
             push((along, normal), (x, y))
             pushes += normal
             rubs += along
@@ -216,7 +241,9 @@ class SpringForce:
                 last = -rigidity * (place_of().x - foot)
             elif stop:
                 left = velocity_of()
-                last = ratio * stiffness * (height - place_of().y) - stop * (left.y if at_rest else left.x)
+                last = ratio * stiffness * (height - place_of().y) - stop * (
+                    left.y if at_rest else left.x
+                )
                 first = in_stick[1] if len(in_stick) > 1 else last
             return [0.0, last, step * pushes, step * rubs, step * loss, step * heat, first]
 

@@ -10,7 +10,7 @@ import math
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.course import SpringPhase
-from bristle_sim.scene.extrapolation import Advance
+from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.happening import Kind
 from bristle_sim.scene.load import Sums
 from bristle_sim.scene.motion import Motion
@@ -18,17 +18,25 @@ from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import ContactLoad, Spring
 from bristle_sim.scene.system import System
 
-STOPS_TOGETHER = 1e-5  # fraction of the approach with which slip and compression of one freedom stop together
+STOPS_TOGETHER = (
+    1e-5  # fraction of the approach with which slip and compression of one freedom stop together
+)
 
 LEAST_UNLOADING = 1e-5
 """Where slip starts or stops, a contact ends if less than this fraction of its spring's unloading is left. Only 1e-10 of its
 impulse is left, and the force is so small that rounding of the tip's place would start and stop slip endlessly."""
 
-PROBED_FRACTION = 0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
-CONE_ROUNDING = 1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
+PROBED_FRACTION = (
+    0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
+)
+CONE_ROUNDING = (
+    1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
+)
 
 
-def begin_spring(system: System, motion: Motion, pair: ContactPair, spring: Spring) -> ActiveContact:
+def begin_spring(
+    system: System, motion: Motion, pair: ContactPair, spring: Spring
+) -> ActiveContact:
     """Return a contact that begins at the present state."""
     contact = ActiveContact(pair, spring, system.state)
     look_up_slip(system, motion, contact, spring)
@@ -36,17 +44,19 @@ def begin_spring(system: System, motion: Motion, pair: ContactPair, spring: Spri
 
 
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveContact | None:
-    """Return the contact that follows at once where the last one has left a lone link's tip at rest; None if it is not pressed.
+    """Return the contact that follows at once where the last one has left a single link's tip at rest; None if it is not pressed.
 
     A spring at rest is pressed in by its load over its stiffness, which is more than the accuracy where the load is that of a
     belt and the contact is not very short; without restitution it is pressed in again and again.
     """
-    if not system.mechanism.lone or motion.contacts or system.had_last_event:
+    if not system.mechanism.single_link or motion.contacts or system.had_last_event:
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
     press = (system.approach(pair) - system.gaps.gap_and_rate(pair, ahead)[1]) / instant
-    spring = system.law_of(pair).spring(system.scene, system.state, pair, press) if press > 0.0 else None
+    spring = (
+        system.law_of(pair).spring(system.scene, system.state, pair, press) if press > 0.0 else None
+    )
     return None if spring is None else begin_spring(system, motion, pair, spring)
 
 
@@ -78,7 +88,9 @@ def _note_phase(contact: ActiveContact, spring: Spring) -> None:
     spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.impulse[0]))
 
 
-def change_spring(system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind) -> Outcome | None:
+def change_spring(
+    system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
+) -> Outcome | None:
     """Pass a contact into its next phase; return its outcome if it is over."""
     before = (spring.loading, spring.slip)
     penetration = _penetration(system, contact, spring)
@@ -86,7 +98,7 @@ def change_spring(system: System, motion: Motion, contact: ActiveContact, spring
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, contact, spring, kind)
     # Bodies that vibrate meanwhile may press the point on again.
-    quiet = not spring.loading and (system.mechanism.lone or not spring.expected.moves)
+    quiet = not spring.loading and (system.mechanism.single_link or not spring.expected.moves)
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
     if outcome is None and quiet and penetration - spring.residual < least:
         return Outcome.REBOUND
@@ -94,18 +106,32 @@ def change_spring(system: System, motion: Motion, contact: ActiveContact, spring
         return outcome
     _note_phase(contact, spring)
     course = spring.course
-    if spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip and not spring.elastic:
+    if (
+        spring.expected.outcome == Outcome.JAM
+        and spring.loading
+        and not spring.slip
+        and not spring.elastic
+    ):
         if not spring.expected.moves:
             return Outcome.JAM
         if course.stopped is None:
             # Bodies that move meanwhile may still get out.
-            course.stopped = system.state, contact.impulse, contact.work, len(course.rows), len(course.phases)
+            course.stopped = (
+                system.state,
+                contact.impulse,
+                contact.work,
+                len(course.rows),
+                len(course.phases),
+            )
     return None
 
 
-def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind) -> Outcome | None:
+def _change(
+    system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
+) -> Outcome | None:
     """Apply an event; return the contact's outcome if it is over."""
-    expected, course = spring.expected, spring.course
+    expected = spring.expected
+    course = spring.course
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         _leave_rest(system, contact, spring)
     match kind:
@@ -143,7 +169,9 @@ def _change(system: System, motion: Motion, contact: ActiveContact, spring: Spri
     return None
 
 
-def _end_compression(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> Outcome | None:
+def _end_compression(
+    system: System, motion: Motion, contact: ActiveContact, spring: Spring
+) -> Outcome | None:
     """Begin unloading, and decide on slip that has stopped; without restitution the contact is over."""
     _unload(system, contact, spring)
     if spring.law.restitution == 0.0:
@@ -164,7 +192,8 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
     larger one where friction presses the point on, and the smaller one where the other bodies press it on against friction. A
     tangential spring makes the force swing between the two; where that is fast, its mean does the same.
     """
-    coupling, law = float(spring.inverse_mass[0, 1]), spring.law
+    coupling = float(spring.inverse_mass[0, 1])
+    law = spring.law
     if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
@@ -196,13 +225,15 @@ def _penetration(system: System, contact: ActiveContact, spring: Spring) -> floa
 
 
 def _ends_in_stiction(system: System, spring: Spring) -> bool:
-    """Return whether a rigid-body limit ends where that law stops, if only a lone link's single contact is of interest."""
-    halts = not spring.expected.moves or (system.plan.single_contact and system.mechanism.lone)
+    """Return whether a rigid-body limit ends where that law stops, if only a single link's single contact is of interest."""
+    halts = not spring.expected.moves or (
+        system.plan.single_contact and system.mechanism.single_link
+    )
     return halts and spring.expected.outcome == Outcome.STICTION
 
 
 def _slip_error(system: System, contact: ActiveContact) -> float:
-    """Return the error of a slip velocity, from the speed at the first touch: a lone rod comes to rest where slip stops."""
+    """Return the error of a slip velocity, from the speed at the first touch: a single rod comes to rest where slip stops."""
     return system.slip_error(contact.start or system.state)
 
 
@@ -231,11 +262,15 @@ def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring:
     It would leave the cone where the foot's velocity has the sense s against the force. A velocity within its error is zero; the
     bodies' motion under all forces, its own edge force among them, then decides in which sense it begins.
     """
-    pair, gaps = contact.pair, system.gaps
+    pair = contact.pair
+    gaps = system.gaps
     touch = gaps.closest(pair, system.state)
     at_edge = spring.set_foot(spring.surface - touch.gap, gaps.along(pair, system.state))
-    force, smooth = spring.stick_force, not spring.friction
-    spring.slip = int(-math.copysign(1.0, force) if force else math.copysign(1.0, touch.velocity[1]))
+    force = spring.stick_force
+    smooth = not spring.friction
+    spring.slip = int(
+        -math.copysign(1.0, force) if force else math.copysign(1.0, touch.velocity[1])
+    )
     speed = spring.slip * spring.foot_speed(touch.velocity)
     if at_edge and not smooth and abs(speed) <= _slip_error(system, contact):
         probe, _ = _probe(system, motion, contact, spring)
@@ -245,13 +280,17 @@ def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring:
         spring.slip = 0
 
 
-def _probe(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> tuple[Advance, Sums]:
+def _probe(
+    system: System, motion: Motion, contact: ActiveContact, spring: Spring
+) -> tuple[IntervalResult, Sums]:
     """Integrate over a short part of a contact in its present phase; return the result, and the contact's forces."""
     others = [other for known, other in motion.springs if known is not contact]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
     normal, coupling = spring.inverse_mass[0].tolist()
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
-    length = PROBED_FRACTION * min(spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf)
+    length = PROBED_FRACTION * min(
+        spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf
+    )
     probe = spring.expected.stepper.advance(system.scene, system.state, length, load)
     return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.pairs))

@@ -30,13 +30,29 @@ from bristle_sim.units import Range, shown
 _RANGES = {
     "masses": ("mass", "kg", 1e-60, 1e21, True, "chosen: 1e15 times the heaviest bristle"),
     "lengths": ("length", "m", 1e-30, 1e6, True, "chosen: 1e3 times the longest bristle"),
-    "angles": ("angle", "rad", -1e6, 1e6, True, "chosen: beyond it an angle has no digits to spare"),
+    "angles": (
+        "angle",
+        "rad",
+        -1e6,
+        1e6,
+        True,
+        "chosen: beyond it an angle has no digits to spare",
+    ),
     "rates": ("rate", "rad/s", -1e15, 1e15, True, "chosen: beyond any hub's"),
     "hub_radius": ("hub_radius", "m", 0.0, 1e3, True, "chosen: the largest hub"),
-    "hub_speed": ("hub_speed", "rad/s", -1e9, 1e9, True, "chosen: beyond any hub's, in either sense"),
+    "hub_speed": (
+        "hub_speed",
+        "rad/s",
+        -1e9,
+        1e9,
+        True,
+        "chosen: beyond any hub's, in either sense",
+    ),
     "hub_angle": ("hub_angle", "rad", -1e6, 1e6, True, "as for the rods"),
 }
-_RATIO = Range("mass_ratio", "1", 1e-9, 1e15, True, "chosen: 1e15 is the last at which the heavier yields")
+_RATIO = Range(
+    "mass_ratio", "1", 1e-9, 1e15, True, "chosen: 1e15 is the last at which the heavier yields"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +109,11 @@ class ChainStrike:
     @property
     def kinetic_energy_ratio(self) -> float | None:
         """Kinetic energy after over before; None for a chain at rest."""
-        return self.kinetic_energy_after / self.kinetic_energy_before if self.kinetic_energy_before else None
+        return (
+            self.kinetic_energy_after / self.kinetic_energy_before
+            if self.kinetic_energy_before
+            else None
+        )
 
 
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
@@ -130,10 +150,14 @@ SLOWEST_RATE = 1e-300  # rad/s; smaller ones have no reciprocal to serve as a un
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartPair, Units]:
     """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
-    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0)
+    units = Units(
+        chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0
+    )
     rods = zip(chain.masses, chain.lengths, strict=True)
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
-    mechanism = Mechanism(links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle)
+    mechanism = Mechanism(
+        links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle
+    )
     start = State(0.0, chain.angles, tuple(rate * units.time for rate in chain.rates))
     pair = _below(mechanism, start, surface)
     return Scene(mechanism, Effects(pairs=(pair,))), start, pair, units
@@ -163,10 +187,16 @@ def struck(
     """
     approach = -pair.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     law = law if approach > 0.0 else ENERGETIC
-    if law.at_once or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
+    if law.instantaneous or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
         after, record = law.resolve(scene, start, pair)
         return after, record, [start, after]
-    plan = Plan(math.inf, settings.accuracy, "strike", maximum_steps=settings.maximum_steps, single_contact=True)
+    plan = Plan(
+        math.inf,
+        settings.accuracy,
+        "strike",
+        maximum_steps=settings.maximum_steps,
+        single_contact=True,
+    )
     recording = run(scene, start, Extrapolation(settings.accuracy), plan, [pair], law)
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
@@ -228,14 +258,19 @@ def strike_wire(
             f"rates = {shown(rates[-1])}: must let the wire's end approach the workpart, its normal velocity is"
             f" {approach * units.velocity:g} m/s (in rad/s)"
         )
-    law = CompliantLaw(duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass)
+    law = CompliantLaw(
+        duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass
+    )
     after, record, states = struck(scene, start, pair, settings, law)
     del states[0]
     if flight > 0.0:
         # Samples of the free motion are as far apart as in the contact, while a tenth of the budget of steps lasts.
         longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
-        stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, after.rates)), WIDE, longest)
-        end, budget = after.time + flight / units.time, settings.maximum_steps // 10
+        stepper = Extrapolation(
+            0.1 * settings.accuracy, max(1.0, *map(abs, after.rates)), WIDE, longest
+        )
+        end = after.time + flight / units.time
+        budget = settings.maximum_steps // 10
         plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
         states += run(scene, after, stepper, plan, []).states[1:]
     time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
@@ -254,7 +289,8 @@ def build_wire(
     tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
 ) -> tuple[Scene, Units, WorkpartPair]:
     """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
-    links, part = tool.bristle.links, tool.workpart
+    links = tool.bristle.links
+    part = tool.workpart
     if part is None:
         raise ValueError("workpart = None: must be a Workpart, or nothing is struck")
     if len(angles) != links or len(rates) != links:
@@ -266,7 +302,9 @@ def build_wire(
 
 
 SMALL_ANGLE = 1e-8  # rad; the mass matrix differs from that of the straight wire by 5e-17 of itself
-SHORT_STEP = 1e-8  # from rest, in the scene's time units; the rates it gives are in proportion to it
+SHORT_STEP = (
+    1e-8  # from rest, in the scene's time units; the rates it gives are in proportion to it
+)
 
 
 def wire_frequencies(tool: Tool) -> Array:

@@ -189,7 +189,9 @@ class System:
     def had_last_event(self) -> bool:
         """Whether every wire has had the event that ends the run."""
         last = self.plan.stop_after
-        happened = {wire for each, wires in self.recording.events if each.name == last for wire in wires}
+        happened = {
+            wire for each, wires in self.recording.events if each.name == last for wire in wires
+        }
         return len(happened) == self.mechanism.wires
 
     def contact(self, record: ContactRecord, pair: ContactPair) -> None:
@@ -208,7 +210,10 @@ class System:
         size = self.mechanism.wire_links
         if pair.link < 0 or not isinstance(pair, BarPair) or link // size != pair.link // size:
             return None
-        return next((other for other in self.pairs if isinstance(other, BarPair) and other.link == link), None)
+        return next(
+            (other for other in self.pairs if isinstance(other, BarPair) and other.link == link),
+            None,
+        )
 
     def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
         """Return whether, up to a state, the link's point closest to a touching neighbour's bar is the joint they share.
@@ -220,8 +225,13 @@ class System:
         gaps = self.gaps
         for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
             if self.neighbour(pair, step) in active:
-                now, later = (sign * pair.foot(gaps.poses(state)[pair.link])[index] for state in (self.state, end))
-                if now <= AT_JOINT and (later <= AT_JOINT or gaps.gap(pair, self.state) <= GAP_ROUNDING):
+                now, later = (
+                    sign * pair.foot(gaps.poses(state)[pair.link])[index]
+                    for state in (self.state, end)
+                )
+                if now <= AT_JOINT and (
+                    later <= AT_JOINT or gaps.gap(pair, self.state) <= GAP_ROUNDING
+                ):
                     return True
         return False
 

@@ -18,8 +18,12 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pai
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
-SLOWEST_MOTION = 1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
-SHORTEST_PIECE = 1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
+SLOWEST_MOTION = (
+    1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
+)
+SHORTEST_PIECE = (
+    1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
+)
 
 
 class Units:
@@ -27,7 +31,10 @@ class Units:
 
     def __init__(self, length: float, mass: float, time: float) -> None:
         """Compute the units of a scene."""
-        self.length, self.mass, self.time, self.rate = length, mass, time, 1.0 / time
+        self.length = length
+        self.mass = mass
+        self.time = time
+        self.rate = 1.0 / time
         self.velocity = length / time
         self.impulse = mass * self.velocity
         self.force = self.impulse / time
@@ -45,28 +52,43 @@ class Row(Declared):
     restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1 [requested]")
 
 
-LONE = Row()  # one bristle
+ONE_BRISTLE = Row()  # one bristle
 
 
 def tool_units(tool: Tool) -> Units:
     """Return bristle length, bristle mass, and the fastest of belt, hub and gravity as units of the tool's scene."""
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
-        tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2 + tool.gravity * tool.bristle.length
+        tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2
+        + tool.gravity * tool.bristle.length
     )
     rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
-    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0)
+    return Units(
+        tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0
+    )
 
 
-def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tuple[Scene, Units]:
+def build_tool(
+    tool: Tool, *, hub_start: float = START, row: Row = ONE_BRISTLE
+) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
-    units, bristle, hub = tool_units(tool), tool.bristle, tool.hub
+    units = tool_units(tool)
+    bristle = tool.bristle
+    hub = tool.hub
     links = wire_links(bristle) * row.bristles
-    mechanism = Mechanism(links, hub.radius / units.length, hub.speed * units.time, hub_start, row.bristles, row.pitch)
-    pairs = [each for first in range(0, len(links), bristle.links) for each in _pairs(tool, units, first)]
+    mechanism = Mechanism(
+        links, hub.radius / units.length, hub.speed * units.time, hub_start, row.bristles, row.pitch
+    )
+    pairs = [
+        each for first in range(0, len(links), bristle.links) for each in _pairs(tool, units, first)
+    ]
     if row.bristles > 1:
-        pairs += wire_pairs(mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution)
+        pairs += wire_pairs(
+            mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution
+        )
     effects = Effects(
-        stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
+        stiffness=tool.belt.stiffness / units.energy
+        if tool.belt.stiffness or tool.belt.damping_ratio
+        else None,
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
         pairs=tuple(pairs),
@@ -77,20 +99,29 @@ def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tupl
 
 def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
     """Yield the pairs of a wire's links, from the first link on: the bar for all of them, the workpart for tip and knee."""
-    bristle, size, bar, part = tool.bristle, units.length, tool.bar, tool.workpart
+    bristle = tool.bristle
+    size = units.length
+    bar = tool.bar
+    part = tool.workpart
     if bar is not None:
-        centre, radii = (
-            (bar.centre[0] / size, bar.centre[1] / size),
-            (bar.radius / size, bristle.wire_diameter / 2.0 / size),
-        )
+        centre = (bar.centre[0] / size, bar.centre[1] / size)
+        radii = (bar.radius / size, bristle.wire_diameter / 2.0 / size)
         for link in range(first, first + bristle.links):
             yield BarPair(centre, *radii, bar.friction, bar.restitution, link=link)
     if part is not None:
-        surface = (tool.workpart_depth / size, part.friction, part.friction_in_restitution, part.restitution)
+        surface = (
+            tool.workpart_depth / size,
+            part.friction,
+            part.friction_in_restitution,
+            part.restitution,
+        )
         # Link and corner of each; the tip of a link is its corner -1.
-        corners, joint = [(first + bristle.links - 1, -1)], bristle.knee_position * bristle.links
+        corners = [(first + bristle.links - 1, -1)]
+        joint = bristle.knee_position * bristle.links
         if len(bristle.path) > 1:
-            at_joint = bristle.links > 1 and abs(joint - round(joint)) < bristle.links * SHORTEST_PIECE
+            at_joint = (
+                bristle.links > 1 and abs(joint - round(joint)) < bristle.links * SHORTEST_PIECE
+            )
             corners.append((first + round(joint) - 1, -1) if at_joint else (first + int(joint), 0))
         for link, corner in corners:
             yield WorkpartPair(*surface, link=link, corner=corner)
@@ -105,18 +136,31 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     if bristle.links == 1:
         *knees, tip = ((x / size, y / size) for x, y in bristle.path)
         centre = (bristle.centre[0] / size, bristle.centre[1] / size)
-        return (Link(1.0, bristle.inertia_about_centre / (bristle.mass * size**2), centre, tip, tuple(knees)),)
+        return (
+            Link(
+                1.0,
+                bristle.inertia_about_centre / (bristle.mass * size**2),
+                centre,
+                tip,
+                tuple(knees),
+            ),
+        )
     corners = [(0.0, 0.0), *((x / size, y / size) for x, y in bristle.path)]
     borders = [number / bristle.links for number in range(bristle.links + 1)]
     return tuple(_link(_between(corners, *ends)) for ends in itertools.pairwise(borders))
 
 
-def wire_hinges(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[tuple[float, float], ...]:
+def wire_hinges(
+    bristle: Bristle, root_stiffness: float, units: Units
+) -> tuple[tuple[float, float], ...]:
     """Return stiffness and damping of the torsion spring in each joint between two links, for a belt's stiffness, N m/rad."""
     if bristle.links == 1:
         return ()
-    diameter, length, modulus = bristle.wire_diameter, bristle.length, bristle.modulus
-    stiffness, damping = hinge_stiffness(diameter, length, modulus, bristle.links), 0.0
+    diameter = bristle.wire_diameter
+    length = bristle.length
+    modulus = bristle.modulus
+    stiffness = hinge_stiffness(diameter, length, modulus, bristle.links)
+    damping = 0.0
     if bristle.bending_damping_ratio:
         shape = (bristle.mass, length, diameter, modulus, root_stiffness)
         damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
@@ -129,7 +173,10 @@ def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
     inner = [each for each in ends if low + SHORTEST_PIECE < each < high - SHORTEST_PIECE]
     found: list[Vector] = []
     for place in (low, *inner, high):
-        piece = next((number for number, end in enumerate(ends[1:]) if place <= end + SHORTEST_PIECE), len(ends) - 2)
+        piece = next(
+            (number for number, end in enumerate(ends[1:]) if place <= end + SHORTEST_PIECE),
+            len(ends) - 2,
+        )
         (x, y), (u, v) = corners[piece : piece + 2]
         fraction = (place - ends[piece]) / (ends[piece + 1] - ends[piece])
         found.append((x + fraction * (u - x), y + fraction * (v - y)))
@@ -140,7 +187,10 @@ def _link(corners: list[Vector]) -> Link:
     """Return a uniform wire along corners as a link whose mass is its length."""
     joint = corners[0]
     places = [(x - joint[0], y - joint[1]) for x, y in corners]
-    pieces = [(math.dist(a, b), 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])) for a, b in itertools.pairwise(places)]
+    pieces = [
+        (math.dist(a, b), 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))
+        for a, b in itertools.pairwise(places)
+    ]
     mass = sum(length for length, _, _ in pieces)
     centre = (sum(m * x for m, x, _ in pieces) / mass, sum(m * y for m, _, y in pieces) / mass)
     inertia = sum(m * (m**2 / 12.0 + math.dist((x, y), centre) ** 2) for m, x, y in pieces)

@@ -1,4 +1,4 @@
-"""Find where within an interval a link touches an pair, for the first time or again, without missing a touch.
+"""Find where within an interval a link touches a pair, for the first time or again, without missing a touch.
 
 Gaps are searched on the interval's polynomial by conservative advancement (Mirtich 1996): from a gap g no contact can happen
 before g / (largest speed), so nothing is jumped over.
@@ -11,33 +11,46 @@ from functools import partial
 
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.happening import Happening, Kind
-from bristle_sim.scene.locate import Interval, guess, settle
+from bristle_sim.scene.interval import Interval
+from bristle_sim.scene.locate import guess, settle
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import System
 
-CUBIC_ERROR, QUINTIC_ERROR = 0.01, 1.3e-5
+CUBIC_ERROR = 0.01
+QUINTIC_ERROR = 1.3e-5
 """Bounds of the polynomials' errors of the gap, per fourth and sixth power of the interval h (scene units): h^4/384 and
 3.2e-6 h^6 with a safety factor. Likewise h^4 w^3/384 bounds the cubic's for a rate of amplitude 1 that vibrates with the fastest
 rate w."""
 
 NEAR_START = 16.0  # a polynomial's error near the start, over its bound and the square of the fraction passed
-SHORTEST_ADVANCE = 1e-9  # time and length; a least gap sooner is the one at which the interval begins
-LEAST_ADVANCE = 1.0 / 8.0  # fraction of the interval; least values of the gap in between show in its slopes
+SHORTEST_ADVANCE = (
+    1e-9  # time and length; a least gap sooner is the one at which the interval begins
+)
+LEAST_ADVANCE = (
+    1.0 / 8.0
+)  # fraction of the interval; least values of the gap in between show in its slopes
 GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an extrapolated interval
-LOCATED_GAP = 1e-6  # to which a touch is located, over the accuracy: a slow approach makes more of it in time
+LOCATED_GAP = (
+    1e-6  # to which a touch is located, over the accuracy: a slow approach makes more of it in time
+)
 SHORTEST_INTERVAL = 1e-13  # in the scene's time units; none shorter is accurate. A motion of that length is an instant
-OPENING = 1.0 / 16.0  # fraction of an interval between samples in which the gap of a released pair opens, or it hops
+OPENING = (
+    1.0 / 16.0
+)  # fraction of an interval between samples in which the gap of a released pair opens, or it hops
 LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound counts as none
 MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
 
 Found = tuple[Interval, Happening | None]
-"""The interval up to a touch, and the touch; or up to the least gap to an pair that is not touched, and None."""
+"""The interval up to a touch, and the touch; or up to the least gap to a pair that is not touched, and None."""
 
 
 def first_touch_of_all(
-    system: System, interval: Interval, sustained: Sequence[ContactPair], separating: Sequence[ContactPair]
+    system: System,
+    interval: Interval,
+    sustained: Sequence[ContactPair],
+    separating: Sequence[ContactPair],
 ) -> Found:
     """Return the interval up to its first touch or least gap; pairs in contact or separating are treated as such."""
     first: Happening | None = None
@@ -61,20 +74,22 @@ def first_touch_of_all(
 
 def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
     """Whether a gap is closed and stays so."""
-    start, end, gap = interval.start, interval.end.state, system.gaps.gap
+    start = interval.start
+    end = interval.end.state
+    gap = system.gaps.gap
     return abs(gap(pair, start)) <= GAP_ROUNDING and all(
         abs(gap(pair, state)) <= GAP_ROUNDING for state in (interval.at(0.5 * interval.length), end)
     )
 
 
 def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for a touch of an pair that the link has just left: the gap opens first, or the link comes back at once."""
+    """Search for a touch of a pair that the link has just left: the gap opens first, or the link comes back at once."""
     soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     if interval.length > soon:
         gap, rate = system.gaps.gap_and_rate(pair, interval.at(soon))
         if gap > GAP_ROUNDING + _error(system, interval) and rate > 0.0:
             return find_touch(system, interval, pair, soon / interval.length)
-        interval = interval.up_to(interval.again(soon))
+        interval = interval.up_to(interval.integrate_to(soon))
         return _search_hop(system, interval, pair) or (interval, None)
     return _search_hop(system, interval, pair)
 
@@ -82,11 +97,13 @@ def _search_return(system: System, interval: Interval, pair: ContactPair) -> Fou
 def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found | None:
     """Search for the end of a hop: the link must come back within a short interval.
 
-    An interval that ends deep inside an pair is cut at the hop before, or where the link is still above. A rebound that is
+    An interval that ends deep inside a pair is cut at the hop before, or where the link is still above. A rebound that is
     over within the shortest interval is too low to follow.
     """
-    gaps, again = system.gaps, interval.again
-    length, instant = interval.length, system.plan.instant
+    gaps = system.gaps
+    integrate_to = interval.integrate_to
+    length = interval.length
+    instant = system.plan.instant
     gap, rate = gaps.gap_and_rate(pair, interval.end.state)
     if gap >= -GAP_ROUNDING or rate >= 0.0:
         return None
@@ -95,32 +112,47 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
         return gaps.gap(pair, interval.at(time))
 
     if instant < length and (gap := gap_at(instant)) <= 0.0:
-        gap = gaps.gap(pair, again(instant).state)
+        gap = gaps.gap(pair, integrate_to(instant).state)
     # Whether a single rigid link hops is of no consequence; of several, one may hop while another is pressed on.
-    low = system.mechanism.lone and system.law_of(pair).at_once and -system.plan.accuracy <= gap < 0.0
+    low = (
+        system.mechanism.single_link
+        and system.law_of(pair).instantaneous
+        and -system.plan.accuracy <= gap < 0.0
+    )
     if low or gaps.gap(pair, interval.start) < -GAP_ROUNDING:
-        return (interval if instant >= length else interval.up_to(again(instant))), Happening(Kind.REST, pair)
-    time, shortest = length, LEAST_HOP * length
+        return (
+            interval if instant >= length else interval.up_to(integrate_to(instant))
+        ), Happening(Kind.REST, pair)
+    time = length
+    shortest = LEAST_HOP * length
     while time > shortest and (above := gap_at(time)) < -GAP_ROUNDING:
-        time, below = 0.5 * time, above
+        time = 0.5 * time
+        below = above
     if time < length and above > 0.0:
         near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
         closed = settle(system, partial(gaps.gap, pair), interval, near, GAP_TOLERANCE)
         # A zero at the interval's start does not count.
         if closed is not None and gaps.gap_and_rate(pair, closed.state)[1] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
-    while (gap := gaps.gap(pair, again(time).state)) < -GAP_ROUNDING and time > shortest:
+    while (gap := gaps.gap(pair, integrate_to(time).state)) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
-    return interval.up_to(again(time)), None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
+    return interval.up_to(integrate_to(time)), None if gap > GAP_ROUNDING else Happening(
+        Kind.REST, pair
+    )
 
 
-def find_touch(system: System, interval: Interval, pair: ContactPair, begin: float = 0.0) -> Found | None:
+def find_touch(
+    system: System, interval: Interval, pair: ContactPair, begin: float = 0.0
+) -> Found | None:
     """Return the interval up to its first touch, or up to where a link nearly touched; else None.
 
     The search begins at a fraction of the interval at which the gap is open.
     """
-    gaps, again, length = system.gaps, interval.again, interval.length
-    gap_of, gap_and_rate = partial(gaps.gap, pair), partial(gaps.gap_and_rate, pair)
+    gaps = system.gaps
+    integrate_to = interval.integrate_to
+    length = interval.length
+    gap_of = partial(gaps.gap, pair)
+    gap_and_rate = partial(gaps.gap_and_rate, pair)
     fraction = first_touch(gaps.mechanism, gap_and_rate, interval, _error(system, interval), begin)
     if fraction is None:
         return None
@@ -131,7 +163,8 @@ def find_touch(system: System, interval: Interval, pair: ContactPair, begin: flo
     if closed is not None and gap_and_rate(closed.state)[1] <= 0.0:
         # Where the gap opens, another zero is before.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
-    reached, begin = interval.end if fraction == 1.0 else again(last), begin * length
+    reached = interval.end if fraction == 1.0 else integrate_to(last)
+    begin = begin * length
     at_end, rate = gap_and_rate(reached.state)
     if at_end > 0.0 and rate > 0.0:
         # The gap opens again: it is closed, or least, before.
@@ -140,20 +173,32 @@ def find_touch(system: System, interval: Interval, pair: ContactPair, begin: flo
         def at_instant(span: float, gap: float) -> bool:
             return gap > fastest * span or max(1.0, fastest) * span <= SHORTEST_INTERVAL
 
-        last, at_end = _least(lambda span: gap_and_rate(again(span).state), begin, last, at_end, at_instant)
+        last, at_end = _least(
+            lambda span: gap_and_rate(integrate_to(span).state), begin, last, at_end, at_instant
+        )
     if at_end > 0.0:
         return interval.up_to(reached), None
     if at_end < 0.0:
         at_start = max(gap_of(interval.at(begin) if begin else interval.start), 1e-300)
-        last = locate(lambda span: gap_of(again(span).state), begin, last, at_start, at_end, GAP_TOLERANCE, near)
-    return interval.up_to(again(last)), Happening(Kind.TOUCH, pair)
+        last = locate(
+            lambda span: gap_of(integrate_to(span).state),
+            begin,
+            last,
+            at_start,
+            at_end,
+            GAP_TOLERANCE,
+            near,
+        )
+    return interval.up_to(integrate_to(last)), Happening(Kind.TOUCH, pair)
 
 
 def _error(system: System, interval: Interval) -> float:
     """Return a bound of the gap's deviation from that of the interval's polynomial."""
-    start, end, length = interval.start, interval.end, interval.length
+    start = interval.start
+    end = interval.end
+    length = interval.length
     changes = (abs(b - a) for a, b in zip(start.rates, end.state.rates, strict=True))
-    error = system.stepper.straightness * length * sum(changes)
+    error = system.stepper.interpolation_error * length * sum(changes)
     if system.mechanism.wire_links > 1:
         error += CUBIC_ERROR * length * (length / system.plan.time_scale) ** 3
     return error + (CUBIC_ERROR * length**4 if end.middle is None else QUINTIC_ERROR * length**6)
@@ -164,15 +209,23 @@ Gap = Callable[[State], tuple[float, float]]
 
 
 def first_touch(
-    mechanism: Mechanism, gap: Gap, interval: Interval, interpolation_error: float = 0.0, begin: float = 0.0
+    mechanism: Mechanism,
+    gap: Gap,
+    interval: Interval,
+    interpolation_error: float = 0.0,
+    begin: float = 0.0,
 ) -> float | None:
     """Return the fraction of the interval at which the gap is closed or nearly so, on the polynomial; None if it stays open.
 
     The fraction may be later than the touch but never past a second one. ``interpolation_error`` bounds the gap's deviation from
     that of the polynomial; at a fraction f it is at most 16 f^2 (1 - f)^2 times that, as angles and rates at the ends are exact.
     """
-    length, end, margin = interval.length, interval.end, interpolation_error
-    bound = 1.5 * max(mechanism.speed_bound(interval.start), mechanism.speed_bound(end.state)) * length
+    length = interval.length
+    end = interval.end
+    margin = interpolation_error
+    bound = (
+        1.5 * max(mechanism.speed_bound(interval.start), mechanism.speed_bound(end.state)) * length
+    )
     fraction, (value, rate) = begin, gap(interval.at(begin * length) if begin else interval.start)
     while fraction < 1.0 and value <= bound * (1.0 - fraction) + margin:
         ahead = min(1.0, fraction + max(value / bound if bound else 1.0, LEAST_ADVANCE))
@@ -184,11 +237,15 @@ def first_touch(
             def at(part: float) -> tuple[float, float]:
                 return gap(interval.at(part * length))
 
-            dip, least = _least(at, fraction, ahead, following, lambda span, _: span < 2.0**-MOST_HALVINGS)
+            dip, least = _least(
+                at, fraction, ahead, following, lambda span, _: span < 2.0**-MOST_HALVINGS
+            )
             near = least < margin * min(1.0, NEAR_START * dip**2)
             if least < 0.0 or (near and dip * max(length, bound) > SHORTEST_ADVANCE):
                 return dip
-        fraction, value, rate = ahead, following, next_rate
+        fraction = ahead
+        value = following
+        rate = next_rate
     return None
 
 

@@ -26,11 +26,14 @@ Measures = dict[str, float | None]
 Strike = Callable[[Tool], Measures]
 """Measures of the strike of a tool; raises NotCuedError where there is none."""
 
-FINEST_DIRECTION = 1e-11  # Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size
+FINEST_DIRECTION = (
+    1e-11  # Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size
+)
 FINEST_MAXIMUM = 1e-5  # Tolerance of a maximum, rad: the speed changes by its square, which is below any accuracy
 # First and largest step to bracket a root: the formulas miss it by a degree, and no range with an answer is under
 # eight
-FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
+FIRST_STEP = math.radians(1.0)
+LARGEST_STEP = math.radians(8.0)
 MOST_STEPS = 30  # Steps to either side: more than 180 degrees
 # Successive passes, from the first on, that may be given up (each takes seconds): then the others would be, too
 MOST_GIVEN_UP = 3
@@ -54,7 +57,9 @@ def placed(tool: Tool, direction: float) -> Tool:
     """Return the tool with its bar in another direction at the same distance, rad."""
     bar = _bar_of(tool)
     distance = math.hypot(*bar.centre)
-    return tool.replace(bar_horizontal=distance * math.sin(direction), bar_vertical=distance * math.cos(direction))
+    return tool.replace(
+        bar_horizontal=distance * math.sin(direction), bar_vertical=distance * math.cos(direction)
+    )
 
 
 def _bar_of(tool: Tool) -> Bar:
@@ -88,16 +93,27 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
 def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
     """Return two directions between which the lag falls through zero, the nearest to a guess."""
-    lags, reasons = dict[float, float](), list[ValueError]()
-    offsets = np.cumsum(FIRST_STEP * np.minimum(2.0 ** np.arange(MOST_STEPS), LARGEST_STEP / FIRST_STEP))
-    sides = (guess + offsets[offsets < math.pi - guess], [math.pi], guess - offsets[offsets < guess], [0.0])
+    lags = dict[float, float]()
+    reasons = list[ValueError]()
+    offsets = np.cumsum(
+        FIRST_STEP * np.minimum(2.0 ** np.arange(MOST_STEPS), LARGEST_STEP / FIRST_STEP)
+    )
+    sides = (
+        guess + offsets[offsets < math.pi - guess],
+        [math.pi],
+        guess - offsets[offsets < guess],
+        [0.0],
+    )
     tried = [guess, *np.concatenate(sides).tolist()]
     for direction in sorted(tried, key=lambda each: abs(each - guess)):
         try:
             lags[direction] = lag(direction)
         except ValueError as error:
             reasons.append(error)
-            if not lags and sum(isinstance(each, GivenUpError) for each in reasons) == MOST_GIVEN_UP:
+            if (
+                not lags
+                and sum(isinstance(each, GivenUpError) for each in reasons) == MOST_GIVEN_UP
+            ):
                 raise
         if lags and min(lags.values()) < -SWUNG:
             for low, high in itertools.pairwise(sorted(lags)):
@@ -108,7 +124,9 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
             f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
         )
     least, most = min(lags.values()), max(lags.values())
-    raise NotCuedError(f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg")
+    raise NotCuedError(
+        f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg"
+    )
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
@@ -125,7 +143,8 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
             return 0.0
 
     step = 2.0 * FIRST_STEP
-    middle, best = start, slowness(start)
+    middle = start
+    best = slowness(start)
     while True:  # walk uphill until both neighbours are slower; the directions end at 0 and pi
         sides = [each for each in (middle - step, middle + step) if 0.0 < each < math.pi]
         values = [slowness(each) for each in sides]
@@ -133,7 +152,9 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
             break
         best, middle = min(zip(values, sides, strict=True))
     bounds = (max(middle - step, 0.0), min(middle + step, math.pi))
-    found = minimize_scalar(slowness, bounds=bounds, method="bounded", options={"xatol": FINEST_MAXIMUM})
+    found = minimize_scalar(
+        slowness, bounds=bounds, method="bounded", options={"xatol": FINEST_MAXIMUM}
+    )
     return Place(float(found.x), strike(placed(tool, float(found.x))))
 
 

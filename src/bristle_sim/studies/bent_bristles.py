@@ -67,7 +67,11 @@ class BentBristles:
 
 def slide_path(history: ContactHistory) -> Array:
     """Return the tip's displacement along the workpart since the first touch by the trapezoidal rule, m, shape (n,)."""
-    steps = 0.5 * np.diff(history.time) * (history.tangential_velocity[1:] + history.tangential_velocity[:-1])
+    steps = (
+        0.5
+        * np.diff(history.time)
+        * (history.tangential_velocity[1:] + history.tangential_velocity[:-1])
+    )
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
@@ -78,9 +82,16 @@ def slide_of(contact: ContactRecord) -> Slide:
     """
     history = contact.history
     if history is None:
-        raise ValueError(f"contact = {contact.law}: must be compliant; another law has no path of the tip")
-    path, since = slide_path(history), history.time - history.time[0]
-    ends = [phase for phase in contact.phases if not phase.endswith(" slip") or phase.endswith(" reverse slip")]
+        raise ValueError(
+            f"contact = {contact.law}: must be compliant; another law has no path of the tip"
+        )
+    path = slide_path(history)
+    since = history.time - history.time[0]
+    ends = [
+        phase
+        for phase in contact.phases
+        if not phase.endswith(" slip") or phase.endswith(" reverse slip")
+    ]
     speed = history.tangential_velocity
     # Stick leaves the integrator's error, turning passes through 0.
     over = speed <= REST * np.abs(speed).max()
@@ -101,13 +112,18 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     Raises ValueError if the tool's contact is not resolved in time, or a pass runs out of steps before its strike.
     """
     if tool.contact.law != "compliant":
-        raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
+        raise ValueError(
+            f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip"
+        )
     knee = abs(tool.bristle.knee_angle_deg)
     tools = {shape: tool.replace(knee_angle_deg=sign * knee) for shape, sign in SHAPES.items()}
     runs = {shape: simulate(each, settings) for shape, each in tools.items()}
-    slides, quantities, events = dict[str, Slide | None](), list[Quantity](), list[tuple[str, float]]()
+    slides = dict[str, Slide | None]()
+    quantities = list[Quantity]()
+    events = list[tuple[str, float]]()
     for shape, run in runs.items():
-        contact, slides[shape] = run.first_contact("workpart"), None
+        contact = run.first_contact("workpart")
+        slides[shape] = None
         if contact is None:
             require_result(run, settings)
         else:
@@ -119,7 +135,10 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         events=tuple(sorted(events, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
-        remarks=(*(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()), against_film(slides)),
+        remarks=(
+            *(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()),
+            against_film(slides),
+        ),
         extra={"stopped": {shape: stop_fields(run) for shape, run in runs.items()}},
         not_reached=next(filter(None, (run.accuracy_not_reached for run in runs.values())), ""),
         subject=BentBristles(tools, runs, slides),
@@ -134,14 +153,21 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
         return "No tip slides, because none strikes the workpart."
     least = RETRACTS * max(slide.forward for slide in struck.values())
     sliding = {shape: slide for shape, slide in struck.items() if slide.forward > least}
-    parts = [f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm" for shape, slide in sliding.items()]
-    parts += [f"the {NAMES[shape]} tip retracts at once" for shape in struck if shape not in sliding]
+    parts = [
+        f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm"
+        for shape, slide in sliding.items()
+    ]
+    parts += [
+        f"the {NAMES[shape]} tip retracts at once" for shape in struck if shape not in sliding
+    ]
     parts += [f"the {NAMES[shape]} one never strikes" for shape in slides if shape not in struck]
     first, soonest = min(struck.items(), key=lambda each: each[1].ending_time)
     ending = ""
     if soonest.ending is not None:
         after = amount(soonest.ending_time, "s")
-        ending = f" The slip of the {NAMES[first]} tip {soonest.ending} first, {after} after the touch."
+        ending = (
+            f" The slip of the {NAMES[first]} tip {soonest.ending} first, {after} after the touch."
+        )
     words = ", ".join(parts)
     return f"{words[0].upper()}{words[1:]}; in the high-speed film only the forward bent one retracts at once.{ending}"
 
@@ -159,7 +185,10 @@ def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> lis
         ("tip_speed_along_after", "tip speed along, after", "m/s", after[1]),
         ("tip_speed_away_after", "tip speed away, after", "m/s", after[0]),
     )
-    return [Quantity(f"{shape}_{key}", unit, value, label=f"{name}: {label}") for key, label, unit, value in values]
+    return [
+        Quantity(f"{shape}_{key}", unit, value, label=f"{name}: {label}")
+        for key, label, unit, value in values
+    ]
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

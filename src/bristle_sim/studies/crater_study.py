@@ -31,7 +31,12 @@ from bristle_sim.theory.crater_cutting import (
 )
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE
-from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
+from bristle_sim.theory.merchant import (
+    CuttingAngles,
+    ShearAngleError,
+    oblique_angles,
+    specific_cutting_energy,
+)
 from bristle_sim.theory.monofilament import tip_speed
 
 MEASURED = 1.3e-4  # Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)
@@ -77,19 +82,26 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     Raises ValueError if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
     """
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
-    study, printed = _study(hub, bristle, crater, settings, speed), dict[str, float]()
+    study = _study(hub, bristle, crater, settings, speed)
+    printed = dict[str, float]()
     if crater == Crater():  # 300 plies are called converged
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
         energy = printed_number("fig. 4.19: crater depth by work and energy")
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
-    cut, depths = cut_of(crater), dict[str, float]()
+    cut = cut_of(crater)
+    depths = dict[str, float]()
     if not study.no_chip:
-        depths["merchant_crater_depth"] = float(chapter_4.merchant_crater_depth(plies=crater.plies, **cut))
+        depths["merchant_crater_depth"] = float(
+            chapter_4.merchant_crater_depth(plies=crater.plies, **cut)
+        )
         depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
     of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
-    depths["energy_crater_depth"] = float(chapter_4.energy_crater_depth(int(crater.plies), **of_energy))
+    depths["energy_crater_depth"] = float(
+        chapter_4.energy_crater_depth(int(crater.plies), **of_energy)
+    )
     simulated, theory = _contact_depths(study, bristle, speed)
-    words, constant = "C for the measured depth", _constant_deg(crater)
+    words = "C for the measured depth"
+    constant = _constant_deg(crater)
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
         "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
@@ -124,22 +136,27 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
     own = [value for value in simulated.values() if value is not None]
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:
-        contact = (
-            f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
-        )
+        contact = f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
     energy = f"work and energy {shown('energy_crater_depth')}"
     return f"Merchant's plies cut {chip}, {energy}, {contact}; measured {amount(MEASURED, 'm')}."
 
 
-def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float) -> CraterStudy:
+def _study(
+    hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float
+) -> CraterStudy:
     """Simulate only the contact's compression: the tip cuts until it is deepest."""
-    cut, angles, no_chip = cut_of(crater), None, ""
+    cut = cut_of(crater)
+    angles = None
+    no_chip = ""
     try:
         angles = oblique_angles(cut["friction"], cut["impact_angle"])
     except ShearAngleError as error:
         no_chip = str(error)
     surface = Surface(friction=crater.friction, restitution=0.0)
-    timed = {"compression_time": cut.pop("compression_time"), "rate": crater.speed_ratio * hub.speed}
+    timed = {
+        "compression_time": cut.pop("compression_time"),
+        "rate": crater.speed_ratio * hub.speed,
+    }
     try:
         contact = timed_contact(hub, bristle, surface, cut["impact_angle"], settings, **timed)
     except ValueError as error:
@@ -147,7 +164,10 @@ def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed
             raise
         return CraterStudy(crater, angles, no_chip, no_contact=str(error))
     columns = contact.history.columns().values()
-    craters = (crater_depth_from_contact(*columns, **cut, surface=kind) for kind in ("parallel", "inclined"))
+    craters = (
+        crater_depth_from_contact(*columns, **cut, surface=kind)
+        for kind in ("parallel", "inclined")
+    )
     return CraterStudy(crater, angles, no_chip, contact, "", *craters)
 
 
@@ -156,10 +176,13 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 
     The latter gives up m v/3 along the path and the energy m v^2/6.
     """
-    crater, parallel, inclined = study.crater, study.parallel, study.inclined
+    crater = study.crater
+    parallel = study.parallel
+    inclined = study.inclined
     if parallel is None or inclined is None:
         return {}, {}
-    gamma, energy = study.impact_angle, bristle.mass * speed**2 / 6.0
+    gamma = study.impact_angle
+    energy = bristle.mass * speed**2 / 6.0
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
     cut = (crater.friction, gamma, crater.shear_yield_stress)
     straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
@@ -167,7 +190,9 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     limits = [depth_from_force(force, straight, gamma)]
     limits += [depth_from_energy(energy, specific, gamma) for specific in (straight, leaning)]
     known = list(CONTACT_DEPTHS)[0 if parallel.shear_plane_emerges else 2 :]
-    sides = (dict(zip(CONTACT_DEPTHS, map(float, each), strict=True)) for each in (simulated, limits))
+    sides = (
+        dict(zip(CONTACT_DEPTHS, map(float, each), strict=True)) for each in (simulated, limits)
+    )
     first, second = ({name: each[name] for name in known} for each in sides)
     return first, second
 
@@ -175,24 +200,35 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 def cut_of(crater: Crater) -> dict[str, Any]:
     """Return the keyword arguments of the crater's formulas, in SI units and rad."""
     names = ("friction", "shear_yield_stress", "compression_time")
-    return {name: getattr(crater, name) for name in names} | {"impact_angle": math.radians(crater.impact_angle_deg)}
+    return {name: getattr(crater, name) for name in names} | {
+        "impact_angle": math.radians(crater.impact_angle_deg)
+    }
 
 
 def merchant_depth_course(crater: Crater) -> Array:
     """Return the depth after each ply, 0 first, m, by (4.57) as printed, in degrees; shape (plies + 1,)."""
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
-    steep, gamma = math.degrees(math.atan2(1.0, crater.friction)), crater.impact_angle_deg
+    steep = math.degrees(math.atan2(1.0, crater.friction))
+    gamma = crater.impact_angle_deg
     shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
-    resultant, leaning = math.radians(45.0 + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
+    resultant = math.radians(45.0 + steep / 2.0 - gamma / 2.0)
+    leaning = math.radians(steep - gamma)
     growth = np.diff(BRISTLE(time) * math.cos(leaning))
-    ratio = math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
-    return np.concatenate([[0.0], np.cumsum(growth * ratio / (PRINTED_WIDTH(time[1:]) * crater.shear_yield_stress))])
+    ratio = (
+        math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
+    )
+    return np.concatenate(
+        [[0.0], np.cumsum(growth * ratio / (PRINTED_WIDTH(time[1:]) * crater.shear_yield_stress))]
+    )
 
 
 def energy_depth_course(crater: Crater) -> Array:
     """Return the depth after each ply by work and energy (4.58, 4.62-4.65), m, from the printed motion (4.6, 4.7)."""
-    time, wire, motion = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1), Bristle(), PRINTED_KINEMATICS
-    rate, centre = motion.bristle_rate(time), motion.centre_velocity(time)
+    time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
+    wire = Bristle()
+    motion = PRINTED_KINEMATICS
+    rate = motion.bristle_rate(time)
+    centre = motion.centre_velocity(time)
     energy = 0.5 * wire.mass * centre**2 + 0.5 * wire.inertia_about_centre * rate**2
     depth = np.cumsum(-np.diff(energy) / BRISTLE(time[1:]))
     return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
@@ -202,7 +238,11 @@ def _constant_deg(crater: Crater) -> float | None:
     """Return C for the measured depth, degrees; None where there is none."""
     try:
         return math.degrees(
-            float(chapter_4.constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut_of(crater)))
+            float(
+                chapter_4.constant_for_crater_depth(
+                    MEASURED, plies=int(crater.plies), **cut_of(crater)
+                )
+            )
         )
     except ValueError:
         return None

@@ -52,7 +52,9 @@ class CueMap:
     formula: float | None
 
 
-def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True) -> Report:
+def cue_map(
+    tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True
+) -> Report:
     """Find the directions of the bar for a radial strike and for the highest tip speed, and compare them.
 
     Raises:
@@ -60,37 +62,61 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, a wire that bends, or a bar whose distance allows no retraction.
     """
     require_rigid(tool)
-    started, usual = clock.perf_counter(), 2 * USUAL_PASSES
+    started = clock.perf_counter()
+    usual = 2 * USUAL_PASSES
     strike = _logged(bar_search.simulation(settings), usual * (1 + with_reference))
     radial = bar_search.radial_place(tool, strike)
     fastest = bar_search.fastest_place(tool, strike, radial.direction)
-    simulated, theory, referred, printed = _named(tool, radial, fastest), UNKNOWN, UNKNOWN, UNKNOWN
+    simulated = _named(tool, radial, fastest)
+    theory = UNKNOWN
+    referred = UNKNOWN
+    printed = UNKNOWN
     if with_reference:
         independent = _logged(bar_search.reference_solution(settings), usual)
         found = bar_search.radial_place(tool, independent, radial.direction)
-        referred = _named(tool, found, bar_search.fastest_place(tool, independent, radial.direction))
+        referred = _named(
+            tool, found, bar_search.fastest_place(tool, independent, radial.direction)
+        )
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
-    tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
+    tolerance = 10.0 * max(1e-8, settings.accuracy)
+    steep = abs(math.tan(radial.direction))
     within = dict.fromkeys(QUANTITIES, tolerance) | {
         "bar_vertical": tolerance * max(1.0, steep),
         "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": tolerance + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
+        "bar_direction_for_highest_tip_speed_deg": tolerance
+        + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
     }
     if tool == Tool():
-        names = ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg", "bar_horizontal", "bar_vertical")
+        names = (
+            "relative_speed_at_contact",
+            "bar_direction_for_radial_strike_deg",
+            "bar_horizontal",
+            "bar_vertical",
+        )
         printed = dict(zip(names, printed_cue().values(), strict=True))
     cue = cueing.cue(tool, bar_search.retraction(tool)) if tool.belt.stiffness else None
     if cue is not None:  # in it the radial and the fastest strike are the same
         speed = cue.highest_relative_speed
         tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
-        place = bar_search.Place(cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
+        place = bar_search.Place(
+            cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
+        )
         theory = _named(tool, place, place)
     return Report(
-        quantities=rows(QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None),
+        quantities=rows(
+            QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None
+        ),
         remarks=(
             f"the formula with centrifugal stiffening: {math.degrees(bar_search.stiffened_direction(tool)):.3f} deg",
         ),
-        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, None if cue is None else cue.bar_direction),
+        subject=CueMap(
+            tool,
+            settings,
+            grid or MapGrid(),
+            radial,
+            fastest,
+            None if cue is None else cue.bar_direction,
+        ),
         answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strike)}",
         wall_s=clock.perf_counter() - started,
     )
@@ -100,7 +126,11 @@ def _found_in_words(simulated: Values) -> str:
     found = {name: value or 0.0 for name, value in simulated.items()}
     direction = found["bar_direction_for_radial_strike_deg"]
     apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
-    fastest = "there the tip is also fastest" if abs(apart) < 0.05 else f"the tip is fastest {apart:+.2f}° from there"
+    fastest = (
+        "there the tip is also fastest"
+        if abs(apart) < 0.05
+        else f"the tip is fastest {apart:+.2f}° from there"
+    )
     horizontal, vertical = (1e3 * found[name] for name in ("bar_horizontal", "bar_vertical"))
     side = "below" if vertical >= 0.0 else "above"
     place = f"{horizontal:.2f} mm before the hub's axis and {abs(vertical):.2f} mm {side} it"
@@ -135,10 +165,13 @@ def _logged(strike: bar_search.Strike, usual: int) -> bar_search.Strike:
 def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
     bar = bar_search.placed(tool, radial.direction).bar
     assert bar is not None
-    strike, highest = radial.strike, fastest.strike["tip_speed_at_contact"]
+    strike = radial.strike
+    highest = fastest.strike["tip_speed_at_contact"]
     place = (math.degrees(radial.direction), bar.horizontal, bar.vertical)
     speeds = (strike["relative_speed_at_contact"], strike["tip_speed_at_contact"])
-    return dict(zip(QUANTITIES, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True))
+    return dict(
+        zip(QUANTITIES, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True)
+    )
 
 
 def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
@@ -149,11 +182,16 @@ def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
     try:
         from bristle_sim.studies.sweep import sweep
     except ImportError as error:
-        raise ValueError(f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+        raise ValueError(
+            f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})"
+        ) from error
     assert tool.bar is not None
     offsets = np.linspace(-grid.half_width, grid.half_width, grid.points)
     horizontal = tool.bar.horizontal + offsets
-    space = {"bar_vertical": tool.bar.vertical + offsets, "bar_horizontal": horizontal[horizontal >= 0.0]}
+    space = {
+        "bar_vertical": tool.bar.vertical + offsets,
+        "bar_horizontal": horizontal[horizontal >= 0.0],
+    }
     point = functools.partial(strike_of_keys, settings, tool)
     units = {**STRIKE_UNITS, "bar_horizontal": "m", "bar_vertical": "m"}
     return sweep(point, space, units=units, workers=None if grid.workers == 1 else grid.workers)

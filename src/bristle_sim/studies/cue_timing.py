@@ -81,7 +81,12 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
 
 
 def cue_timing(
-    tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
+    tool: Tool,
+    retraction: float,
+    settings: Settings,
+    *,
+    bar: Bar | None = None,
+    with_reference: bool = True,
 ) -> Report:
     """Simulate the release from rest at a retraction (rad), and place the bar by the result, for each belt stiffness.
 
@@ -96,14 +101,21 @@ def cue_timing(
     @functools.cache
     def timed(stiffness: float) -> CueTiming:
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        return _timed(read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference)
+        return _timed(
+            read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference
+        )
 
     filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
-    readings = {"per radian": PRINTED_BELT_STIFFNESS, "per degree": math.degrees(PRINTED_BELT_STIFFNESS)}
+    readings = {
+        "per radian": PRINTED_BELT_STIFFNESS,
+        "per degree": math.degrees(PRINTED_BELT_STIFFNESS),
+    }
     readings["from 254 Hz"] = filmed
     same = (tool.hub, tool.bristle, tool.workpart) == (Tool().hub, Tool().bristle, Tool().workpart)
     as_printed = same and not tool.belt.damping_ratio and retraction == math.radians(44.5)
-    printed = dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True)) if as_printed else {}
+    printed = (
+        dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True)) if as_printed else {}
+    )
     own = timed(tool.belt.stiffness)
     found = _rows(own, settings, QUANTITIES, printed if tool.belt == Belt() else {})
     for reading, stiffness in readings.items():
@@ -139,7 +151,9 @@ def _answer(direction: Quantity, lag: float | None) -> str:
     if direction.theory is not None:
         missed = direction.simulated - direction.theory
         word = "less" if missed < 0.0 else "more"
-        formula = f", {amount(abs(missed), 'deg')} {word} than the formula's {direction.theory:.2f}°"
+        formula = (
+            f", {amount(abs(missed), 'deg')} {word} than the formula's {direction.theory:.2f}°"
+        )
     printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
     strike = "has no cued strike" if lag is None else f"strikes {beside_radial(lag)}"
     return f"The release needs the bar at {direction.simulated:.2f}°{formula}{printed}; a whole pass with the bar there {strike}."
@@ -156,19 +170,35 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
         strikes = ("no strike" if lag is None else f"{lag:.2f}" for lag in lags)
         rows.append((name, f"{each.tool.belt.stiffness:.5g}", *cues, *strikes))
     stands = f"{next(iter(readings.values())).passes[-1]['bar_direction_deg']:.2f}"
-    head = ("belt stiffness", "N m/rad", "bar at, deg", "formula, deg", "lag there, deg", f"lag at {stands} deg, deg")
+    head = (
+        "belt stiffness",
+        "N m/rad",
+        "bar at, deg",
+        "formula, deg",
+        "lag there, deg",
+        f"lag at {stands} deg, deg",
+    )
     return Table("the bar for each reading of the printed belt stiffness", head, tuple(rows))
 
 
-def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool) -> CueTiming:
+def _timed(
+    tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool
+) -> CueTiming:
     """Release the bristle, and simulate whole passes with the bar where the release needs it and where it stands."""
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
-    start: dict[str, Any] = {"start_relative_angle": -retraction, "stop_after": "highest relative speed"}
+    start: dict[str, Any] = {
+        "start_relative_angle": -retraction,
+        "stop_after": "highest relative speed",
+    }
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     # An overdamped release is over in a small part of the period that samples are counted in.
-    samples = math.ceil(settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED))
-    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
+    samples = math.ceil(
+        settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED)
+    )
+    turning = dataclasses.replace(
+        settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples
+    )
     run = simulate(bare, turning, **start)
     require_result(run, settings)
     estimate = run.cost.error_estimate
@@ -178,13 +208,17 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
             f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn its error grows to {estimate:.2g}"
             " (dimensionless)"
         )
-    found, referred, places = _cue(tool, retraction, run), None, [(bar.horizontal, bar.vertical)]
+    found = _cue(tool, retraction, run)
+    referred = None
+    places = [(bar.horizontal, bar.vertical)]
     if found is not None:
         places.insert(0, (found.bar_horizontal, found.bar_vertical))
         if with_reference:
             from bristle_sim.reference import simulate_reference
 
-            reference = simulate_reference(bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start)
+            reference = simulate_reference(
+                bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start
+            )
             referred = _cue(tool, retraction, reference)
     formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
     bars = (dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in places)
@@ -197,7 +231,9 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
     time = run.event_time("highest relative speed")
     if time is None:
         return None
-    return cueing.placed_cue(tool, retraction, time, run.relative_rate[int(abs(run.time - time).argmin())])
+    return cueing.placed_cue(
+        tool, retraction, time, run.relative_rate[int(abs(run.time - time).argmin())]
+    )
 
 
 def _rows(
@@ -209,16 +245,24 @@ def _rows(
     error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
     of the bar magnifies an error of its direction by the other coordinate over this one.
     """
-    tool, cue = timing.tool, timing.reference
+    tool = timing.tool
+    cue = timing.reference
     magnified = dict.fromkeys(units, 1.0)
     if cue is not None and cue.cue_time:
-        damped = tool.belt_damping / ((tool.belt.stiffness + cueing.field_stiffness(tool)) * cue.cue_time)
+        damped = tool.belt_damping / (
+            (tool.belt.stiffness + cueing.field_stiffness(tool)) * cue.cue_time
+        )
         magnified = dict.fromkeys(units, max(1.0, damped)) | {"highest_relative_speed": 1.0}
         for name in ("bar_horizontal", "bar_vertical"):
             leverage = cue.bar_distance / max(abs(getattr(cue, name)), 1e-300)
             magnified[name] = max(1.0, damped) * max(1.0, cue.bar_direction) * leverage
-    within = {name: None if cue is None else _tolerance(settings) * factor for name, factor in magnified.items()}
-    simulated, theory, reference = (_values(each) for each in (timing.simulated, timing.formula, cue))
+    within = {
+        name: None if cue is None else _tolerance(settings) * factor
+        for name, factor in magnified.items()
+    }
+    simulated, theory, reference = (
+        _values(each) for each in (timing.simulated, timing.formula, cue)
+    )
     return rows(units, simulated, theory, reference, printed, within.get)
 
 
@@ -230,6 +274,14 @@ def _tolerance(settings: Settings) -> float:
 def _values(cue: Cue | None) -> Values:
     if cue is None:
         return {}
-    turn, direction = math.degrees(cue.hub_turn), math.degrees(cue.bar_direction)
-    values = (cue.cue_time, turn, cue.highest_relative_speed, direction, cue.bar_horizontal, cue.bar_vertical)
+    turn = math.degrees(cue.hub_turn)
+    direction = math.degrees(cue.bar_direction)
+    values = (
+        cue.cue_time,
+        turn,
+        cue.highest_relative_speed,
+        direction,
+        cue.bar_horizontal,
+        cue.bar_vertical,
+    )
     return dict(zip(QUANTITIES, values, strict=True))

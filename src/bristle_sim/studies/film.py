@@ -36,7 +36,11 @@ from bristle_sim.units import UnusualValueWarning
 FOLLOWED = 5e-4
 # Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the
 # first, s, and depth of the crater, m; of several touches the deepest.
-MEASURED = {"touches": 1.0, "compression_time": PRINTED_COMPRESSION, "crater_depth": MEASURED_CRATER}
+MEASURED = {
+    "touches": 1.0,
+    "compression_time": PRINTED_COMPRESSION,
+    "crater_depth": MEASURED_CRATER,
+}
 
 MEASURES = {
     "touches": ("touches within 0.5 ms", "1"),
@@ -67,8 +71,12 @@ class FilmMap:
     @property
     def frames(self) -> Array:
         """Return the instants about the strike at which the camera's shutter opens, s; the strike is midway between two."""
-        strike, step = self.run.event_time("strike") or 0.0, 1.0 / self.grid.frame_rate
-        return np.asarray(strike + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5))
+        strike = self.run.event_time("strike") or 0.0
+        step = 1.0 / self.grid.frame_rate
+        return np.asarray(
+            strike
+            + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5)
+        )
 
     @property
     def seen(self) -> tuple[list[float], list[float]]:
@@ -83,25 +91,46 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
 
     Raises ValueError if no pass of the map strikes, or the extra ``sweep`` is not installed.
     """
-    started, found = clock.perf_counter(), _mapped(tool, grid, settings)
+    started = clock.perf_counter()
+    found = _mapped(tool, grid, settings)
     variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings, grid.workers)
     values = {name: finite(each[found.nearest]) for name, each in found.results.items()}
-    damping, duration = found.tool.bristle.bending_damping_ratio, found.tool.contact.duration or 0.0
+    damping = found.tool.bristle.bending_damping_ratio
+    duration = found.tool.contact.duration or 0.0
     axes = {"wire_damping_ratio": found.dampings, "contact_duration": found.durations}
-    plain = {name: [[finite(value) for value in row] for row in each.tolist()] for name, each in found.results.items()}
+    plain = {
+        name: [[finite(value) for value in row] for row in each.tolist()]
+        for name, each in found.results.items()
+    }
     return Report(
         quantities=(
-            Quantity("nearest_contact_duration", "s", duration, label="nearest: contact of a rigid bristle"),
-            Quantity("nearest_wire_damping_ratio", "1", damping, label="nearest: damping ratio of the wire"),
+            Quantity(
+                "nearest_contact_duration",
+                "s",
+                duration,
+                label="nearest: contact of a rigid bristle",
+            ),
+            Quantity(
+                "nearest_wire_damping_ratio",
+                "1",
+                damping,
+                label="nearest: damping ratio of the wire",
+            ),
             *rows(MEASURES, values, printed=MEASURED),
         ),
         **run_fields(found.run) | {"wall_s": clock.perf_counter() - started},
-        remarks=("printed: what film and micrograph show", *(_reached(name, found.results[name]) for name in MEASURED)),
+        remarks=(
+            "printed: what film and micrograph show",
+            *(_reached(name, found.results[name]) for name in MEASURED),
+        ),
         tables=(_table(variants),),
         extra={
             "map": {name: axis.tolist() for name, axis in axes.items()} | plain,
             "variants": variants,
-            "frames": [{"time": time, "tip_height": height} for time, height in zip(*found.seen, strict=True)],
+            "frames": [
+                {"time": time, "tip_height": height}
+                for time, height in zip(*found.seen, strict=True)
+            ],
         },
         subject=found,
         answer=_answer(values, duration, damping),
@@ -112,25 +141,31 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     try:
         from bristle_sim.studies.sweep import sweep
     except ImportError as error:
-        raise ValueError(f"film needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+        raise ValueError(
+            f"film needs the extra sweep: pip install bristle-sim[sweep] ({error})"
+        ) from error
     straight = tool.replace(knee_angle_deg=0.0, contact="compliant")
     dampings = grid.largest_damping * np.linspace(0.0, 1.0, grid.dampings) ** 2
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
-    space, point = (
-        {"wire_damping_ratio": dampings, "contact_duration": durations},
-        partial(simulate_variant, settings, straight),
-    )
-    swept = sweep(point, space, workers=None if grid.workers == 1 else grid.workers, store=grid.store).load()
+    space = {"wire_damping_ratio": dampings, "contact_duration": durations}
+    point = partial(simulate_variant, settings, straight)
+    swept = sweep(
+        point, space, workers=None if grid.workers == 1 else grid.workers, store=grid.store
+    ).load()
     unknown = np.full(swept["failure"].shape, math.nan)
     results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
-    missed = np.sum([np.log(results[name] / value) ** 2 for name, value in MEASURED.items()], axis=0)
+    missed = np.sum(
+        [np.log(results[name] / value) ** 2 for name, value in MEASURED.items()], axis=0
+    )
     if not np.isfinite(missed).any():
         raise ValueError(
             f"no pass of the map has a strike that is resolved in time; {swept['failure'].values.ravel()[0]}"
         )
     row, column = np.unravel_index(int(np.nanargmin(missed)), missed.shape)
     best = straight.replace(wire_damping_ratio=dampings[row], contact_duration=durations[column])
-    return FilmMap(grid, dampings, durations, results, (int(row), int(column)), best, simulate(best, settings))
+    return FilmMap(
+        grid, dampings, durations, results, (int(row), int(column)), best, simulate(best, settings)
+    )
 
 
 @cache
@@ -148,20 +183,30 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
     Raises ValueError for a pass without a strike, or one that is given up.
     """
-    with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):  # the map's values are not typed
+    with warnings.catch_warnings(
+        action="ignore", category=UnusualValueWarning
+    ):  # the map's values are not typed
         tool = tool.replace(**keys)
         until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
     run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))
     require_result(run, settings)
-    touches, depths = [each for each in run.contacts if each.obstacle == "workpart"], list[float]()
+    touches = [each for each in run.contacts if each.obstacle == "workpart"]
+    depths = list[float]()
     for each in touches:
         entry = math.atan2(-each.velocity_before[0], abs(each.velocity_before[1]))
         if entry > 0.0 and each.compressive_work is not None:
             depths.append(crater_depth(each.compressive_work, CUTTING_FRICTION, entry))
     compression = slide = None
     if (history := touches[0].history) is not None:
-        compression, slide = compression_end(history), slide_of(touches[0]).forward
-    return dict(zip(MEASURES, (float(len(touches)), compression, max(depths, default=None), slide), strict=True))
+        compression = compression_end(history)
+        slide = slide_of(touches[0]).forward
+    return dict(
+        zip(
+            MEASURES,
+            (float(len(touches)), compression, max(depths, default=None), slide),
+            strict=True,
+        )
+    )
 
 
 def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list[dict[str, Any]]:
@@ -174,7 +219,10 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
         "reverse bent": {"knee_angle_deg": -knee},
         "forward bent": {"knee_angle_deg": knee},
         "rigid": {"wire_links": 1},
-        **{f"{number} links": {"wire_links": number} for number in sorted({links // 2, 5 * links // 4} - {1, links})},
+        **{
+            f"{number} links": {"wire_links": number}
+            for number in sorted({links // 2, 5 * links // 4} - {1, links})
+        },
         **{f"friction {value:g}": {"friction": value} for value in (0.2, 0.5)},
     }
 
@@ -189,10 +237,20 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
 
 
 def _table(variants: list[dict[str, Any]]) -> Table:
-    head = ("the nearest pair, but", "touches", "compression, us", "crater, um", "slide forward, mm")
-    factors, cells = dict(zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True)), []
+    head = (
+        "the nearest pair, but",
+        "touches",
+        "compression, us",
+        "crater, um",
+        "slide forward, mm",
+    )
+    factors = dict(zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True))
+    cells = []
     for each in variants:
-        shown = ("-" if each[name] is None else f"{factor * each[name]:.4g}" for name, factor in factors.items())
+        shown = (
+            "-" if each[name] is None else f"{factor * each[name]:.4g}"
+            for name, factor in factors.items()
+        )
         cells.append((f"{each['variant']}: {each['failure']}".removesuffix(": ")[:40], *shown))
     return Table("the nearest pair with other wires", head, tuple(cells))
 

@@ -17,7 +17,16 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, amount, rows
-from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.parameters import (
+    Belt,
+    Bristle,
+    ContactStiffness,
+    Hub,
+    Strike,
+    Surface,
+    Tool,
+    Workpart,
+)
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import crater_depth
@@ -46,7 +55,9 @@ NO_REFERENCE = (
 
 LONGEST_CONTACT = 10.0  # Longest duration of a contact, in durations of the rigid bristle's contact
 FLIGHT = 1.0  # Free motion shown after the contact, in durations of the rigid bristle's contact
-STUDY_ACCURACY = 1e-4  # Accuracy of the strikes of the study, which are drawn: far below a line's width
+STUDY_ACCURACY = (
+    1e-4  # Accuracy of the strikes of the study, which are drawn: far below a line's width
+)
 # Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
@@ -67,9 +78,12 @@ class FlexibleStrike:
     @property
     def stiffness(self) -> float:
         """Return the contact's stiffness, with K_nn = L^2 sin^2(gamma)/I of the rigid bristle, N/m."""
-        bristle, part = self.tool.bristle, self.tool.workpart
+        bristle = self.tool.bristle
+        part = self.tool.workpart
         assert part is not None
-        inverse_mass = (bristle.length * math.sin(self.impact_angle)) ** 2 / bristle.inertia_about_root
+        inverse_mass = (
+            bristle.length * math.sin(self.impact_angle)
+        ) ** 2 / bristle.inertia_about_root
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, **changes: Any) -> FlexibleStrike:
@@ -78,7 +92,9 @@ class FlexibleStrike:
 
     def run(self, flight: float = 0.0) -> WireStrike:
         """Simulate the strike in the scene, followed by free motion of the given duration, s."""
-        return strike_wire(*self._start(), self.settings, duration=self.contact.duration, flight=flight)
+        return strike_wire(
+            *self._start(), self.settings, duration=self.contact.duration, flight=flight
+        )
 
     def reference(self) -> ContactRecord:
         """Strike in the independent solution."""
@@ -89,7 +105,13 @@ class FlexibleStrike:
 
     def _start(self) -> tuple[Tool, float, list[float], list[float], float]:
         links = self.tool.bristle.links
-        return self.tool, -self.impact_angle, [-self.impact_angle] * links, [self.rate] * links, self.stiffness
+        return (
+            self.tool,
+            -self.impact_angle,
+            [-self.impact_angle] * links,
+            [self.rate] * links,
+            self.stiffness,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,16 +151,24 @@ def flexible_wire(
 
     Raises ValueError for values that do not fit together, or a contact that does not end.
     """
-    for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
+    for key, value, unit in (
+        ("hub_speed", hub.speed, "rad/s"),
+        ("wire_diameter", bristle.wire_diameter, "m"),
+    ):
         if not value:
             raise ValueError(f"{key} = 0: must be above 0, or no elastic wire strikes (in {unit})")
     gamma = math.radians(strike.impact_angle_deg)
     tool = tool_at_surface(hub, belt, bristle, surface, gamma)
     struck = FlexibleStrike(tool, gamma, strike.speed_ratio * hub.speed, contact, settings)
     wire, rigid = (each.run(FLIGHT * contact.duration) for each in (struck, struck.of(1)))
-    own, stiff, outcome = measures(struck, wire.contact), measures(struck, rigid.contact), rigid.contact.outcome
+    own = measures(struck, wire.contact)
+    stiff = measures(struck, rigid.contact)
+    outcome = rigid.contact.outcome
     reference: dict[str, float] = {}
-    if with_reference and max(surface.friction, surface.friction_in_restitution) <= REFERENCE_FRICTION:
+    if (
+        with_reference
+        and max(surface.friction, surface.friction_in_restitution) <= REFERENCE_FRICTION
+    ):
         reference = _reference(struck, outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
@@ -148,20 +178,29 @@ def flexible_wire(
         f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression.",
     ]
     if outcome != "rebound":
-        remarks.append(f"The rigid bristle's outcome is {outcome}; its values are those up to the end of compression.")
+        remarks.append(
+            f"The rigid bristle's outcome is {outcome}; its values are those up to the end of compression."
+        )
     if with_reference and not reference:
         remarks.append(NO_REFERENCE)
     return Report(
         **record_fields(wire.contact, wire, strike=0.0, release=wire.contact.duration),
-        quantities=(*_frequencies(tool, with_reference), *rows(units, simulated, stiff, reference, tolerance=allowed)),
+        quantities=(
+            *_frequencies(tool, with_reference),
+            *rows(units, simulated, stiff, reference, tolerance=allowed),
+        ),
         remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),
         answer=_answer(bristle.links, own, stiff, again(wire)),
     )
 
 
-def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None) -> str:
-    wire, rigid = ([amount(each[name], unit) for name, (_, unit) in MEASURES.items()] for each in (own, stiff))
+def _answer(
+    links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None
+) -> str:
+    wire, rigid = (
+        [amount(each[name], unit) for name, (_, unit) in MEASURES.items()] for each in (own, stiff)
+    )
     found = (
         f"With {links} links the impulse is {wire[0]}, the largest force {wire[1]} and the crater {wire[3]} deep; the rigid"
         f" bristle at the same contact stiffness has {rigid[0]}, {rigid[1]} and {rigid[3]}."
@@ -190,7 +229,9 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
         rigid = measures(strike, strike.of(1).reference()) if rigid_outcome == "rebound" else None
     except TooStiffError:
         return {}
-    return found | ({RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]} if rigid else {})
+    return found | (
+        {RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]} if rigid else {}
+    )
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
@@ -199,23 +240,34 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
     Raises ValueError for a contact that was not resolved in time.
     """
     if contact.history is None or contact.compressive_work is None:
-        raise ValueError("speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches")
+        raise ValueError(
+            "speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches"
+        )
     depth = crater_depth(contact.compressive_work, CUTTING_FRICTION, strike.impact_angle)
-    values = (contact.impulse[0], float(contact.history.normal_force.max()), contact.duration, depth)
+    values = (
+        contact.impulse[0],
+        float(contact.history.normal_force.max()),
+        contact.duration,
+        depth,
+    )
     return dict(zip(MEASURES, values, strict=True))
 
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Strike at several contact stiffnesses with 2, 4 and 8 links, and at the requested one with every number of links."""
-    most, durations = strike.tool.bristle.links, strike.contact.duration * np.array(stiffnesses)
-    numbers, coarse = np.arange(1, max(2, most) + 1), dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
+    most = strike.tool.bristle.links
+    durations = strike.contact.duration * np.array(stiffnesses)
+    numbers = np.arange(1, max(2, most) + 1)
+    coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
         """Return the measures of strikes divided by the rigid bristle's; NaN where the contact does not end."""
         found = []
         for each in strikes:
             try:
-                found.append(_ratios(*(measures(one, one.run().contact) for one in (each, each.of(1)))))
+                found.append(
+                    _ratios(*(measures(one, one.run().contact) for one in (each, each.of(1))))
+                )
             except ValueError:
                 found.append(dict.fromkeys(MEASURES, math.nan))
         return {name: np.array([each[name] for each in found]) for name in MEASURES}
@@ -233,7 +285,9 @@ def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, floa
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 
-def tool_at_surface(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float) -> Tool:
+def tool_at_surface(
+    hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float
+) -> Tool:
     """Return a tool whose workpart is at the end of the wire that stands radially at the impact angle, rad."""
     reach = hub.radius + bristle.length
     if reach * math.cos(impact_angle) <= hub.radius:
@@ -242,20 +296,34 @@ def tool_at_surface(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, im
             f"impact_angle_deg = {math.degrees(impact_angle):g}: must be less than {limit:.6g}, or the hub's rim would touch"
             " the workpart (in deg)"
         )
-    part = Workpart(**dataclasses.asdict(surface), penetration=reach * (1.0 - math.cos(impact_angle)))
+    part = Workpart(
+        **dataclasses.asdict(surface), penetration=reach * (1.0 - math.cos(impact_angle))
+    )
     return Tool(hub=hub, belt=belt, bristle=bristle, bar=None, workpart=part)
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     """Compare the scene's bending frequencies with those of the beam and of the chain of links."""
-    bristle, rows = tool.bristle, []
-    wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
-    found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
+    bristle = tool.bristle
+    rows = []
+    wire = (
+        bristle.mass,
+        bristle.length,
+        bristle.wire_diameter,
+        bristle.modulus,
+        tool.belt.stiffness,
+    )
+    found = wire_frequencies(tool)
+    beam = beam_frequencies(*wire, 3)
+    chain = chain_frequencies(*wire, bristle.links)
     for mode, name in enumerate(("first_bending_frequency", "second_bending_frequency"), 1):
         simulated = reference = within = None
         if mode < bristle.links:
-            simulated, reference = float(found[mode]), float(chain[mode]) if with_reference else None
+            simulated = float(found[mode])
+            reference = float(chain[mode]) if with_reference else None
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
-            within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
+            within = max(
+                1e-6, rounding
+            )  # an error of the largest eigenvalue's rounding in the square
         rows.append(Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within))
     return rows

@@ -76,15 +76,23 @@ class ForceComparison:
 
 
 def force_comparison(
-    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, measurement: Measurement, settings: Settings
+    hub: Hub,
+    bristle: Bristle,
+    surface: Surface,
+    history: ForceHistory,
+    measurement: Measurement,
+    settings: Settings,
 ) -> Report:
     """Compare the simulated contact with the curve of chapter 3, or with one fitted to measured points.
 
     Raises ValueError for points that are no force history.
     """
-    measured, contact, no_contact = _measured_force(measurement), None, ""
+    measured = _measured_force(measurement)
+    contact = None
+    no_contact = ""
     curve = BRISTLE if measured is None else measured.fit.curve
-    peak, gamma = curve.peak_time(), math.radians(history.impact_angle_deg)
+    peak = curve.peak_time()
+    gamma = math.radians(history.impact_angle_deg)
     timed: dict[str, float] = {"compression_time": history.compression_time or peak}
     if history.speed_ratio is None:
         timed["impulse"] = float(curve.impulse(peak))
@@ -98,19 +106,37 @@ def force_comparison(
     # measurement that this tool's bristle could not make is compared with nothing.
     within = dict[str, float]()
     if contact is not None or measured is None:
-        taken = {"compression_time": history.compression_time, "compressive_impulse": history.speed_ratio}
-        within = {name: 10.0 * max(1e-6, settings.accuracy) for name, given in taken.items() if given is None}
-    simulated = {} if contact is None else {name: float(getattr(contact, name)) for name in QUANTITIES}
-    theory = dict(zip(QUANTITIES, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True))
-    printed = {name: printed_number(place) for name, place in PRINTED.items()} if curve is BRISTLE else {}
+        taken = {
+            "compression_time": history.compression_time,
+            "compressive_impulse": history.speed_ratio,
+        }
+        within = {
+            name: 10.0 * max(1e-6, settings.accuracy)
+            for name, given in taken.items()
+            if given is None
+        }
+    simulated = (
+        {} if contact is None else {name: float(getattr(contact, name)) for name in QUANTITIES}
+    )
+    theory = dict(
+        zip(QUANTITIES, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True)
+    )
+    printed = (
+        {name: printed_number(place) for name, place in PRINTED.items()} if curve is BRISTLE else {}
+    )
     main = rows(QUANTITIES, simulated, theory, {}, printed, within.get)
     if contact is not None:
         fields = contact_fields(contact, end=float(contact.time[-1]))
         speed = f"{contact.tip_speed:.2f} m/s with mu = {surface.friction:g}"
         shown = f"resultant force of a bristle whose tip strikes at {speed}"
     else:
-        fields, shown = {"outcome": None} if measured else contact_fields(None), f"nothing; {no_contact}"
-    source = ("theory: the curve as printed in (3.19)",) if measured is None else _measured_in_words(measured)
+        fields = {"outcome": None} if measured else contact_fields(None)
+        shown = f"nothing; {no_contact}"
+    source = (
+        ("theory: the curve as printed in (3.19)",)
+        if measured is None
+        else _measured_in_words(measured)
+    )
     return Report(
         **fields,
         quantities=(*main, *(_measured_rows(measured) if measured else ())),
@@ -118,7 +144,9 @@ def force_comparison(
         extra={"measured_fit": None if measured is None else _as_dict(measured.fit)},
         subject=ForceComparison(curve, contact, measured, no_contact),
         answer=_answer(
-            "chapter 3's curve" if measured is None else "the curve fitted to the measurement", main, no_contact
+            "chapter 3's curve" if measured is None else "the curve fitted to the measurement",
+            main,
+            no_contact,
         ),
     )
 
@@ -137,7 +165,10 @@ def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
     """Return the values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
-    values, errors = (dict(zip(fit.names, each.tolist(), strict=True)) for each in (fit.values, fit.standard_errors))
+    values, errors = (
+        dict(zip(fit.names, each.tolist(), strict=True))
+        for each in (fit.values, fit.standard_errors)
+    )
     numbers = {name: getattr(fit, name) for name in ("start", "baseline", "root_mean_square")}
     return numbers | {"values": values, "standard_errors": errors}
 
@@ -149,7 +180,10 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
     """
     if measurement.force_csv is None:
         return None
-    columns = {name: getattr(measurement, name) for name in ("time_column", "force_column", "force_per_volt")}
+    columns = {
+        name: getattr(measurement, name)
+        for name in ("time_column", "force_column", "force_per_volt")
+    }
     try:
         time, force, reading = read_force_csv(measurement.force_csv, **columns)
     except ValueError as error:
@@ -158,18 +192,24 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
         fit = fit_force_history(time, force)
     except ValueError as error:
         raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
-    later, length = time - fit.start, fit.curve.duration
+    later = time - fit.start
+    length = fit.curve.duration
     shown = (later >= -0.5 * length) & (later <= 1.5 * length)
     return MeasuredForce(later[shown], force[shown] - fit.baseline, fit, reading)
 
 
 def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     """Compare the fit's impulse with that of the points, and its misfit with their noise."""
-    curve, length = measured.fit.curve, measured.fit.curve.duration
+    curve = measured.fit.curve
+    length = measured.fit.curve.duration
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
-    noise, peak = math.sqrt(float(second @ second) / 6.0 / second.size), curve.peak_force()
-    inside = (measured.time >= -SUMMED_BEYOND * length) & (measured.time <= (1.0 + SUMMED_BEYOND) * length)
-    time, force = measured.time[inside], measured.force[inside]
+    noise = math.sqrt(float(second @ second) / 6.0 / second.size)
+    peak = curve.peak_force()
+    inside = (measured.time >= -SUMMED_BEYOND * length) & (
+        measured.time <= (1.0 + SUMMED_BEYOND) * length
+    )
+    time = measured.time[inside]
+    force = measured.force[inside]
     fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
     summed = float(np.trapezoid(force, time))
     # Points h apart have errors of noise sqrt(h T) in their sum, of which the fit's amplitude has a part.
@@ -178,14 +218,18 @@ def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
     misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
     return (
-        Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread),
+        Quantity(
+            "fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread
+        ),
         Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
     )
 
 
 def _measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
     fit = measured.fit
-    level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
+    level = (
+        f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
+    )
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
     shown = ", ".join(f"{name} = {value:.5g} +- {error:.1g}" for name, value, error in pairs)
     found = f"contact found at {1e6 * fit.start:.6g} us on the file's clock, for {1e6 * fit.curve.duration:.4g} us"

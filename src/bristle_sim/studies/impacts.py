@@ -12,7 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
-from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
+from bristle_sim.parameters import (
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    SinglePendulum,
+    Strike,
+    Surface,
+)
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_pass import IMPACT, contact_quantities, record_fields
@@ -44,7 +52,9 @@ class Impacts:
     elastic: bool = False
 
 
-AT_REST = 1e-13  # A rate after an impact counts as zero below this fraction of the fastest one before it
+AT_REST = (
+    1e-13  # A rate after an impact counts as zero below this fraction of the fastest one before it
+)
 # Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference
 # of two such positions
 HEIGHT_ROUNDING = 1e-15
@@ -63,7 +73,15 @@ RODS = {
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
     """Return a bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
-    return Chain((bristle.mass,), (bristle.length,), (-impact_angle,), (rate,), hub.radius, hub.speed, -impact_angle)
+    return Chain(
+        (bristle.mass,),
+        (bristle.length,),
+        (-impact_angle,),
+        (rate,),
+        hub.radius,
+        hub.speed,
+        -impact_angle,
+    )
 
 
 def double_chain(pendulum: DoublePendulum) -> Chain:
@@ -77,13 +95,25 @@ def double_chain(pendulum: DoublePendulum) -> Chain:
 
 
 def oblique_impact(
-    hub: Hub, bristle: Bristle, state: Strike, surface: Surface, contact: Contact, settings: Settings
+    hub: Hub,
+    bristle: Bristle,
+    state: Strike,
+    surface: Surface,
+    contact: Contact,
+    settings: Settings,
 ) -> Report:
     """Simulate one strike of a radial bristle (Zhang 2020, eqs. 2.19-2.65)."""
-    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
+    gamma = math.radians(state.impact_angle_deg)
+    rate = state.speed_ratio * hub.speed
     impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
     theory = monofilament_impact(
-        bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma, *_coefficients(surface)
+        bristle.mass,
+        bristle.length,
+        hub.radius,
+        hub.speed,
+        state.speed_ratio,
+        gamma,
+        *_coefficients(surface),
     )
     hidden = HEIGHT_ROUNDING * (1.0 + hub.radius / bristle.length)
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), hidden / math.sin(gamma))
@@ -91,20 +121,30 @@ def oblique_impact(
     for name, simulated in contact_quantities(impacts.strikes[contact.law].contact).items():
         expected = None if name == "rebound_ratio" and rate == 0.0 else float(getattr(theory, name))
         least = {"final_bristle_rate": AT_REST * rate, "rebound_ratio": AT_REST}.get(name, 0.0)
-        rounding = HEIGHT_ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
+        rounding = (
+            HEIGHT_ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
+        )
         if name == "tangential_compressive_work":
             rounding = hidden / math.cos(gamma)
-        found.append(_row(name, IMPACT[name], (simulated, expected), _widened(tolerance, rounding), least))
+        found.append(
+            _row(name, IMPACT[name], (simulated, expected), _widened(tolerance, rounding), least)
+        )
     return _report(impacts, found, lambda one: one.contact.rates_after[0], "bristle")
 
 
-def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
+def single_pendulum(
+    pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings
+) -> Report:
     """Simulate Stronge's single pendulum (Zhang 2020, sec. 2.4.1).
 
     With two coefficients of friction the formulas are the bristle's, with a hub of no radius.
     """
-    gamma, rod, rate = math.radians(pendulum.impact_angle_deg), (pendulum.mass, pendulum.length), pendulum.rate
-    impacts = _all_laws(Chain((rod[0],), (rod[1],), (-gamma,), (-rate,)), surface, contact, settings)
+    gamma = math.radians(pendulum.impact_angle_deg)
+    rod = (pendulum.mass, pendulum.length)
+    rate = pendulum.rate
+    impacts = _all_laws(
+        Chain((rod[0],), (rod[1],), (-gamma,), (-rate,)), surface, contact, settings
+    )
     theory: Any
     if surface.restitution_friction is None or rate >= 0.0:
         theory = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
@@ -114,32 +154,51 @@ def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact
     expected = {name: float(getattr(theory, name)) for name in ("rebound_ratio", *IMPULSES)}
     simulated = contact_quantities(impacts.strikes[contact.law].contact)
     # A rate after the impact has the rounding of the one before it.
-    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma))
+    tolerance = _tolerance(
+        contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma)
+    )
     rounding = {"rebound_ratio": HEIGHT_ROUNDING / max(abs(expected["rebound_ratio"]), AT_REST)}
     found = []
     for name, value in expected.items():
         pair = (simulated[name], None if name == "rebound_ratio" and not rate else value)
         least = AT_REST if name == "rebound_ratio" else 0.0
-        found.append(_row(name, IMPACT[name], pair, _widened(tolerance, rounding.get(name, 0.0)), least))
+        found.append(
+            _row(name, IMPACT[name], pair, _widened(tolerance, rounding.get(name, 0.0)), least)
+        )
     return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
 
 
-def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
+def double_pendulum(
+    pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings
+) -> Report:
     """Simulate Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
-    impacts, own = _all_laws(double_chain(pendulum), surface, contact, settings), pendulum
-    angles, rates = (math.radians(own.angle_1_deg), math.radians(own.angle_2_deg)), (own.rate_1, own.rate_2)
-    theory = double_pendulum_impact(own.mass, own.mass_ratio, own.length, *angles, *rates, *_coefficients(surface))
+    impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
+    own = pendulum
+    angles = (math.radians(own.angle_1_deg), math.radians(own.angle_2_deg))
+    rates = (own.rate_1, own.rate_2)
+    theory = double_pendulum_impact(
+        own.mass, own.mass_ratio, own.length, *angles, *rates, *_coefficients(surface)
+    )
     one = impacts.strikes[contact.law]
     # Friction magnifies the rounding of a rod's angle, by itself where the rod lies along the surface.
     mu, (along, across) = surface.friction, (abs(math.cos(angles[1])), abs(math.sin(angles[1])))
     magnified = max(own.mass_ratio, mu / max(across + mu * along, AT_REST))
     within = _tolerance(contact, settings, surface, None, HEIGHT_ROUNDING * magnified)
-    slowest, compressive = AT_REST * max(map(abs, rates)), one.contact.compressive_impulse
-    energies = (one.kinetic_energy_ratio, theory.kinetic_energy_ratio if one.kinetic_energy_before else None)
+    slowest = AT_REST * max(map(abs, rates))
+    compressive = one.contact.compressive_impulse
+    energies = (
+        one.kinetic_energy_ratio,
+        theory.kinetic_energy_ratio if one.kinetic_energy_before else None,
+    )
     sides = (
         ("final_rate_1", -one.contact.rates_after[0], theory.final_rate_1, slowest),
         ("final_rate_2", -one.contact.rates_after[1], theory.final_rate_2, slowest),
-        ("normal_compressive_impulse", compressive[0] if compressive else None, theory.normal_compressive_impulse, 0.0),
+        (
+            "normal_compressive_impulse",
+            compressive[0] if compressive else None,
+            theory.normal_compressive_impulse,
+            0.0,
+        ),
         ("normal_final_impulse", one.contact.impulse[0], theory.normal_final_impulse, 0.0),
         ("kinetic_energy_ratio", *energies, AT_REST**2),
     )
@@ -152,7 +211,11 @@ def _coefficients(surface: Surface) -> tuple[float, float, float]:
 
 
 def _row(
-    name: str, words: tuple[str, str], sides: Iterable[float | None], within: float | None, least: float
+    name: str,
+    words: tuple[str, str],
+    sides: Iterable[float | None],
+    within: float | None,
+    least: float,
 ) -> Quantity:
     """Return a quantity, with 0 for a side that does not exceed ``least``."""
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
@@ -182,30 +245,55 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
     """Simulate the strike by the requested law, and by the others where they have a result."""
-    strikes, refusals = dict[str, ChainStrike](), dict[str, str]()
+    strikes = dict[str, ChainStrike]()
+    refusals = dict[str, str]()
     for law in dict.fromkeys((*LAWS, contact.law)):
         try:
-            other = Contact(law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0)
-            strikes[law] = strike(chain, surface, contact if law == contact.law else other, settings)
+            other = Contact(
+                law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0
+            )
+            strikes[law] = strike(
+                chain, surface, contact if law == contact.law else other, settings
+            )
         except ValueError as error:
             if law == contact.law:
                 raise
             refusals[law] = str(error)
     elastic = bool(contact.tangential_compliance)
-    return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration, elastic=elastic)
+    return Impacts(
+        chain, surface, contact.law, strikes, refusals, contact.duration, elastic=elastic
+    )
 
 
-def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
+def _report(
+    impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str
+) -> Report:
     requested = impacts.strikes[impacts.law]
-    one, turned = requested.contact, rate(requested)
+    one = requested.contact
+    turned = rate(requested)
     laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]
-    head = ("law", "rate after, rad/s", "p_n, N s", "p_t, N s", "work n, J", "work t, J", "energy ratio")
+    head = (
+        "law",
+        "rate after, rad/s",
+        "p_n, N s",
+        "p_t, N s",
+        "work n, J",
+        "work t, J",
+        "energy ratio",
+    )
     forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
     pairs = (zip(law.values(), forms, strict=True) for law in laws)
-    cells = tuple(tuple("-" if value is None else format(value, form) for value, form in each) for each in pairs)
+    cells = tuple(
+        tuple("-" if value is None else format(value, form) for value, form in each)
+        for each in pairs
+    )
     words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(one.outcome, "sticks")
     impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}"
-    known = "The formulas are for a contact that is rigid along the surface" if impacts.elastic else agreement(rows)
+    known = (
+        "The formulas are for a contact that is rigid along the surface"
+        if impacts.elastic
+        else agreement(rows)
+    )
     answer = f"{known}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
     if impacts.elastic:
@@ -217,14 +305,20 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         tables=(Table("the contact laws compared", head, cells),),
         extra={"laws": laws},
         subject=impacts,
-        answer=answer if one.impulse[0] else "There is no impact: the tip does not approach the surface.",
+        answer=answer
+        if one.impulse[0]
+        else "There is no impact: the tip does not approach the surface.",
     )
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
     """Return a law's results for the JSON, in SI units."""
     first, second = one.contact.compressive_work, one.contact.restitutive_work
-    works = (None, None) if first is None or second is None else (first[0] + second[0], first[1] + second[1])
+    works = (
+        (None, None)
+        if first is None or second is None
+        else (first[0] + second[0], first[1] + second[1])
+    )
     return {
         "law": law,
         "rate_after": rate,

@@ -48,9 +48,13 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
     the kinetic energy is u^T M u/2 with M_ii = m_i/3 + the masses beyond i and, for i < j, M_ij = (m_j/2 + the masses beyond j)
     cos(theta_i - theta_j), whatever the lengths. A hub that keeps its speed takes no part.
     """
-    masses, angles = np.array(chain.masses), np.array(chain.angles)
-    carried, order = masses.sum() - np.cumsum(masses), np.arange(masses.size)
-    inertia = (masses / 2.0 + carried)[np.maximum.outer(order, order)] * np.cos(np.subtract.outer(angles, angles))
+    masses = np.array(chain.masses)
+    angles = np.array(chain.angles)
+    carried = masses.sum() - np.cumsum(masses)
+    order = np.arange(masses.size)
+    inertia = (masses / 2.0 + carried)[np.maximum.outer(order, order)] * np.cos(
+        np.subtract.outer(angles, angles)
+    )
     inertia[order, order] = masses / 3.0 + carried
     jacobian = np.stack([np.sin(angles), np.cos(angles)])
     return jacobian, np.linalg.solve(inertia, jacobian.T)
@@ -58,24 +62,32 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
     """Return (v_n, v_t) of the tip, hub included, m/s."""
-    speeds = np.array([chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)])
+    speeds = np.array(
+        [chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)]
+    )
     angles = np.array([chain.hub_angle, *chain.angles])
     return float(speeds @ np.sin(angles)), float(speeds @ np.cos(angles))
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
     """Return the energetic law's piecewise linear course from touch to separation; one point if the tip does not approach."""
-    inverse_mass, before, later = contact_inverse_mass(chain), tip_velocity(chain), surface.friction_in_restitution
+    inverse_mass = contact_inverse_mass(chain)
+    before = tip_velocity(chain)
+    later = surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
     (normal, coupling), (_, tangential) = inverse_mass.tolist()
     ratios = []  # tangential over normal impulse of each of the four phases
     for number, slip in enumerate(impact.phase_slip.tolist()):
         friction = later if number >= 2 else surface.friction
-        if number >= 2 and slip * coupling > 0.0:  # slip at rest: no more friction than keeps the tip on the surface
+        if (
+            number >= 2 and slip * coupling > 0.0
+        ):  # slip at rest: no more friction than keeps the tip on the surface
             friction = min(friction, normal / (slip * coupling))
         stick = -coupling / tangential if tangential > 0.0 else 0.0
         ratios.append(-friction * slip if slip else stick)
-    steps = np.stack([impact.phase_impulse, ratios * impact.phase_impulse])[:, impact.phase_impulse > 0.0]
+    steps = np.stack([impact.phase_impulse, ratios * impact.phase_impulse])[
+        :, impact.phase_impulse > 0.0
+    ]
     sums = np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
     normal_speed, slip_speed = np.array(before)[:, None] + inverse_mass @ sums
     ends = float(impact.compressive_impulse_normal), float(impact.slip_stop_impulse)

@@ -83,11 +83,14 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
                 f"hub_speed = {bare.hub.speed:g}: must be faster, or the belt softer; the hub turns by {turn:g} rad while the"
                 " bristle swings (in rad/s)"
             )
-        found = simulate(bare, dataclasses.replace(settings, hub_turn=turn), start_relative_rate=-bare.hub.speed)
+        found = simulate(
+            bare, dataclasses.replace(settings, hub_turn=turn), start_relative_rate=-bare.hub.speed
+        )
         require_result(found, settings)
         return found
 
-    radial, with_bar = until_radial(tool, run), simulate(tool, settings, stop_after="strike")
+    radial = until_radial(tool, run)
+    with_bar = simulate(tool, settings, stop_after="strike")
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
     # A slow return magnifies an error of the motion, which is relative to its first rate.
@@ -97,26 +100,34 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
     reference = _reference(tool) if with_reference else {}
     return Report(
-        quantities=rows(QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerance=within.get),
+        quantities=rows(
+            QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerance=within.get
+        ),
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
         steps=0 if radial is None else radial.trajectory.cost.steps,
-        not_reached=("" if radial is None else radial.trajectory.accuracy_not_reached) or with_bar.accuracy_not_reached,
+        not_reached=("" if radial is None else radial.trajectory.accuracy_not_reached)
+        or with_bar.accuracy_not_reached,
         subject=InertiaDriven(tool, radial, with_bar),
-        answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated["hub_speed_for_equal_tip_speed"]),
+        answer=_answer(
+            radial, strike_speed, with_bar.stop_reason, simulated["hub_speed_for_equal_tip_speed"]
+        ),
     )
 
 
 def until_radial(tool: Tool, run: BareRun) -> Radial | None:
     """Return the bristle when it passes the radial direction; None where it does not."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
-    stiffness, inertia = bare.belt.stiffness + cueing.field_stiffness(bare), bare.bristle.inertia_about_root
+    stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
+    inertia = bare.bristle.inertia_about_root
     if not stiffness:
         return None
     length = HALF_PERIODS * math.pi * math.sqrt(inertia / stiffness)
     for doubling in range(DOUBLINGS + 1):
         found = run(bare, length * 2.0**doubling)
-        lagging = 1 + np.flatnonzero((found.relative_angle[1:-1] < 0.0) & (found.relative_angle[2:] >= 0.0))
+        lagging = 1 + np.flatnonzero(
+            (found.relative_angle[1:-1] < 0.0) & (found.relative_angle[2:] >= 0.0)
+        )
         if lagging.size:
             break
         if found.event_time("retraction limit") is not None:
@@ -124,13 +135,18 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
     else:
         return None
     motion = Interpolation(found)
-    time = brentq(lambda time: float(motion(time).relative_angle), *found.time[lagging[0] : lagging[0] + 2])
-    for _ in range(2):  # each run ends closer to the radial direction, with the square of the error before
+    time = brentq(
+        lambda time: float(motion(time).relative_angle), *found.time[lagging[0] : lagging[0] + 2]
+    )
+    for _ in range(
+        2
+    ):  # each run ends closer to the radial direction, with the square of the error before
         end = run(bare, time)
         rate = float(end.relative_rate[-1])
         # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
         missing = -float(end.relative_angle[-1]) / rate
-        time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
+        time = float(end.time[-1]) + missing
+        rate = rate * (1.0 - bare.belt_damping / inertia * missing)
     if rate < LEAST_RATE * bare.hub.speed:
         return None
     speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
@@ -141,7 +157,9 @@ def _reference(tool: Tool) -> Values:
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
-        return simulate_reference(bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11)
+        return simulate_reference(
+            bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11
+        )
 
     with_bar = simulate_reference(tool, accuracy=1e-10, stop_after="strike")
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
@@ -151,7 +169,13 @@ def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float
     if radial is None:
         return dict.fromkeys(QUANTITIES)
     equal = None if strike_speed is None else _equal_hub_speed(tool, run, radial, strike_speed)
-    sides = (math.degrees(radial.retraction), radial.time, radial.relative_rate, radial.tip_speed, equal)
+    sides = (
+        math.degrees(radial.retraction),
+        radial.time,
+        radial.relative_rate,
+        radial.tip_speed,
+        equal,
+    )
     return dict(zip(QUANTITIES, sides, strict=True))
 
 
@@ -160,14 +184,18 @@ def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: flo
 
     def missing(speed: float) -> float:
         """Return the tip's speed less the bar-cued tip's, m/s."""
-        tried = radial if speed == tool.hub.speed else until_radial(tool.replace(hub_speed=speed), run)
+        tried = (
+            radial if speed == tool.hub.speed else until_radial(tool.replace(hub_speed=speed), run)
+        )
         if tried is None:
             raise RuntimeError
         return tried.tip_speed - strike_speed
 
     guess = tool.hub.speed * strike_speed / radial.tip_speed
     try:
-        return float(newton(missing, tool.hub.speed, x1=guess, tol=1e-300, rtol=1e-11, maxiter=TRIES))
+        return float(
+            newton(missing, tool.hub.speed, x1=guess, tol=1e-300, rtol=1e-11, maxiter=TRIES)
+        )
     except RuntimeError:  # the bristle leans over, or the last try was not close enough
         return None
 
@@ -181,17 +209,28 @@ def _theory(tool: Tool, strike_speed: float | None) -> Values:
     """Return the theoretical values by energy and quadrature, for an undamped belt; hub speed from the bar-cued strike."""
     if tool.belt_damping:
         return {}
-    reach, speed = 2.0 * tool.bristle.length + tool.hub.radius, tool.hub.speed
-    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, cueing.field_stiffness(tool), speed)
+    reach = 2.0 * tool.bristle.length + tool.hub.radius
+    speed = tool.hub.speed
+    drive = (
+        tool.bristle.inertia_about_root,
+        tool.belt.stiffness,
+        cueing.field_stiffness(tool),
+        speed,
+    )
     try:
-        retraction, time = inertia_drive.largest_retraction(*drive), inertia_drive.time_to_radial(*drive)
+        retraction = inertia_drive.largest_retraction(*drive)
+        time = inertia_drive.time_to_radial(*drive)
     except ValueError:
         return {}
     equal = None if strike_speed is None else strike_speed / reach
-    return dict(zip(QUANTITIES, (math.degrees(retraction), time, speed, reach * speed, equal), strict=True))
+    return dict(
+        zip(QUANTITIES, (math.degrees(retraction), time, speed, reach * speed, equal), strict=True)
+    )
 
 
-def _answer(radial: Radial | None, strike_speed: float | None, stop_reason: str, equal: float | None) -> str:
+def _answer(
+    radial: Radial | None, strike_speed: float | None, stop_reason: str, equal: float | None
+) -> str:
     if radial is None:
         return "The bristle does not come back to the radial direction: it leans over by 90°, or creeps."
     own = f"Without a bar the tip reaches {amount(radial.tip_speed, 'm/s')} after {amount(radial.time, 's')}"

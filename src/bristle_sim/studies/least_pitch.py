@@ -26,7 +26,9 @@ PITCH_TOLERANCE = 1e-9  # Tolerance of the least pitch, rad: 6e-8 deg
 # Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's
 # turn
 INSTANTS = 1500
-MINIMA_REFINED = 2  # Local minima of the distance over time that are refined, beginning with the least
+MINIMA_REFINED = (
+    2  # Local minima of the distance over time that are refined, beginning with the least
+)
 # Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched
 MOST_SAMPLES = 5000
 LARGEST_PITCH = math.pi / 2.0  # Pitch at which the downward search starts, rad
@@ -53,10 +55,13 @@ def polyline_distance(first: Points, second: Points) -> Array:
     found = np.full(len(first), np.inf)
     for i in range(first.shape[1] - 1):
         for j in range(second.shape[1] - 1):
-            pair, crossing = (first[:, i : i + 2], second[:, j : j + 2]), np.full(len(first), True)
+            pair = (first[:, i : i + 2], second[:, j : j + 2])
+            crossing = np.full(len(first), True)
             for points, segment in (pair, pair[::-1]):
                 along = (segment[:, 1] - segment[:, 0])[:, np.newaxis]
-                seen = np.conj(along) * (points - segment[:, :1]) / abs(along) ** 2  # from the segment, over its length
+                seen = (
+                    np.conj(along) * (points - segment[:, :1]) / abs(along) ** 2
+                )  # from the segment, over its length
                 away = abs(seen - np.clip(seen.real, 0.0, 1.0)) * abs(along)
                 found = np.minimum(found, away.min(axis=1))
                 crossing &= np.prod(seen.imag, axis=1) < 0.0
@@ -69,13 +74,16 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 
     Between samples h rad of its motion apart the cubics of a line have an error of h^4/384, 1e-8 at 150 samples a period.
     """
-    delay, begin = pitch / lone.hub_speed, float(lone.time[0])
+    delay = pitch / lone.hub_speed
+    begin = float(lone.time[0])
     lines = cubics(lone.time, lone.centre_line, lone.centre_line_velocity)
 
     def distance(time: Array) -> Array:
         within = np.maximum(time - delay, begin)  # before its start a bristle turns with the hub
         turned = np.exp(1j * lone.hub_speed * (time - delay - within))
-        return polyline_distance(complex_points(lines(time)), complex_points(lines(within)) * turned[:, np.newaxis])
+        return polyline_distance(
+            complex_points(lines(time)), complex_points(lines(within)) * turned[:, np.newaxis]
+        )
 
     samples = np.concatenate([lone.time, lone.time + delay])
     inside = samples[(samples > begin) & (samples < until)]
@@ -91,7 +99,9 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
     """Return the least value of a function of one minimum between bounds, and where it is."""
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)})
+    found = minimize_scalar(
+        function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)}
+    )
     return float(found.fun), float(found.x)
 
 
@@ -124,7 +134,10 @@ def least_pitch(
         delay = pitch / lone.hub_speed if of_follower else 0.0
         return nearest_approach(lone, pitch, min(end + delay, last)) - wire_diameter
 
-    pitch, open_gap, wider, before = largest, gap(largest), math.inf, largest
+    pitch = largest
+    open_gap = gap(largest)
+    wider = math.inf
+    before = largest
     # m/rad: the follower lags by pitch/omega, and no point of it moves faster.
     steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
     if open_gap <= 0.0:
@@ -145,17 +158,26 @@ def least_pitch(
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
     """Return the theoretical least pitches, the narrowest first; without a value where ``unsearched`` gives a reason."""
-    contact, found, largest = lone.first_contact("workpart"), list[LeastPitch](), LARGEST_PITCH
-    strike, searched = None if contact is None else contact.time, not unsearched(tool, lone)
+    contact = lone.first_contact("workpart")
+    found = list[LeastPitch]()
+    largest = LARGEST_PITCH
+    strike = None if contact is None else contact.time
+    searched = not unsearched(tool, lone)
     instants = (
         ("whole_pass", float(lone.time[-1]), False),
         ("to_own_strike", strike, True),
         ("to_strike", strike, False),
     )
-    for words, until, own in instants:  # each counts fewer touches than the one before, so that its pitch is smaller
+    for (
+        words,
+        until,
+        own,
+    ) in instants:  # each counts fewer touches than the one before, so that its pitch is smaller
         theory = None
         if until is not None and searched:
-            largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
+            largest = least_pitch(
+                lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest
+            )
             theory = math.degrees(largest)
             largest += NEXT_SEARCH
         found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))

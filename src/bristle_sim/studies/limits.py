@@ -31,7 +31,9 @@ class Change:
     above: str
 
 
-def limits(tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any) -> tuple[Change, ...]:
+def limits(
+    tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any
+) -> tuple[Change, ...]:
     """Return all values of a key, ascending, at which the outcome of the pass changes.
 
     From which friction on does the tip stick?
@@ -72,7 +74,9 @@ def limits(tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any) 
         if (highs - lows <= width).all():
             middles = (0.5 * (lows + highs)).tolist()
             return tuple(Change(at, *pair) for at, pair in zip(middles, words, strict=True))
-        points = lows[:, np.newaxis] + (highs - lows)[:, np.newaxis] * np.linspace(0.0, 1.0, PARTS + 1)
+        points = lows[:, np.newaxis] + (highs - lows)[:, np.newaxis] * np.linspace(
+            0.0, 1.0, PARTS + 1
+        )
 
 
 def _changes(points: Array, outcome: Any) -> tuple[Array, Array, list[tuple[str, str]]]:

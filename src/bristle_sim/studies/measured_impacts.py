@@ -24,7 +24,11 @@ from bristle_sim.comparison import Quantity, Report, Table
 from bristle_sim.parameters import Measured
 from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
 
-SPEED, RADIUS, FRICTION, RESTITUTION = 3.9, 0.0025, 0.092, 0.98  # m/s, m (Kharaz et al. 2001)
+# m/s, m (Kharaz et al. 2001)
+SPEED = 3.9
+RADIUS = 0.0025
+FRICTION = 0.092
+RESTITUTION = 0.98
 
 # Of spheres, over the angle of incidence from the normal, deg: tangential velocity of the centre after over before, spin
 # after, rad/s, and the angle from the normal at which the centre leaves, deg (Kharaz et al. 2001).
@@ -42,7 +46,10 @@ MEASURED_SPHERES = {
         (39.535, 32.613), (49.747, 45.125), (60.208, 57.474),
     ]),
 }  # fmt: skip
-MASS, HALF_AXES, GYRATION = 0.0364, (0.035, 0.025), 0.0192  # kg, m, m: the data set's own description
+# kg, m, m: the data set's own description
+MASS = 0.0364
+HALF_AXES = (0.035, 0.025)
+GYRATION = 0.0192
 # Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width
 RESAMPLES = 200
 GRID = 31  # Values of mu and of e* at which resampled halves are fitted, about the fit
@@ -64,9 +71,16 @@ class Ellipse:
 
     def part(self, chosen: slice) -> Ellipse:
         """Return some of the impacts."""
-        return Ellipse(self.before[chosen], self.after[chosen], self.jacobian[chosen], self.inverse_mass[chosen])
+        return Ellipse(
+            self.before[chosen],
+            self.after[chosen],
+            self.jacobian[chosen],
+            self.inverse_mass[chosen],
+        )
 
-    def predicted(self, law: Law, friction: float, restitution: float, **compliance: float) -> Impact:
+    def predicted(
+        self, law: Law, friction: float, restitution: float, **compliance: float
+    ) -> Impact:
         """Return the impacts by a law, from the velocity of the point of contact before."""
         approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
         return law(self.inverse_mass, approach, friction, restitution, **compliance)
@@ -74,9 +88,13 @@ class Ellipse:
     def misfit(self, hit: Impact | Array) -> Array:
         """Return |v predicted - v measured|/|v measured| by impacts or impulses, in the norm of the kinetic energy."""
         impulse = (
-            hit if isinstance(hit, np.ndarray) else np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
+            hit
+            if isinstance(hit, np.ndarray)
+            else np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
         )
-        missed = self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
+        missed = (
+            self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
+        )
         return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
 
     def best_impulse(self) -> Array:
@@ -92,7 +110,9 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
     """Return the velocity ratio, the spin in rad/s and the rebound angle in deg of spheres that strike at angles in deg."""
     angle = np.radians(angle_deg)
     velocity = SPEED * np.stack([-np.cos(angle), np.sin(angle)], axis=-1)
-    hit = energetic_impact(np.diag([1.0, 3.5]), velocity, FRICTION, RESTITUTION, tangential_compliance=compliance)
+    hit = energetic_impact(
+        np.diag([1.0, 3.5]), velocity, FRICTION, RESTITUTION, tangential_compliance=compliance
+    )
     along = velocity[..., 1] + hit.impulse_tangential
     return {
         "restitution": along / velocity[..., 1],
@@ -103,7 +123,10 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
 
 def spheres(compliance: float) -> dict[str, float]:
     """Return the root mean square error of the prediction of each measured quantity of the spheres."""
-    missed = {name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1] for name, at in MEASURED_SPHERES.items()}
+    missed = {
+        name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1]
+        for name, at in MEASURED_SPHERES.items()
+    }
     return {name: float(np.sqrt(np.mean(each**2))) for name, each in missed.items()}
 
 
@@ -181,24 +204,38 @@ def confidence(train: Ellipse, friction: float, restitution: float) -> Array:
     about = (friction * np.linspace(0.7, 1.3, GRID), restitution * np.linspace(0.8, 1.2, GRID))
     pairs = np.array([each.ravel() for each in np.meshgrid(*about, indexing="ij")])
     hits = (train.predicted(energetic_impact, mu, min(e, 1.0)) for mu, e in pairs.T)
-    table, rng = np.stack([train.misfit(hit) for hit in hits]), np.random.default_rng(0)
+    table = np.stack([train.misfit(hit) for hit in hits])
+    rng = np.random.default_rng(0)
     count = table.shape[1]
-    best = [np.argmin(table[:, rng.integers(0, count, count)].mean(axis=1)) for _ in range(RESAMPLES)]
+    best = [
+        np.argmin(table[:, rng.integers(0, count, count)].mean(axis=1)) for _ in range(RESAMPLES)
+    ]
     return np.asarray(np.quantile(pairs[:, best], (0.025, 0.975), axis=1).T)
 
 
 def measured_impacts(measured: Measured) -> Report:
     """Predict the spheres, and the ellipse where there is a file with its impacts."""
-    squared, names = measured.tangential_compliance, ("restitution_error", "spin_error", "rebound_angle_error_deg")
-    errors, rigid = list(spheres(squared).values()), list(spheres(0.0).values())
-    units, tables = ("1", "rad/s", "deg"), []
+    squared = measured.tangential_compliance
+    names = ("restitution_error", "spin_error", "rebound_angle_error_deg")
+    errors = list(spheres(squared).values())
+    rigid = list(spheres(0.0).values())
+    units = ("1", "rad/s", "deg")
+    tables = []
     quantities = [
         *map(Quantity, names, units, errors),
         *map(Quantity, (f"rigid_{name}" for name in names), units, rigid),
     ]
     for nu in (0.23, 0.3):
         ratio, spin, angle = spheres(elastic_compliance(nu)).values()
-        tables.append((f"nu = {nu:g}", f"{elastic_compliance(nu):.3f}", f"{ratio:.4f}", f"{spin:.1f}", f"{angle:.3f}"))
+        tables.append(
+            (
+                f"nu = {nu:g}",
+                f"{elastic_compliance(nu):.3f}",
+                f"{ratio:.4f}",
+                f"{spin:.1f}",
+                f"{angle:.3f}",
+            )
+        )
     head = ("spheres, elastic constants", "eta^2", "velocity ratio", "spin, rad/s", "rebound, deg")
     form = "{:.3f}, spin by {:.0f} rad/s and rebound angle by {:.2f}°"
     answer = (
@@ -207,16 +244,28 @@ def measured_impacts(measured: Measured) -> Report:
     )
     table = Table("Root mean square errors", head, tuple(tables))
     found = Report(None, tuple(quantities), tables=(table,), subject=squared, answer=answer)
-    return found if measured.data is None else _with_ellipse(found, read_ellipse(measured.data), squared)
+    return (
+        found
+        if measured.data is None
+        else _with_ellipse(found, read_ellipse(measured.data), squared)
+    )
 
 
 def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Report:
     """Add the laws fitted on every second impact of the ellipse, and their predictions of the others."""
-    train, test = ellipse.part(slice(0, None, 2)), ellipse.part(slice(1, None, 2))
-    laws: dict[str, Law] = {"energetic": energetic_impact, "poisson": poisson_impact, "newton": newton_impact}
-    fits, elastic = {name: fitted(law, train) for name, law in laws.items()}, {"tangential_compliance": compliance}
+    train = ellipse.part(slice(0, None, 2))
+    test = ellipse.part(slice(1, None, 2))
+    laws: dict[str, Law] = {
+        "energetic": energetic_impact,
+        "poisson": poisson_impact,
+        "newton": newton_impact,
+    }
+    fits = {name: fitted(law, train) for name, law in laws.items()}
+    elastic = {"tangential_compliance": compliance}
     hits = {name: test.predicted(law, *fits[name]) for name, law in laws.items()}
-    hits["compliant"] = test.predicted(energetic_impact, *fitted(energetic_impact, train, **elastic), **elastic)
+    hits["compliant"] = test.predicted(
+        energetic_impact, *fitted(energetic_impact, train, **elastic), **elastic
+    )
     friction, restitution = fits["energetic"]
     limits = confidence(train, friction, restitution)
     values = {"impacts": float(len(ellipse.before))}
@@ -235,7 +284,10 @@ def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Repor
     )
     return dataclasses.replace(
         spheres,
-        quantities=(*spheres.quantities, *(Quantity(name, "1", value) for name, value in values.items())),
+        quantities=(
+            *spheres.quantities,
+            *(Quantity(name, "1", value) for name, value in values.items()),
+        ),
         remarks=remarks,
         tables=(*spheres.tables, _motions(hits["energetic"]), _over_lever(test, hits["energetic"])),
         answer=spheres.answer + answer,
@@ -247,12 +299,17 @@ def _motions(hit: Impact) -> Table:
     reverse = float(np.mean((last != 0.0) & (last == -hit.phase_slip[:, 0])))
     stuck = float(np.mean(last == 0.0))
     cells = (("slip", 1.0 - reverse - stuck), ("stick", stuck), ("reverse slip", reverse))
-    return Table("The ellipse's impacts end in", ("motion", "fraction"), tuple((k, f"{v:.3f}") for k, v in cells))
+    return Table(
+        "The ellipse's impacts end in",
+        ("motion", "fraction"),
+        tuple((k, f"{v:.3f}") for k, v in cells),
+    )
 
 
 def _over_lever(test: Ellipse, hit: Impact) -> Table:
     """Return the mean misfit in quarters of the lever between the centre and the normal through the point of contact."""
-    lever, misfit = -test.jacobian[:, 0, 2], test.misfit(hit)
+    lever = -test.jacobian[:, 0, 2]
+    misfit = test.misfit(hit)
     edges = np.quantile(lever, (0.0, 0.25, 0.5, 0.75, 1.0))
     quarter = np.clip(np.searchsorted(edges, lever, side="right") - 1, 0, 3)
     spans = (f"{1e3 * low:.1f} to {1e3 * high:.1f}" for low, high in pairwise(edges))

@@ -40,7 +40,9 @@ RESOLUTION = 0.005  # Width to which that interval is bisected, deg
 # Width to which that interval is doubled until wires touch at one end alone; beyond it the search has failed, deg
 WIDEST = 1.6
 AGREEMENT = 0.05  # Largest difference of simulated and theoretical least pitches that agrees, deg
-SAMPLES_PER_PERIOD = 150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
+SAMPLES_PER_PERIOD = (
+    150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
+)
 
 STRIKE = {
     name: STATE.get(name) or IMPACT[name]
@@ -72,7 +74,9 @@ class NeighbourRow:
         return sorted({time for run in self.bristles for time in _touches(run)})
 
 
-def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False) -> Report:
+def neighbours(
+    tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False
+) -> Report:
     """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
 
     Raises ValueError if the hub stands still, the wires bend or touch at the start, or a run is given up.
@@ -89,31 +93,42 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
     found = NeighbourRow(tool, row, settings, bristles, lone, least_pitches_of(tool, lone))
-    reference, least = None, dict[str, float | None]()
+    reference = None
+    least = dict[str, float | None]()
     if with_reference:
         from bristle_sim.reference import simulate_reference, simulate_row_reference
 
         options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
-        least = {each.name: each.by_theory for each in least_pitches_of(tool, simulate_reference(tool, **options))}
+        least = {
+            each.name: each.by_theory
+            for each in least_pitches_of(tool, simulate_reference(tool, **options))
+        }
     strikes = list[dict[str, float | None]]()
     for number, run in enumerate(bristles, 1):
         time = run.event_time("strike")
         before = sum(time is None or each < time for each in _touches(run))
         strikes.append(
-            {"bristle": number, "touches_before_strike": before, "contact_time": time} | strike_values(tool, run)
+            {"bristle": number, "touches_before_strike": before, "contact_time": time}
+            | strike_values(tool, run)
         )
-    last, reason = bristles[-1], unsearched(tool, lone)
+    last = bristles[-1]
+    reason = unsearched(tool, lone)
     contact = last.first_contact("workpart")
     least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
     stops = f"The row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})."
-    counted = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
+    counted = (
+        f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
+    )
     return Report(
         outcome=outcome_of(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
         **run_fields(last),
-        remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}", f"least pitches: {counted}"),
+        remarks=(
+            f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}",
+            f"least pitches: {counted}",
+        ),
         tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},
         subject=found,
@@ -123,13 +138,22 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 
 def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
-    whole, own = known["least_pitch_whole_pass_deg"], known["least_pitch_to_own_strike_deg"]
-    apart = "" if whole is None else f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
+    whole = known["least_pitch_whole_pass_deg"]
+    own = known["least_pitch_to_own_strike_deg"]
+    apart = (
+        ""
+        if whole is None
+        else f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
+    )
     apart += "" if own is None else f" and a touch spoils the next strike below {own:.2f}°"
     apart += ". " if apart else ""
-    number, pitch, struck = row.neighbours.bristles, f"{row.neighbours.pitch_deg:g}°", last["normal_final_impulse"]
+    number = row.neighbours.bristles
+    pitch = f"{row.neighbours.pitch_deg:g}°"
+    struck = last["normal_final_impulse"]
     if struck is None:
-        return f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
+        return (
+            f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
+        )
     alone = strike_values(row.tool, row.lone)["normal_final_impulse"]
     touched = "after a touch" if last["touches_before_strike"] else "untouched until then"
     compared = "" if alone is None else f" a bristle alone has {amount(alone, 'N s')}"
@@ -137,10 +161,19 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
 
 
 def _strikes_table(strikes: Sequence[Values]) -> Table:
-    head = ("bristle", "touches before", "strike, ms", "lag, deg", "relative speed, rad/s", "impulse p_fy, mN s")
+    head = (
+        "bristle",
+        "touches before",
+        "strike, ms",
+        "lag, deg",
+        "relative speed, rad/s",
+        "impulse p_fy, mN s",
+    )
     factors = dict.fromkeys(strikes[0], 1.0) | {"contact_time": 1e3, "normal_final_impulse": 1e3}
     cells = [
-        tuple("-" if value is None else f"{factors[name] * value:.5g}" for name, value in each.items())
+        tuple(
+            "-" if value is None else f"{factors[name] * value:.5g}" for name, value in each.items()
+        )
         for each in strikes
     ]
     return Table("the strike of each bristle", head, tuple(cells))
@@ -150,7 +183,9 @@ def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
     """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
     found = np.full((len(STRIKE), len(pitches)), math.nan)
     for number, pitch in enumerate(pitches):
-        with contextlib.suppress(ValueError):  # a pitch at which the row cannot start, or a run that is given up
+        with contextlib.suppress(
+            ValueError
+        ):  # a pitch at which the row cannot start, or a run that is given up
             run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
             found[:, number] = list(strike_values(row.tool, run).values())
     return dict(zip(STRIKE, found, strict=True))
@@ -158,8 +193,15 @@ def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
     """Return time, the foremost root's angle and every bristle's angle from its radial direction, one entry a sample."""
-    angles = {f"relative_angle_{number} (rad)": run.relative_angle for number, run in enumerate(row.bristles, 1)}
-    return {"time (s)": row.bristles[0].time, "hub_angle (rad)": row.bristles[0].hub_angle, **angles}
+    angles = {
+        f"relative_angle_{number} (rad)": run.relative_angle
+        for number, run in enumerate(row.bristles, 1)
+    }
+    return {
+        "time (s)": row.bristles[0].time,
+        "hub_angle (rad)": row.bristles[0].hub_angle,
+        **angles,
+    }
 
 
 def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
@@ -167,9 +209,13 @@ def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
     return {"bristles": row.bristles, "pitch": math.radians(pitch), **own}
 
 
-def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any) -> tuple[Trajectory, ...]:
+def _simulated(
+    tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any
+) -> tuple[Trajectory, ...]:
     # A step takes as long as its row has bristles: 16 us for two, 85 us for twelve.
-    brief = dataclasses.replace(settings, maximum_steps=max(1, 2 * settings.maximum_steps // row.bristles))
+    brief = dataclasses.replace(
+        settings, maximum_steps=max(1, 2 * settings.maximum_steps // row.bristles)
+    )
     runs = simulate_row(tool, brief, **_placed(row, pitch), **options)
     require_result(runs[-1], settings)
     return runs
@@ -178,16 +224,22 @@ def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **
 def root_pitch(tool: Tool) -> float:
     """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg."""
     if not tool.bristle.wire_diameter < 2.0 * tool.hub.radius:
-        raise ValueError(f"hub_radius = {tool.hub.radius:g}: must be above half of wire_diameter (in m)")
+        raise ValueError(
+            f"hub_radius = {tool.hub.radius:g}: must be above half of wire_diameter (in m)"
+        )
     return math.degrees(2.0 * math.asin(tool.bristle.wire_diameter / (2.0 * tool.hub.radius)))
 
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
     """Search near the theoretical pitch for the largest one at which two simulated wires touch."""
-    compared = Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
+    compared = Quantity(
+        least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name]
+    )
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
         return compared
-    pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
+    pair = dataclasses.replace(row.neighbours, bristles=2)
+    end = least.until
+    speed = row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
         if pitch <= root_pitch(row.tool):
@@ -198,7 +250,8 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
         return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
-    width, middle = FIRST_WIDTH, least.by_theory
+    width = FIRST_WIDTH
+    middle = least.by_theory
     while not (touch(middle - 0.5 * width) and not touch(middle + 0.5 * width)):
         width *= 2.0
         if width > WIDEST:
@@ -223,13 +276,18 @@ def _touches(run: Trajectory) -> list[float]:
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Return the last bristle's touches and its strike, with the lone bristle's strike as theory."""
-    tool, last = row.tool, row.bristles[-1]
-    touched, ended = bool(_touches(last)), last.stop_reason is StopReason.END
+    tool = row.tool
+    last = row.bristles[-1]
+    touched = bool(_touches(last))
+    ended = last.stop_reason is StopReason.END
     simulated = {"wire_contacts": float(len(_touches(last))), **strike_values(tool, last)}
     theory = {"wire_contacts": None if touched else 0.0, **strike_values(tool, row.lone)}
     referred: Values = {}
     if reference is not None:
-        referred = {"wire_contacts": float(len(_touches(reference))), **strike_values(tool, reference)}
+        referred = {
+            "wire_contacts": float(len(_touches(reference))),
+            **strike_values(tool, reference),
+        }
     # Errors are relative to angles of a radian, the hub's rate, and the strike of a bristle alone.
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
 

@@ -64,7 +64,9 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     if size > 0.0:
         found["friction_work"] = 0.0
         for each in run.contacts:
-            work = (each.compressive_work or (0.0, 0.0))[1] + (each.restitutive_work or (0.0, 0.0))[1]
+            work = (each.compressive_work or (0.0, 0.0))[1] + (each.restitutive_work or (0.0, 0.0))[
+                1
+            ]
             found["friction_work"] = max(found["friction_work"], work / size)
         if tool.bristle.links == 1:
             energy, uncertainty = _energy_imbalance(tool, run)
@@ -87,9 +89,14 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     and gravity. In flight it falls at the rate c alpha'^2 - omega m g x; an impact changes it by its impulse's work less
     omega times its moment. Sustained contacts are left out: the obstacle's shape prescribes their motion.
     """
-    bristle, omega, damping, weight = tool.bristle, tool.hub.speed, tool.belt_damping, tool.bristle.mass * tool.gravity
-    relative, inertia = run.relative_rate, bristle.inertia_about_root
-    root, arm = complex_points(run.centre_line[:, 0]), complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
+    bristle = tool.bristle
+    omega = tool.hub.speed
+    damping = tool.belt_damping
+    weight = tool.bristle.mass * tool.gravity
+    relative = run.relative_rate
+    inertia = bristle.inertia_about_root
+    root = complex_points(run.centre_line[:, 0])
+    arm = complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
     place = root + arm
     energy = 0.5 * inertia * relative**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
     jacobi = energy + bristle.mass * (tool.gravity * place.imag - 0.5 * omega**2 * abs(place) ** 2)
@@ -102,10 +109,16 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     def lost(at: Array) -> float:
         """Integrate the power over samples by the trapezoidal rule with end slopes, of fourth order, J."""
         step = np.diff(run.time[at])
-        return float((0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])).sum())
+        return float(
+            (
+                0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])
+            ).sum()
+        )
 
-    found, uncertain = [0.0], [0.0]
-    middle, free = 0.5 * (run.time[1:] + run.time[:-1]), np.diff(run.time) > 0.0
+    found = [0.0]
+    uncertain = [0.0]
+    middle = 0.5 * (run.time[1:] + run.time[:-1])
+    free = np.diff(run.time) > 0.0
     for each in run.contacts:
         free &= (middle < each.time) | (middle > each.time + each.duration)
     # A flight lasts from one contact to the next.
@@ -116,7 +129,9 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     for each in run.contacts:
         if _is_rigid(tool, each):
             before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
-            work = float(np.dot(each.impulse, np.add(each.velocity_before, each.velocity_after) / 2.0))
+            work = float(
+                np.dot(each.impulse, np.add(each.velocity_before, each.velocity_after) / 2.0)
+            )
             if each.compressive_work is not None and each.restitutive_work is not None:
                 work = sum(each.compressive_work) + sum(each.restitutive_work)
             moment = float(_arms_at(tool, run, each)[0] @ each.impulse)
@@ -132,7 +147,9 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
 
 def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
     """Return the moments of unit normal and tangential forces at a contact about the hub's centre, and the root; m."""
-    lines = wire_lines(tool, run.hub_angle[:1] + run.hub_speed * contact.time, np.array(contact.angles))
+    lines = wire_lines(
+        tool, run.hub_angle[:1] + run.hub_speed * contact.time, np.array(contact.angles)
+    )
     normal, point = touched(tool, contact.obstacle, lines)
     return levers(normal, point)[0], levers(normal, point - lines[:, 0])[0]
 
@@ -143,8 +160,12 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     A contact resolved in time over a requested duration leaves a crater, which is no error.
     """
     depths = [0.0]
-    if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
-        corners = run.centre_line[:, 1 if tool.bristle.links == 1 else -1 :, 1]  # joints between links pass through
+    if tool.workpart is not None and (
+        tool.contact.law != "compliant" or tool.contact.duration is None
+    ):
+        corners = run.centre_line[
+            :, 1 if tool.bristle.links == 1 else -1 :, 1
+        ]  # joints between links pass through
         depths.append(float((-tool.workpart_depth - corners).max()))
     if tool.bar is not None:
         point = nearest(tool, complex_points(run.centre_line))[2]
@@ -159,9 +180,14 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
         return {}
     near = SAME_INSTANT * float(run.time[-1])
     for each in run.contacts:
-        if each.obstacle == "bar" and each.time - near <= strike.time <= each.time + each.duration + near:
+        if (
+            each.obstacle == "bar"
+            and each.time - near <= strike.time <= each.time + each.duration + near
+        ):
             return {}
-    pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float]()
+    pushed = strike.impulse[0]
+    part = tool.workpart
+    errors = dict[str, float]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
         arms = _arms_at(tool, run, strike)[1]
@@ -172,8 +198,12 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
     errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
     works = strike.compressive_work, strike.restitutive_work
-    if strike.outcome != "stiction" and works[0] and works[1] and works[0][0]:  # stiction leaves no restitution
-        errors["restitution_work_error"] = abs(works[1][0] + part.restitution**2 * works[0][0]) / abs(works[0][0])
+    if (
+        strike.outcome != "stiction" and works[0] and works[1] and works[0][0]
+    ):  # stiction leaves no restitution
+        errors["restitution_work_error"] = abs(
+            works[1][0] + part.restitution**2 * works[0][0]
+        ) / abs(works[0][0])
     return errors
 
 
@@ -186,7 +216,8 @@ def wire_lines(tool: Tool, hub_angle: Array, angle: Array) -> Points:
     """Return root, knee and tip of the wire's centre line, shape (n, corners); angles in rad."""
     path = complex_points(np.array([(0.0, 0.0), *tool.bristle.path]))
     return np.asarray(
-        -1j * tool.hub.radius * np.exp(1j * hub_angle)[:, np.newaxis] + np.outer(np.exp(1j * angle), path)
+        -1j * tool.hub.radius * np.exp(1j * hub_angle)[:, np.newaxis]
+        + np.outer(np.exp(1j * angle), path)
     )
 
 
@@ -199,10 +230,13 @@ def levers(normal: Points, point: Points) -> Array:
 def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
     """Return the piece of each centre line, shape (n, corners), nearest to the bar, the fraction along it, and the point."""
     assert tool.bar is not None
-    centre, start, along = complex(*tool.bar.centre), lines[:, :-1], np.diff(lines, axis=1)
+    centre = complex(*tool.bar.centre)
+    start = lines[:, :-1]
+    along = np.diff(lines, axis=1)
     fraction = np.clip((np.conj(along) * (centre - start)).real / abs(along) ** 2, 0.0, 1.0)
     points = start + fraction * along
-    piece, each = abs(points - centre).argmin(axis=-1), np.arange(len(lines))
+    piece = abs(points - centre).argmin(axis=-1)
+    each = np.arange(len(lines))
     return piece, fraction[each, piece], points[each, piece]
 
 

@@ -9,13 +9,22 @@ from typing import Any
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import IMPACT, STATE, contact_quantities, require_result, state_at_strike
+from bristle_sim.studies.whole_pass import (
+    IMPACT,
+    STATE,
+    contact_quantities,
+    require_result,
+    state_at_strike,
+)
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import Trajectory
 
 STRIKE_UNITS = {
-    **{name: (STATE | IMPACT)[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work")},
+    **{
+        name: (STATE | IMPACT)[name][1]
+        for name in (*STATE, "normal_final_impulse", "normal_compressive_work")
+    },
     "crater_depth": "m",
 }
 """Units of a cued strike's measures."""
@@ -32,7 +41,8 @@ def strike_of_keys(
 
     Raises ValueError if the run is given up, or has no cued strike.
     """
-    settings, tool = settings or Settings(), (tool or Tool()).replace(**values)
+    settings = settings or Settings()
+    tool = (tool or Tool()).replace(**values)
     run = simulate(tool, settings, stop_after="strike")
     require_result(run, settings)
     return strike_measures(tool, run)
@@ -64,9 +74,14 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
     if max(each.time + each.duration for each in touches) >= strike.time:
         raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
-    found = {**state_at_strike(tool, run, strike), **contact_quantities(strike), "crater_depth": None}
+    found = {
+        **state_at_strike(tool, run, strike),
+        **contact_quantities(strike),
+        "crater_depth": None,
+    }
     entry = math.atan2(-strike.velocity_before[0], abs(strike.velocity_before[1]))
-    work, friction = strike.compressive_work, tool.workpart.friction if tool.workpart else 0.0
+    work = strike.compressive_work
+    friction = tool.workpart.friction if tool.workpart else 0.0
     if work is not None and friction > 0.0 and 0.0 < entry < 0.5 * math.pi:
         found["crater_depth"] = crater_depth(work, friction, entry)
     return {name: found[name] for name in STRIKE_UNITS}

@@ -85,25 +85,40 @@ def sweep(
         RuntimeError: if the workers do not answer any more; finished points are kept. A point that loses its worker time and
             again is a failure, which the next call on the same store computes again.
     """
-    grid, units = _grid(space), dict(units or {})
+    grid = _grid(space)
+    units = dict(units or {})
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
-    software = ", ".join(f"{name} {metadata.version(name)}" for name in ("bristle_sim", "numpy", "pymunk", "scipy"))
+    software = ", ".join(
+        f"{name} {metadata.version(name)}" for name in ("bristle_sim", "numpy", "pymunk", "scipy")
+    )
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
-    results, again = _results(grid, store, function, version), LOST
+    results = _results(grid, store, function, version)
+    again = LOST
     try:
         for _ in range(ROUNDS):
             if not (missing := np.flatnonzero(results.missing(again))).size:
                 return _dataset(results, grid, units)
-            _write(results, evaluated(function, _points(grid, missing), workers), missing.size, progress)
+            _write(
+                results,
+                evaluated(function, _points(grid, missing), workers),
+                missing.size,
+                progress,
+            )
             again = ""
     except KeyboardInterrupt:
-        kept = "" if store is None else f"the points that are finished are kept in {store}; the same call goes on"
+        kept = (
+            ""
+            if store is None
+            else f"the points that are finished are kept in {store}; the same call goes on"
+        )
         raise SweepInterrupted(kept, _dataset(results, grid, units).load()) from None
     raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
 
 
-def _results(grid: xr.Dataset, store: str | Path | None, function: Callable[..., Any], version: str) -> Results:
+def _results(
+    grid: xr.Dataset, store: str | Path | None, function: Callable[..., Any], version: str
+) -> Results:
     """Return results in memory or in the store's folder of this function and grid."""
     if store is None:
         return Results(tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes)))
@@ -160,12 +175,20 @@ def sweep_scenario(
     if len(axes) not in (1, 2):
         raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")
     space = {key: np.asarray(values, dtype=float) for key, values in axes.items()}
-    options: dict[str, Any] = {"units": units, "workers": workers, "store": store, "progress": progress}
+    options: dict[str, Any] = {
+        "units": units,
+        "workers": workers,
+        "store": store,
+        "progress": progress,
+    }
     found = sweep(functools.partial(_quantities, run), space, **options).load()
     known = [np.isfinite(each.values) for name, each in found.data_vars.items() if name != FAILURE]
     finished = np.argwhere(np.any(known, axis=0))
     if finished.size:  # a report there has labels and units
-        point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
+        point = {
+            key: float(values[i])
+            for (key, values), i in zip(space.items(), finished[0], strict=True)
+        }
         quantities = run(**point).quantities
         for each in quantities:
             if each.name + FORMULA in found and not np.isfinite(found[each.name]).any():
@@ -181,17 +204,32 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
     """Return a report's simulated values, the formula's for the others, and the reason why some may be missing."""
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
-    formulas = {each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None}
-    return values | formulas | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
+    formulas = {
+        each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None
+    }
+    return (
+        values
+        | formulas
+        | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
+    )
 
 
-def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any) -> None:
+def _check(
+    function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any
+) -> None:
     """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
-    whole = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0 and workers <= MOST_WORKERS
+    whole = (
+        isinstance(workers, int)
+        and not isinstance(workers, bool)
+        and workers != 0
+        and workers <= MOST_WORKERS
+    )
     if not whole and not isinstance(workers, Executor | None) and client_of(workers) is None:
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
         raise ValueError(f"workers = {shown(workers)}: must be {allowed}")
-    if store is not None and (not str(store) or not isinstance(store, str | Path) or Path(store).is_file()):
+    if store is not None and (
+        not str(store) or not isinstance(store, str | Path) or Path(store).is_file()
+    ):
         raise ValueError(f"store = {shown(store)}: must be the name of a folder")
     if not callable(function):
         raise ValueError(f"function = {shown(function)}: must be callable")
@@ -202,7 +240,9 @@ def _check(function: Callable[..., Any], arguments: Mapping[str, Any], workers: 
     try:
         signature.bind(**arguments)
     except TypeError as error:
-        raise ValueError(f"space: must have the arguments of {name_of(function)} ({error})") from error
+        raise ValueError(
+            f"space: must have the arguments of {name_of(function)} ({error})"
+        ) from error
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
@@ -218,14 +258,20 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
         given = getattr(space, "variables", space)
         grid = xr.Dataset(coords={name: typed(values) for name, values in given.items()})
     except (TypeError, ValueError) as error:
-        raise ValueError(f"space: must be coordinates as xarray.Dataset takes them ({error})") from error
+        raise ValueError(
+            f"space: must be coordinates as xarray.Dataset takes them ({error})"
+        ) from error
     for name, values in grid.coords.items():
         check_name("space: its parameter", str(name))
         if name == FAILURE:
             raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
-        plain = values.dtype.kind in "biufUT" or all(isinstance(each, str | int | float) for each in values.values.flat)
+        plain = values.dtype.kind in "biufUT" or all(
+            isinstance(each, str | int | float) for each in values.values.flat
+        )
         if not plain:
-            raise ValueError(f"space: {name} must hold numbers or words; functools.partial binds other arguments")
+            raise ValueError(
+                f"space: {name} must hold numbers or words; functools.partial binds other arguments"
+            )
         if values.size == 0:
             raise ValueError(f"space: {name} must hold at least one value")
         if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
@@ -236,7 +282,10 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
     """Yield the number and arguments of each point, the last dimension varying fastest."""
     dimensions = list(grid.sizes)
-    parameters = {str(name): (each.values, [*map(dimensions.index, each.dims)]) for name, each in grid.coords.items()}
+    parameters = {
+        str(name): (each.values, [*map(dimensions.index, each.dims)])
+        for name, each in grid.coords.items()
+    }
     for start in range(0, numbers.size, BLOCK):
         block = numbers[start : start + BLOCK]
         index = np.unravel_index(block, tuple(grid.sizes.values())) if dimensions else ()
@@ -250,8 +299,12 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
     """Write outcomes to the store at intervals, and at the end, even if it is an error."""
-    finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
-    options = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}
+    finished = list[tuple[Point, Outcome]]()
+    written = time.perf_counter()
+    options = {
+        "disable": progress is False or sys.stderr is None,
+        "delay": 0.0 if progress else PATIENCE,
+    }
     options["mininterval"] = 0.1 if sys.stderr is not None and sys.stderr.isatty() else PATIENCE
     with closing(outcomes), tqdm(total=total, unit="point", **options) as bar:
         try:
@@ -260,7 +313,9 @@ def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | No
                 bar.update()
                 if len(finished) == BLOCK or time.perf_counter() - written > WRITTEN_EVERY:
                     results.write(finished)
-                    finished, written = [], time.perf_counter()  # only now: an interrupted write is done again below
+                    # only now: an interrupted write is done again below
+                    finished = []
+                    written = time.perf_counter()
         finally:
             if finished:
                 results.write(finished)

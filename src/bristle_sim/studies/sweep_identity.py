@@ -38,8 +38,19 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
     """
     libraries = [_version(name) for name in ("numpy", "pymunk", "scipy")]
     try:
-        return str(_Hasher(version).hash((_folder_digest(Path(__file__).parents[1]), libraries, version, function)))
-    except (ValueError, TypeError, AttributeError, ImportError, RecursionError, PicklingError) as error:
+        return str(
+            _Hasher(version).hash(
+                (_folder_digest(Path(__file__).parents[1]), libraries, version, function)
+            )
+        )
+    except (
+        ValueError,
+        TypeError,
+        AttributeError,
+        ImportError,
+        RecursionError,
+        PicklingError,
+    ) as error:
         reason = " ".join(str(error).split())
         words = f"function = {name_of(function)}: a store cannot notice changes of {reason}"
         raise ValueError(words + ("" if version else "; pass version=...")) from error
@@ -50,15 +61,25 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
 
     def __init__(self, version: str) -> None:
         super().__init__(hash_name="sha256")
-        self.version, self.digest = version, functools.cache(_folder_digest)
+        self.version = version
+        self.digest = functools.cache(_folder_digest)
 
     def reducer_override(self, value: Any) -> Any:
         """Reduce a value to an empty tuple whose state is the value's parts, which may refer back to it."""
         if isinstance(value, FunctionType):
             cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
-            parts: Any = self.source(value, value.__code__.co_filename), value.__defaults__, value.__kwdefaults__, cells
+            parts: Any = (
+                self.source(value, value.__code__.co_filename),
+                value.__defaults__,
+                value.__kwdefaults__,
+                cells,
+            )
         elif isinstance(value, type) and value.__module__ != "builtins":
-            methods = [each.__code__.co_filename for each in vars(value).values() if isinstance(each, FunctionType)]
+            methods = [
+                each.__code__.co_filename
+                for each in vars(value).values()
+                if isinstance(each, FunctionType)
+            ]
             file = getattr(sys.modules.get(value.__module__), "__file__", None)
             parts = self.source(value, file or next(filter(linecache.getlines, methods), ""))
         elif isinstance(value, frozenset):  # joblib sorts a set, but not a frozen one
@@ -67,7 +88,11 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
             parts = [value.__wrapped__]
         elif isinstance(value, np.ufunc) and getattr(np, value.__name__, None) is not value:
             parts = self.name_alone(value, f"the ufunc {value.__name__!r}")
-        elif not (type(value) in self.dispatch or type(value) in copyreg.dispatch_table or _has_state(value)):
+        elif not (
+            type(value) in self.dispatch
+            or type(value) in copyreg.dispatch_table
+            or _has_state(value)
+        ):
             parts = self.name_alone(value, f"an object of the type {type(value).__qualname__!r}")
         else:
             return NotImplemented
@@ -75,7 +100,9 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
 
     def source(self, value: Any, file: str) -> Any:
         """Return a function's or class's name, its place in the source text, and a digest of the text."""
-        package = (getattr(sys.modules.get(value.__module__), "__package__", "") or value.__module__).partition(".")[0]
+        package = (
+            getattr(sys.modules.get(value.__module__), "__package__", "") or value.__module__
+        ).partition(".")[0]
         built_in = not file and value.__module__ != "__main__"
         if built_in or "site-packages" in Path(file).parts or file.startswith(INSTALLED):
             return value.__module__, value.__qualname__, _version(package)
@@ -83,7 +110,10 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         if not (text := linecache.getlines(file)):
             return self.name_alone(value, f"{value.__qualname__!r}, which has no source text")
         place = list(value.__code__.co_positions()) if isinstance(value, FunctionType) else None
-        folders = [self.digest(Path(folder)) for folder in getattr(sys.modules.get(package), "__path__", ())]
+        folders = [
+            self.digest(Path(folder))
+            for folder in getattr(sys.modules.get(package), "__path__", ())
+        ]
         return value.__qualname__, place, text, folders
 
     def name_alone(self, value: Any, words: str) -> str:
@@ -106,7 +136,9 @@ def _folder_digest(folder: Path) -> str:
     """Return a digest of the names and texts of all Python files in a package's folder."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.py")):
-        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+        digest.update(
+            path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
+        )
     return digest.hexdigest()
 
 

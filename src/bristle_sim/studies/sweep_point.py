@@ -16,7 +16,9 @@ from bristle_sim.trajectory.records import ContactRecord
 
 Function = Callable[..., Any]
 Point = tuple[int, dict[str, Any]]  # number of a point in its grid, and its arguments
-Outcome = tuple[dict[str, Array], str]  # results of a point by name, and the reason why there are none, or empty
+Outcome = tuple[
+    dict[str, Array], str
+]  # results of a point by name, and the reason why there are none, or empty
 FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
 
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
@@ -38,7 +40,8 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
     The points are pickled, as Dask would search a list of them for its futures. The function may be pickled too.
     """
     called = _unpickled(function) if isinstance(function, bytes) else function
-    end, outcomes = time.perf_counter() + TURN, list[Outcome]()
+    end = time.perf_counter() + TURN
+    outcomes = list[Outcome]()
     for _, arguments in pickle.loads(points):
         outcomes.append(outcome_of(called, arguments))
         if time.perf_counter() > end:
@@ -61,9 +64,14 @@ def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
         return {str(name): np.asarray(value, dtype=float) for name, value in named.items()}, reason
     except (Exception, SystemExit) as error:
         if isinstance(error, AttributeError) and error.obj is None and error.name in CONTACT_FIELDS:
-            return {}, f"no strike: {error.name} was read of None, the first_contact of a run without that contact"
+            return (
+                {},
+                f"no strike: {error.name} was read of None, the first_contact of a run without that contact",
+            )
         reason = _readable(error)
-        return {}, reason if reason and isinstance(error, ValueError) else f"{type(error).__name__}: {reason}"
+        return {}, reason if reason and isinstance(
+            error, ValueError
+        ) else f"{type(error).__name__}: {reason}"
 
 
 def _readable(reason: Any) -> str:

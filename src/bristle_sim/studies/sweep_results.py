@@ -21,7 +21,8 @@ class Results:
     """
 
     def __init__(self, shape: Sequence[int], taken: Iterable[str] = ()) -> None:
-        self.shape, self.taken = tuple(shape), frozenset(taken)
+        self.shape = tuple(shape)
+        self.taken = frozenset(taken)
         self.shapes: dict[str, tuple[int, ...]] = {}
         self.arrays: dict[str, Any] = {FAILURE: np.full(self.shape, NOT_COMPUTED, dtype=object)}
 
@@ -58,14 +59,18 @@ class Results:
         """Add results that points computed earlier do not have."""
         for name in shapes:
             if name in self.taken:
-                raise ValueError(f"function: its result {name} must not have the name of a parameter or dimension")
+                raise ValueError(
+                    f"function: its result {name} must not have the name of a parameter or dimension"
+                )
             check_name("function: its result", name)
         self._create(shapes)
         self.shapes.update(shapes)
 
     def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
         """Create arrays of NaN by name and shape of a point's result."""
-        self.arrays.update((name, np.full((*self.shape, *inner), math.nan)) for name, inner in shapes.items())
+        self.arrays.update(
+            (name, np.full((*self.shape, *inner), math.nan)) for name, inner in shapes.items()
+        )
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
         """Write values of points by their numbers in the grid."""
@@ -75,6 +80,14 @@ class Results:
 
 def check_name(what: str, name: str) -> None:
     """Raise ValueError for a name that an array in a folder cannot have."""
-    if not name.isprintable() or not name or "/" in name or name.startswith((".", "__")) or name == "zarr.json":
-        rule = "must have a name without / and unprintable letters, that begins with neither . nor __"
+    if (
+        not name.isprintable()
+        or not name
+        or "/" in name
+        or name.startswith((".", "__"))
+        or name == "zarr.json"
+    ):
+        rule = (
+            "must have a name without / and unprintable letters, that begins with neither . nor __"
+        )
         raise ValueError(f"{what} {name!r} {rule}")

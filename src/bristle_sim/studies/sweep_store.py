@@ -40,8 +40,11 @@ class SweepStore(Results):
     """Results in a folder, whose attributes repeat their names and shapes with a checksum."""
 
     def __init__(self, folder: Path, grid: xr.Dataset) -> None:
-        super().__init__(tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes)))
-        self.folder, self.grid = folder, grid
+        super().__init__(
+            tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes))
+        )
+        self.folder = folder
+        self.grid = grid
         for partial in folder.rglob("*.partial"):
             with suppress(OSError):
                 if time.time() - partial.stat().st_mtime > ABANDONED:
@@ -53,11 +56,15 @@ class SweepStore(Results):
 
         Parts that are damaged or lost are logged. Raises OSError if a file cannot be read.
         """
-        missing, lost = np.zeros(self.shape, bool), np.zeros(self.shape, bool)
+        missing = np.zeros(self.shape, bool)
+        lost = np.zeros(self.shape, bool)
         for name, array in self.arrays.items():
             for corner in np.ndindex(array.cdata_shape):
-                region = tuple(slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True))
-                points, own_axes = region[: len(self.shape)], tuple(range(len(self.shape), len(region)))
+                region = tuple(
+                    slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True)
+                )
+                points = region[: len(self.shape)]
+                own_axes = tuple(range(len(self.shape), len(region)))
                 try:
                     values = np.asarray(array[region])
                     absent = (values == array.fill_value).any(axis=own_axes)
@@ -106,7 +113,10 @@ class SweepStore(Results):
         for path in self.folder.glob(f"*/{GROUP}"):
             with suppress(ValueError, TypeError, KeyError):
                 shape = tuple(json.loads(path.read_bytes())["shape"])
-                if path.parent.name not in {*self.taken, FAILURE} and shape[: len(self.shape)] == self.shape:
+                if (
+                    path.parent.name not in {*self.taken, FAILURE}
+                    and shape[: len(self.shape)] == self.shape
+                ):
                     shapes[path.parent.name] = shape[len(self.shape) :]
         with suppress(FileNotFoundError):
             content = (self.folder / GROUP).read_bytes()
@@ -114,21 +124,32 @@ class SweepStore(Results):
                 attributes = json.loads(content)["attributes"]
                 if zlib.crc32(attributes["results"].encode()) != attributes["checksum"]:
                     raise ValueError(attributes["checksum"])
-                shapes |= {name: tuple(inner) for name, inner in json.loads(attributes["results"]).items()}
+                shapes |= {
+                    name: tuple(inner) for name, inner in json.loads(attributes["results"]).items()
+                }
             except (ValueError, TypeError, KeyError, AttributeError):
-                logging.getLogger(__name__).warning("%s: its description was damaged and is made anew", self.folder)
+                logging.getLogger(__name__).warning(
+                    "%s: its description was damaged and is made anew", self.folder
+                )
         return shapes
 
     def _files(self) -> dict[str, bytes]:
         """Return the contents of all files by name but those of results: descriptions and coordinates."""
-        content, results = dict[str, Any](), json.dumps(self.shapes)
+        content = dict[str, Any]()
+        results = json.dumps(self.shapes)
         memory = zarr.storage.MemoryStore(content)
         words = {
-            name: each.astype(str).astype(object) for name, each in self.grid.coords.items() if each.dtype == object
+            name: each.astype(str).astype(object)
+            for name, each in self.grid.coords.items()
+            if each.dtype == object
         }
-        written = self.grid.assign_coords(words).assign_attrs(results=results, checksum=zlib.crc32(results.encode()))
+        written = self.grid.assign_coords(words).assign_attrs(
+            results=results, checksum=zlib.crc32(results.encode())
+        )
         written.to_zarr(memory, mode="w", zarr_format=3, consolidated=False)
-        group, chunk, points = zarr.open_group(memory, mode="r+"), list[int](), BLOCK
+        group = zarr.open_group(memory, mode="r+")
+        chunk = list[int]()
+        points = BLOCK
         for size in reversed(self.shape):  # of points that follow each other
             chunk.insert(0, min(size, points))
             points //= chunk[0]
@@ -140,7 +161,10 @@ class SweepStore(Results):
                 dtype=str if name == FAILURE else float,
                 fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
                 compressors=[ZstdCodec(), Crc32cCodec()],
-                dimension_names=[*map(str, self.grid.sizes), *(f"{name}_{axis}" for axis in range(len(inner)))],
+                dimension_names=[
+                    *map(str, self.grid.sizes),
+                    *(f"{name}_{axis}" for axis in range(len(inner))),
+                ],
                 attributes={} if name == FAILURE else {"missing_value": UNWRITTEN},
                 config={"write_empty_chunks": True},
             )
@@ -148,7 +172,8 @@ class SweepStore(Results):
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
         """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
-        array, inner = self.arrays[name], math.prod(values.shape[1:])
+        array = self.arrays[name]
+        inner = math.prod(values.shape[1:])
         if not values.size:
             return
         if not array.shape:

@@ -86,8 +86,14 @@ class _Processes(_Pool):
 
     def __init__(self, number: int) -> None:
         threads = str(max(1, (os.cpu_count() or 1) // number))
-        names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-        self.number, self.threads = number, {name: os.environ.get(name, threads) for name in names}
+        names = (
+            "OMP_NUM_THREADS",
+            "OPENBLAS_NUM_THREADS",
+            "MKL_NUM_THREADS",
+            "VECLIB_MAXIMUM_THREADS",
+        )
+        self.number = number
+        self.threads = {name: os.environ.get(name, threads) for name in names}
 
     @property
     def executor(self) -> Any:
@@ -114,12 +120,10 @@ class _Cluster(_Pool):
 
     def __init__(self, client: Any, options: dict[str, Any]) -> None:
         super().__init__(client)
-        self.options, self.number, self.counted, self.seen = (
-            {**options, "pure": False},
-            0,
-            -LOOK_EVERY,
-            time.monotonic(),
-        )
+        self.options = {**options, "pure": False}
+        self.number = 0
+        self.counted = -LOOK_EVERY
+        self.seen = time.monotonic()
         self.said = False
 
     def submit(self, *call: Any) -> Any:
@@ -147,10 +151,13 @@ class _Cluster(_Pool):
             self.number = sum(self.executor.ncores().values())
         self.counted = time.monotonic()
         if self.number:
-            self.seen, self.said = self.counted, False
+            self.seen = self.counted
+            self.said = False
         elif not self.said and self.counted - self.seen >= WITHOUT_WORKER:
             self.said = True
-            words = "workers = %s: no worker for %.0f s; the sweep goes on as soon as one is started"
+            words = (
+                "workers = %s: no worker for %.0f s; the sweep goes on as soon as one is started"
+            )
             logging.getLogger(__name__).warning(words, self.executor, self.counted - self.seen)
 
 
@@ -162,7 +169,9 @@ def client_of(workers: Any) -> Any:
 
 def _pool(workers: Any) -> _Pool | None:
     """Return the workers; None stands for the calling process."""
-    if client := client_of(workers if workers is not None else getattr(get_active_backend()[0], "client", None)):
+    if client := client_of(
+        workers if workers is not None else getattr(get_active_backend()[0], "client", None)
+    ):
         return _Cluster(client, getattr(workers, "_kwargs", {}))
     if isinstance(workers, Executor):
         return _Pool(workers)
@@ -178,7 +187,9 @@ def _sent(function: Function, executor: Any) -> Function | bytes:
     """Return the function as it is sent to the workers, pickled but for threads. Raises ValueError if it cannot be pickled."""
     if isinstance(executor, ThreadPoolExecutor):
         return function
-    dumps: Callable[..., bytes] = pickle.dumps if isinstance(executor, ProcessPoolExecutor) else cloudpickle.dumps
+    dumps: Callable[..., bytes] = (
+        pickle.dumps if isinstance(executor, ProcessPoolExecutor) else cloudpickle.dumps
+    )
     try:
         return dumps(function)
     except Exception as error:
@@ -190,10 +201,17 @@ class _Batches:
     """Batches of points that are under way, left over from a turn, or suspected of the loss of a worker."""
 
     def __init__(self, pool: _Pool, function: Function | bytes, points: Iterator[Point]) -> None:
-        self.pool, self.function, self.points = pool, function, points
-        self.under_way, self.finished = dict[int, tuple[Any, list[Point]]](), queue.SimpleQueue[int]()
-        self.left_over, self.suspects = deque[list[Point]](), deque[list[Point]]()
-        self.keys, self.losses, self.size, self.known = itertools.count(), Counter[int](), 1, False
+        self.pool = pool
+        self.function = function
+        self.points = points
+        self.under_way = dict[int, tuple[Any, list[Point]]]()
+        self.finished = queue.SimpleQueue[int]()
+        self.left_over = deque[list[Point]]()
+        self.suspects = deque[list[Point]]()
+        self.keys = itertools.count()
+        self.losses = Counter[int]()
+        self.size = 1
+        self.known = False
 
     def outcomes(self) -> Iterator[tuple[Point, Outcome]]:
         """Yield points with their outcomes until all are finished."""
@@ -226,7 +244,8 @@ class _Batches:
         return list(itertools.islice(self.points, self.size))
 
     def _start(self, batch: list[Point]) -> None:
-        key, future = next(self.keys), self.pool.submit(evaluate_points, self.function, pickle.dumps(batch))
+        key = next(self.keys)
+        future = self.pool.submit(evaluate_points, self.function, pickle.dumps(batch))
         self.under_way[key] = future, batch
         future.add_done_callback(lambda _: self.finished.put(key))
 
@@ -264,9 +283,17 @@ class _Batches:
             self.pool.result(self.under_way.pop(self._wait())[0])
         except Exception as gone:
             words = f"workers: lost at the point {arguments}, and none answers any more ({_reason(gone)})"
-            advice = "if memory is short use fewer workers, if the point ends its process leave it out"
+            advice = (
+                "if memory is short use fewer workers, if the point ends its process leave it out"
+            )
             raise RuntimeError(f"{words}; {advice}") from error
-        yield batch[0], ({}, f"{LOST} {ATTEMPTS} times ({_reason(error)}); if memory is short use fewer workers")
+        yield (
+            batch[0],
+            (
+                {},
+                f"{LOST} {ATTEMPTS} times ({_reason(error)}); if memory is short use fewer workers",
+            ),
+        )
 
 
 def _reason(error: BaseException) -> str:

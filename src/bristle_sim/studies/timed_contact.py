@@ -44,7 +44,9 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
     coefficients[3] = values[:-1]  # in an interval that is rounding
     for first, last in pieces(time):
         own = time[first:last], values[first:last]
-        piece = CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
+        piece = (
+            CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
+        )
         coefficients[:, first : last - 1] = piece.c
     return PPoly(coefficients, time)
 
@@ -93,7 +95,10 @@ class TimedContact:
     @property
     def tip_speed(self) -> float:
         """v_C (2.24), m/s."""
-        return self.chain.lengths[0] * self.chain.rates[0] + self.chain.hub_radius * self.chain.hub_speed
+        return (
+            self.chain.lengths[0] * self.chain.rates[0]
+            + self.chain.hub_radius * self.chain.hub_speed
+        )
 
     @cached_property
     def force(self) -> Array:
@@ -103,7 +108,8 @@ class TimedContact:
     @cached_property
     def resultant(self) -> PPoly:
         """Resultant force as a function of time, N; its slope is the speed times a stiffness, constant in each piece."""
-        depth, slopes = self.history.penetration, np.zeros_like(self.time)
+        depth = self.history.penetration
+        slopes = np.zeros_like(self.time)
         for first, last in pieces(self.time):
             deeper = depth[last - 1] - depth[first]
             stiffness = (self.force[last - 1] - self.force[first]) / deeper if deeper else 0.0
@@ -134,19 +140,34 @@ class TimedContact:
     def centre_speed(self) -> Array:
         """v_G, m/s."""
         rate, lead = self._rate_and_lead
-        rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * rate
+        rim = self.chain.hub_radius * self.chain.hub_speed
+        half = 0.5 * self.chain.lengths[0] * rate
         return np.sqrt(rim**2 + half**2 + 2.0 * rim * half * np.cos(lead))
 
     @cached_property
     def _rate_and_lead(self) -> tuple[Array, Array]:
         """The bristle's rate, rad/s, by the tip's velocity along the workpart, and its angle ahead of the root's, rad."""
-        radius, length, hub_speed = self.chain.hub_radius, self.chain.lengths[0], self.chain.hub_speed
-        start, angle, velocity = self.chain.hub_angle, self.chain.angles[0], self.history.tangential_velocity
+        radius = self.chain.hub_radius
+        length = self.chain.lengths[0]
+        hub_speed = self.chain.hub_speed
+        start = self.chain.hub_angle
+        angle = self.chain.angles[0]
+        velocity = self.history.tangential_velocity
         root = start + hub_speed * self.time
-        along = length * math.sin(angle) + self._sums(velocity) - radius * (np.sin(root) - math.sin(start))
-        below = length * math.cos(angle) + self.history.penetration - radius * (np.cos(root) - math.cos(start))
+        along = (
+            length * math.sin(angle)
+            + self._sums(velocity)
+            - radius * (np.sin(root) - math.sin(start))
+        )
+        below = (
+            length * math.cos(angle)
+            + self.history.penetration
+            - radius * (np.cos(root) - math.cos(start))
+        )
         turned = np.arctan2(along, below)
-        return (velocity - radius * hub_speed * np.cos(root)) / (length * np.cos(turned)), turned - root
+        return (velocity - radius * hub_speed * np.cos(root)) / (
+            length * np.cos(turned)
+        ), turned - root
 
     def _sums(self, values: Array) -> Array:
         return np.asarray(cubics(self.time, values).antiderivative()(self.time))
@@ -169,7 +190,8 @@ def timed_contact(
     """
     if (rate is None) == (impulse is None):
         raise ValueError("rate, impulse: must be exactly one of the two")
-    requested, speed = [compression_time], bristle.length * (rate or 0.0) + hub.radius * hub.speed
+    requested = [compression_time]
+    speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
     if impulse is not None:
         requested = [compression_time, impulse]
         # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
@@ -177,24 +199,33 @@ def timed_contact(
         speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
-        if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
+        if (
+            not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length)
+            <= bristle.length
+        ):
             raise ValueError(
                 f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
                 " the bristle's length"
             )
-        chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
+        chain = radial_chain(
+            hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length
+        )
         found = strike(chain, surface, Contact("compliant", duration), settings)
         contact = TimedContact(surface, chain, found.contact, found.steps, found.wall_s)
-        history, values = found.contact.history, (0.0, 0.0)
+        history = found.contact.history
+        values = (0.0, 0.0)
         if history is not None and history.normal_force.max() > 0.0:
             values = contact.compression_time, contact.compressive_impulse
         if not min(values) > 0.0:
-            raise ValueError(f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s")
+            raise ValueError(
+                f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s"
+            )
         return contact, values
 
     # The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
     cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
-    leaving, whole = sine - surface.friction_in_restitution * cosine, 1.0
+    leaving = sine - surface.friction_in_restitution * cosine
+    whole = 1.0
     if leaving > 0.0:
         whole += surface.restitution * math.sqrt((sine + surface.friction * cosine) / leaving)
     given = np.array([compression_time * whole, speed])
@@ -205,7 +236,9 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
     """Return a report's fields on a contact, with later events by name, s."""
     if contact is None:
         return {"outcome": "no contact"}
-    return record_fields(contact.record, contact, strike=0.0, deepest=contact.compression_time, **later)
+    return record_fields(
+        contact.record, contact, strike=0.0, deepest=contact.compression_time, **later
+    )
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
@@ -217,17 +250,24 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")
     limit = dataclasses.replace(impacts, timing="rigid-body limit")
-    found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
-    if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
+    found = impacts.strikes.get("compliant")
+    duration = 2.0 * PRINTED_COMPRESSION
+    if found is None or math.hypot(*found.contact.velocity_before) * duration > min(
+        impacts.chain.lengths
+    ):
         return limit
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
-        found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings())
+        found = strike(
+            impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings()
+        )
         assert found.contact.history is not None  # it is resolved in time
         return found, (compression_end(found.contact.history),)
 
     try:
-        visible = _adjusted(struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), REQUEST_TOLERANCE)
+        visible = _adjusted(
+            struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), REQUEST_TOLERANCE
+        )
     except ValueError:
         return limit
     strikes = {**impacts.strikes, "compliant": visible}
@@ -235,10 +275,14 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
 
 
 def _adjusted(
-    struck: Callable[..., tuple[Result, tuple[float, ...]]], given: Array, wanted: Array, tolerance: float
+    struck: Callable[..., tuple[Result, tuple[float, ...]]],
+    given: Array,
+    wanted: Array,
+    tolerance: float,
 ) -> Result:
     """Adjust the given numbers until the result has the wanted values, by Broyden's method in the logarithms."""
-    free, slopes = len(wanted), np.eye(len(wanted))
+    free = len(wanted)
+    slopes = np.eye(len(wanted))
     step = before = np.zeros(free)
     for _ in range(MOST_ROUNDS):
         found, values = struck(*given.tolist())
@@ -247,6 +291,9 @@ def _adjusted(
             return found
         if step.any():
             slopes += np.outer(before - missing - slopes @ step, step) / float(step @ step)
-        step, before = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP), missing
+        step = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP)
+        before = missing
         given[:free] *= np.exp(step)
-    raise ValueError(f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)")
+    raise ValueError(
+        f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)"
+    )

@@ -55,7 +55,8 @@ class Study:
 
     def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
         """Return one row an output, in plain numbers."""
-        names, found = ("first_order", "first_order_interval", "total", "total_interval"), []
+        names = ("first_order", "first_order_interval", "total", "total_interval")
+        found = []
         for number, (output, values) in enumerate(zip(self.outputs, self.values, strict=True)):
             low, high = np.percentile(values, ENDS).tolist()
             row = {"output": output, "mean": float(values.mean()), "std": float(values.std(ddof=1))}
@@ -78,18 +79,29 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     started = clock.perf_counter()
     intervals = _intervals(tool, spreads)
     point = functools.partial(strike_of_keys, settings, tool)
-    options: dict[str, Any] = {"seed": sampling.seed, "workers": None if sampling.workers == 1 else sampling.workers}
+    options: dict[str, Any] = {
+        "seed": sampling.seed,
+        "workers": None if sampling.workers == 1 else sampling.workers,
+    }
     try:
         study = sobol_study(point, intervals, OUTPUTS, sampling.samples, **options)
     except KeyboardInterrupt as ended:
-        raise Unfinished(_unfinished(getattr(ended, "results", {}), (len(intervals) + 2) * sampling.samples)) from None
+        raise Unfinished(
+            _unfinished(getattr(ended, "results", {}), (len(intervals) + 2) * sampling.samples)
+        ) from None
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
-    changes = propagated(point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()})
-    std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
+    changes = propagated(
+        point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()}
+    )
+    std = {
+        name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0)
+        for name, parts in changes.items()
+    }
     rows = study.rows(std)
     quantities = []
     for row in rows:
-        name, unit = row["output"], STRIKE_UNITS[row["output"]]
+        name = row["output"]
+        unit = STRIKE_UNITS[row["output"]]
         quantities.append(Quantity(f"{name}_mean", unit, row["mean"]))
         quantities.append(Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]))
     return Report(
@@ -106,21 +118,29 @@ def _unfinished(results: Mapping[str, Any], total: int) -> Report:
     """Return mean and standard deviation of the outputs at the points that are finished."""
     known = {name: results[name].values for name in OUTPUTS if name in results}
     finished = np.isfinite(list(known.values())).all(axis=0)
-    number, found = int(finished.sum()) if known else 0, list[Quantity]()
+    number = int(finished.sum()) if known else 0
+    found = list[Quantity]()
     for name, each in known.items() if number > 1 else ():
         found.append(Quantity(f"{name}_mean", STRIKE_UNITS[name], float(each[finished].mean())))
         found.append(Quantity(f"{name}_std", STRIKE_UNITS[name], float(each[finished].std(ddof=1))))
-    return Report(None, tuple(found), remarks=(f"{number} of {total} passes are finished; indices need all of them",))
+    return Report(
+        None,
+        tuple(found),
+        remarks=(f"{number} of {total} passes are finished; indices need all of them",),
+    )
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the input that ranks first for most outputs, and by how much speed and impulse of the strike spread."""
-    ranked, spreads = [_ranked(row)[0] for row in rows], []
+    ranked = [_ranked(row)[0] for row in rows]
+    spreads = []
     most = max(ranked, key=ranked.count)
     for row, first in zip(rows, ranked, strict=True):
         if row["output"] in STATE | IMPACT:
             label, unit = (STATE | IMPACT)[row["output"]]
-            spreads.append(f"{label} {amount(row['mean'], unit)} by {amount(row['std'], unit, 2)} (mostly {first})")
+            spreads.append(
+                f"{label} {amount(row['mean'], unit)} by {amount(row['std'], unit, 2)} (mostly {first})"
+            )
     ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
     return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}."
 
@@ -134,7 +154,9 @@ def propagated(
     """
     changes: dict[str, dict[str, float]] = {}
     for key, half_width in half_widths.items():
-        low, high = (function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0))
+        low, high = (
+            function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0)
+        )
         for name, value in high.items():
             if value is not None and (other := low[name]) is not None:
                 changes.setdefault(name, {})[key] = 0.5 * (value - other)
@@ -144,20 +166,27 @@ def propagated(
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     """Return the ends of every input's interval, cut off at the bounds of its range."""
     found = dict[str, tuple[float, float]]()
-    places = {key: (part, *place) for part, keys in tool_keys().items() for key, place in keys.items()}
+    places = {
+        key: (part, *place) for part, keys in tool_keys().items() for key, place in keys.items()
+    }
     for key, half_width in dataclasses.asdict(spreads).items():
         part, name, declared = places[key]
         if half_width:
             assert isinstance(declared, Range)
             middle = float(getattr(getattr(tool, part) if part else tool, name))
-            found[key] = (max(declared.lowest, middle - half_width), min(declared.highest, middle + half_width))
+            found[key] = (
+                max(declared.lowest, middle - half_width),
+                min(declared.highest, middle + half_width),
+            )
     if not found:
         raise ValueError("spread_...: at least one must be more than 0, or nothing is spread")
     return found
 
 
 def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
-    lines = ["theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"]
+    lines = [
+        "theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"
+    ]
     for row in rows:
         first = ", ".join(f"{key} {row['indices'][key]['total']:.2f}" for key in _ranked(row)[:3])
         lines.append(f"{row['output']:<26} {first}")
@@ -188,9 +217,12 @@ def sobol_study(
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
         SweepInterrupted: if the user interrupts, with the points that are finished.
     """
-    inputs, random = len(intervals), np.random.default_rng(seed)
+    inputs = len(intervals)
+    random = np.random.default_rng(seed)
     low, high = np.array(list(intervals.values())).T[:, :, np.newaxis]
-    fractions = Sobol(2 * inputs, seed=random, bits=64).random(samples).T.reshape(2, inputs, samples)
+    fractions = (
+        Sobol(2 * inputs, seed=random, bits=64).random(samples).T.reshape(2, inputs, samples)
+    )
     first, second = low + (high - low) * fractions
     mixed = np.tile(first, (inputs, 1, 1))
     mixed[np.arange(inputs), np.arange(inputs)] = second
@@ -202,7 +234,10 @@ def sobol_study(
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
         found = sobol_indices(func=func, n=samples)
-        return [np.reshape(each, (len(outputs), inputs)) for each in (found.first_order, found.total_order)]
+        return [
+            np.reshape(each, (len(outputs), inputs))
+            for each in (found.first_order, found.total_order)
+        ]
 
     resampled = [indices(chosen) for chosen in random.integers(0, samples, (RESAMPLES, samples))]
     ends: Array = np.moveaxis(np.percentile(resampled, ENDS, axis=0), 0, -1)
@@ -211,20 +246,30 @@ def sobol_study(
 
 
 def _swept(
-    function: Callable[..., Measures], inputs: Mapping[str, Array], outputs: Sequence[str], workers: int | None
+    function: Callable[..., Measures],
+    inputs: Mapping[str, Array],
+    outputs: Sequence[str],
+    workers: int | None,
 ) -> Array:
     """Return the outputs, shape (outputs, points), for inputs of shape (points)."""
     try:
         from bristle_sim.studies.sweep import sweep
     except ImportError as error:
-        raise ValueError(f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
-    found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
+        raise ValueError(
+            f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})"
+        ) from error
+    found = sweep(
+        function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers
+    )
     unknown = np.full(found.sizes["sample"], math.nan)
     values = np.array([found[name].values if name in found else unknown for name in outputs])
     lost = ~np.isfinite(values).all(axis=0)
     if lost.any():
         where = int(np.argmax(lost))
-        reason = str(found["failure"].values[where]) or f"no {', '.join(set(outputs) - {*found}) or 'number'}"
+        reason = (
+            str(found["failure"].values[where])
+            or f"no {', '.join(set(outputs) - {*found}) or 'number'}"
+        )
         point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
         raise ValueError(
             f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"

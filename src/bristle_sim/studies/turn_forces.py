@@ -46,7 +46,9 @@ class Force:
     course: Any = None
 
 
-def load_cell_response(forces: Iterable[Force], period: float, bandwidth: float, times: Array) -> Array:
+def load_cell_response(
+    forces: Iterable[Force], period: float, bandwidth: float, times: Array
+) -> Array:
     """Return the normal force that the load cell shows at times, N, under forces that have always repeated with the period.
 
     Each impact leaves J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the filter's pole p. A force that
@@ -66,16 +68,24 @@ def load_cell_response(forces: Iterable[Force], period: float, bandwidth: float,
             inside = since < length
             state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
             # While the part still acts, it has left this much; the others of the series are complete.
-            state[inside] += -np.expm1(pole * period) * _weighed(force.course, start, since[inside], pole)
+            state[inside] += -np.expm1(pole * period) * _weighed(
+                force.course, start, since[inside], pole
+            )
     # Residue of w^2/((s - p)(s - p*)) at p, the sum over k included.
-    return np.asarray(2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real)
+    return np.asarray(
+        2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real
+    )
 
 
-def _weighed(course: Callable[[Array], Array], start: float, length: Array, pole: complex) -> NDArray[np.complex128]:
+def _weighed(
+    course: Callable[[Array], Array], start: float, length: Array, pole: complex
+) -> NDArray[np.complex128]:
     """Return the integral of exp(p (end - t)) F(t), F the normal force, over intervals of these lengths from the start."""
     offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
     values = course(start + offset)[..., 0]
-    return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
+    return np.asarray(
+        0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS)
+    )
 
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
@@ -98,15 +108,25 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     Works of impacts are the impact law's, those of friction in sustained contacts the scene's sums; damping is the
     integral of c alpha'^2, by splines between the instants at which the acceleration jumps.
     """
-    lost = -sum(sum(work) for each in run.contacts for work in (each.compressive_work, each.restitutive_work) if work)
+    lost = -sum(
+        sum(work)
+        for each in run.contacts
+        for work in (each.compressive_work, each.restitutive_work)
+        if work
+    )
     if not tool.belt_damping:
         return lost
     breaks = [edge for each in turn_forces(tool, run) for edge in (each.begin, each.end)]
     power = tool.belt_damping * run.relative_rate**2
     for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
         # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
-        first, last = np.searchsorted(run.time, begin, "right") - 1, np.searchsorted(run.time, end, "left")
-        lost += float(CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end))
+        first, last = (
+            np.searchsorted(run.time, begin, "right") - 1,
+            np.searchsorted(run.time, end, "left"),
+        )
+        lost += float(
+            CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end)
+        )
     return lost
 
 
@@ -118,12 +138,19 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
     """
     # But for the rounding of the sum, by which the sample at the end could be missed.
     end = (contact.time + contact.duration) * (1.0 - 1e-15)
-    rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
+    rows = np.arange(
+        np.searchsorted(run.time, contact.time, "right") - 1,
+        np.searchsorted(run.time, end, "left") + 1,
+    )
     rows = rows[rows < len(run.time)]
-    time, force, lines = run.time[rows], run.normal_force[rows], complex_points(run.centre_line[rows])
+    time = run.time[rows]
+    force = run.normal_force[rows]
+    lines = complex_points(run.centre_line[rows])
     states = _slip_and_place(tool, run, contact.obstacle, rows)
     # Of two samples at the instant of a jump the earlier one has the force before it.
-    jumps = np.searchsorted(time, time[np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1])
+    jumps = np.searchsorted(
+        time, time[np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1]
+    )
     part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
     arms = levers(*touched(tool, contact.obstacle, lines))
@@ -133,11 +160,17 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
         forces = np.stack([force[own], -part.friction * states[0, first] * force[own]], axis=-1)
-        values, nodes = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)]), time[own]
+        values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
+        nodes = time[own]
         if len(own) == 1:
-            nodes, values = np.array([nodes[0] - 1.0, nodes[0]]), np.repeat(values, 2, axis=0)
-        course, begin, end = CubicSpline(nodes, values), float(time[first]), float(time[last])
-        found.append(Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course))
+            nodes = np.array([nodes[0] - 1.0, nodes[0]])
+            values = np.repeat(values, 2, axis=0)
+        course = CubicSpline(nodes, values)
+        begin = float(time[first])
+        end = float(time[last])
+        found.append(
+            Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course)
+        )
     # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
     found[-1].integral[2] += arms[-1] @ short
@@ -146,7 +179,8 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
     """Return the samples after the first up to the last, thinned out where they are too close for a spline."""
-    kept, closest = [last], CLOSEST_NODES * np.diff(time[first : last + 1]).max()
+    kept = [last]
+    closest = CLOSEST_NODES * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
         if time[kept[-1]] - time[row] >= closest:
             kept.append(row)
@@ -156,7 +190,8 @@ def _spaced(time: Array, first: int, last: int) -> list[int]:
 def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Array:
     """Return the sense of slip between samples, and the wire's piece at the bar, with a half at the corner of its end."""
     hub, angle, rate = (
-        0.5 * (each[rows][1:] + each[rows][:-1]) for each in (run.hub_angle, run.angles[:, -1], run.rates[:, -1])
+        0.5 * (each[rows][1:] + each[rows][:-1])
+        for each in (run.hub_angle, run.angles[:, -1], run.rates[:, -1])
     )
     lines = wire_lines(tool, hub, angle)
     root = lines[:, 0]
@@ -166,4 +201,6 @@ def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Ar
     if obstacle == "workpart":
         return np.stack([slips, 0.0 * slips])
     piece, fraction, _ = nearest(tool, lines)
-    return np.stack([slips, piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0)])
+    return np.stack(
+        [slips, piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0)]
+    )

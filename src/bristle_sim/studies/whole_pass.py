@@ -82,8 +82,12 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
     Raises ValueError if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
-    run, reference, referred, within = simulate(tool, settings), None, UNKNOWN, dict[str, float]()
-    contact, cost = run.first_contact("workpart"), run.cost
+    run = simulate(tool, settings)
+    reference = None
+    referred = UNKNOWN
+    within = dict[str, float]()
+    contact = run.first_contact("workpart")
+    cost = run.cost
     if contact is None:
         require_result(run, settings)
     if with_reference:
@@ -91,12 +95,21 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
         accuracy = reference_accuracy(settings)
         end = "strike" if tool.contact.duration is None else "workpart release"
-        reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after=end)
+        reference = simulate_reference(
+            tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after=end
+        )
         referred = _measured(tool, reference)
         within = _tolerances(tool, settings, referred)
 
     measured = _measured(tool, run)
-    found = rows(QUANTITIES, measured, _formulas(tool), referred, PRINTED if tool == Tool() else UNKNOWN, within.get)
+    found = rows(
+        QUANTITIES,
+        measured,
+        _formulas(tool),
+        referred,
+        PRINTED if tool == Tool() else UNKNOWN,
+        within.get,
+    )
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
@@ -107,7 +120,9 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
     ]
     if run.stop_reason.gives_up:
-        remarks.append(f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there")
+        remarks.append(
+            f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there"
+        )
     return Report(
         outcome=outcome_of(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
@@ -115,9 +130,14 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         phases=contact.phases if contact is not None else (),
         **run_fields(run),
         remarks=tuple(remarks),
-        extra={"invariants": dict(map(attrgetter("name", "simulated"), invariants)), "stopped": stop_fields(run)},
+        extra={
+            "invariants": dict(map(attrgetter("name", "simulated"), invariants)),
+            "stopped": stop_fields(run),
+        },
         subject=WholePass(tool, run, reference),
-        answer=_why_not(tool, run) if contact is None else _strike_in_words(measured, contact) + differences(found),
+        answer=_why_not(tool, run)
+        if contact is None
+        else _strike_in_words(measured, contact) + differences(found),
     )
 
 
@@ -129,7 +149,11 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
             unit = QUANTITIES[name][1]
             # Angles are differences of two of some radians, the relative speed one of rates of the hub's size.
             size = (
-                tool.hub.speed if name == "relative_speed_at_contact" else math.degrees(1.0) if unit == "deg" else 0.0
+                tool.hub.speed
+                if name == "relative_speed_at_contact"
+                else math.degrees(1.0)
+                if unit == "deg"
+                else 0.0
             )
             own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
             within[name] = own * max(1.0, size / abs(value) if value else size)
@@ -137,14 +161,19 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
 
 
 def _strike_in_words(measured: Values, contact: ContactRecord) -> str:
-    outcome, with_knee = outcome_of(contact), " with its knee" if contact.point == "knee" else ""
+    outcome = outcome_of(contact)
+    with_knee = " with its knee" if contact.point == "knee" else ""
     known = {name: value for name, value in measured.items() if value is not None}
     speed = known["relative_speed_at_contact"]
     time = amount(known["contact_time"], "s", 4)
     lag = beside_radial(known["lag_deg_at_contact"])
     tip = amount(known["tip_speed_at_contact"], "m/s")
     impulse = amount(known["normal_final_impulse"], "N s")
-    relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
+    relative = (
+        "turning with the hub"
+        if abs(speed) < 0.5
+        else f"at {amount(speed, 'rad/s')} relative to the hub"
+    )
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
         f"The bristle strikes{with_knee} at {time}{by_bar}, {lag}, {relative}, its tip at {tip}, with a normal impulse of"
@@ -186,16 +215,29 @@ def _measured(tool: Tool, run: Trajectory) -> Values:
 
 def _formulas(tool: Tool) -> Values:
     """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
-    bristle, hub, bar, part = tool.bristle, tool.hub, tool.bar, tool.workpart
-    if bristle.knee_angle_deg or bar is None or part is None or not tool.belt.stiffness or not hub.speed:
+    bristle = tool.bristle
+    hub = tool.hub
+    bar = tool.bar
+    part = tool.workpart
+    if (
+        bristle.knee_angle_deg
+        or bar is None
+        or part is None
+        or not tool.belt.stiffness
+        or not hub.speed
+    ):
         return UNKNOWN
     geometry = (hub.radius, bristle.length)
     try:
-        retraction = float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, tool.bar_reach, *geometry))
+        retraction = float(
+            cueing.retraction_at_bar(bar.horizontal, bar.vertical, tool.bar_reach, *geometry)
+        )
         cue = cueing.cue(tool, retraction)
     except ValueError:
         return UNKNOWN
-    release = (cue.tip_lag - math.atan2(bar.horizontal, bar.vertical) - tool.start_hub_angle) / hub.speed
+    release = (
+        cue.tip_lag - math.atan2(bar.horizontal, bar.vertical) - tool.start_hub_angle
+    ) / hub.speed
     rate = cue.highest_relative_speed + hub.speed
     values: Values = {
         "release_time": release,
@@ -208,13 +250,16 @@ def _formulas(tool: Tool) -> Values:
     }
     if not cue.impact_angle > 0.0:
         return values
-    wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
+    wire = (bristle.mass, bristle.length, hub.radius, hub.speed)
+    ratio = rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
     return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}
 
 
-def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
+def state_at_strike(
+    tool: Tool, run: Trajectory, contact: ContactRecord | None
+) -> dict[str, float | None]:
     """Return the lag, the rate relative to the hub and the tip's speed, in the units of STATE; None without a contact.
 
     Lag and rate of a wire that bends, whose links vibrate, are those of the line from root to tip.
@@ -226,7 +271,8 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
     if tool.bristle.links > 1:
         before = int(abs(run.time - contact.time).argmin())
         (root, tip), (root_velocity, tip_velocity) = (
-            each[before, [0, -1]] @ [1.0, 1j] for each in (run.centre_line, run.centre_line_velocity)
+            each[before, [0, -1]] @ [1.0, 1j]
+            for each in (run.centre_line, run.centre_line_velocity)
         )
         lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
         rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
@@ -285,14 +331,24 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 
 def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
     """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
-    fields = {"outcome": outcome_of(contact), "phases": contact.phases, "events": tuple(events.items())}
+    fields = {
+        "outcome": outcome_of(contact),
+        "phases": contact.phases,
+        "events": tuple(events.items()),
+    }
     return {**fields, "wall_s": cost.wall_s, "steps": cost.steps}
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:
     """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
-    reason, time = run.stop_reason, float(run.time[-1])
-    return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
+    reason = run.stop_reason
+    time = float(run.time[-1])
+    return {
+        "reason": str(reason),
+        "time": time,
+        "complete": not reason.gives_up,
+        "remedy": run.stop_advice,
+    }
 
 
 def reference_accuracy(settings: Settings) -> float:
@@ -303,7 +359,9 @@ def reference_accuracy(settings: Settings) -> float:
 def require_rigid(tool: Tool) -> None:
     """Refuse a wire that bends, whose lag and speed vibrate."""
     if tool.bristle.links > 1:
-        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)")
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)"
+        )
 
 
 class GivenUpError(ValueError):

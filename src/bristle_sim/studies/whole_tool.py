@@ -34,7 +34,9 @@ MAGNIFIED = 100.0
 # Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9
 LEAST_TOLERANCE = 1e-6
 SAMPLES_PER_PERIOD = 400  # Samples in a period of the bristle on its belt, for the splines
-INSTANTS = 2000  # Instants in the period of the summed force from which the band's percentiles are taken
+INSTANTS = (
+    2000  # Instants in the period of the summed force from which the band's percentiles are taken
+)
 BAND = (5.0, 95.0)  # Percentiles of the force behind the load cell, per cent of the time
 
 UNITS = {
@@ -75,11 +77,18 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
-    bristle, hub, least = tool.bristle, tool.hub, max(REPEATED, MAGNIFIED * settings.accuracy)
-    stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
+    bristle = tool.bristle
+    hub = tool.hub
+    least = max(REPEATED, MAGNIFIED * settings.accuracy)
+    stiffness = (
+        tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
+    )
     natural_rate = max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
     settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
-    runs, changes, angle, rate = list[Trajectory](), list[float](), 0.0, 0.0
+    runs = list[Trajectory]()
+    changes = list[float]()
+    angle = 0.0
+    rate = 0.0
     while len(runs) < MOST_TURNS:
         run = simulate(tool, settings, start_relative_angle=angle, start_relative_rate=rate)
         require_result(run, settings)
@@ -126,14 +135,17 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
     require_rigid(tool)
     fine = Settings(
-        accuracy=settings.accuracy, maximum_steps=settings.maximum_steps, samples_per_period=SAMPLES_PER_PERIOD
+        accuracy=settings.accuracy,
+        maximum_steps=settings.maximum_steps,
+        samples_per_period=SAMPLES_PER_PERIOD,
     )
     try:
         turn = periodic_turn(tool, fine)
     except TurnNotCompleted as reason:
         return Report(None, rows(UNITS, {}), answer=f"There is no mean force: {reason}.")
     found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, run) for run in turn.runs))
-    last, count = turn.changes[-1], len(turn.changes)
+    last = turn.changes[-1]
+    count = len(turn.changes)
     settled = f"Turn {count} repeats the one before, to within {last:.0e} rad."
     if not turn.repeats:
         settled = (
@@ -155,7 +167,9 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         remarks=(settled, "theory: the energy that a turn loses"),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
-        answer=answer if value["impact_rate"] else "The hand bears no force: no bristle touches the workpart.",
+        answer=answer
+        if value["impact_rate"]
+        else "The hand bears no force: no bristle touches the workpart.",
     )
 
 
@@ -173,18 +187,35 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
 
 
 def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
-    tool, runs, speed = whole.tool, whole.turn.runs, whole.tool.hub.speed
+    tool = whole.tool
+    runs = whole.turn.runs
+    speed = whole.tool.hub.speed
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
-    rate, forces = turns / len(runs), [each for turn in whole.forces for each in turn]
-    pressed = [[each.impulse for each in run.contacts if each.obstacle == "workpart"] for run in runs]
-    normal, tangential = rate * np.sum([(0.0, 0.0), *(each for run in pressed for each in run)], axis=0)
+    rate = turns / len(runs)
+    forces = [each for turn in whole.forces for each in turn]
+    pressed = [
+        [each.impulse for each in run.contacts if each.obstacle == "workpart"] for run in runs
+    ]
+    normal, tangential = rate * np.sum(
+        [(0.0, 0.0), *(each for run in pressed for each in run)], axis=0
+    )
     hand, by_bar = (
         0.0 - rate * float(sum(each.integral[2] for each in forces if each.obstacle == obstacle))
         for obstacle in ("workpart", "bar")
     )
-    drive, struck = hand + by_bar, rate * sum(map(bool, pressed))
+    drive = hand + by_bar
+    struck = rate * sum(map(bool, pressed))
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
-    simulated = (struck, normal, 0.0 - tangential, drive, hand, drive * speed, float(low), float(high))
+    simulated = (
+        struck,
+        normal,
+        0.0 - tangential,
+        drive,
+        hand,
+        drive * speed,
+        float(low),
+        float(high),
+    )
     theory: dict[str, float] = {"impact_rate": turns}
     if whole.turn.repeats:
         power = rate * dissipated(tool, runs[-1])

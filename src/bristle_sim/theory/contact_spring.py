@@ -68,7 +68,12 @@ class ContactSpring:
 
     def foot_velocity(self, velocity: Vector, slip: int, *, loading: bool) -> float:
         """Return the velocity of the foot that slides in the sense ``slip``, from the contact point's (normal, tangential) one."""
-        stretching = self.coefficient(loading=loading) * slip * self.compliance * self.steepness(loading=loading)
+        stretching = (
+            self.coefficient(loading=loading)
+            * slip
+            * self.compliance
+            * self.steepness(loading=loading)
+        )
         return velocity[1] + stretching * velocity[0]
 
     def tangential_force(self, place: float, foot: float) -> float:

@@ -18,7 +18,9 @@ def frictionless_stiffness(inverse_mass: float, restitution: float, duration: fl
     return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 / inverse_mass
 
 
-def stiffness_for_duration(impact: Impact, velocity: float, restitution: float, duration: float) -> float:
+def stiffness_for_duration(
+    impact: Impact, velocity: float, restitution: float, duration: float
+) -> float:
     """Return the stiffness at which the contact of an impact by the law lasts a given time, in the limit of short contacts.
 
     The duration scales with 1/sqrt(k). ``velocity`` is the normal one before the impact, negative.
@@ -39,22 +41,29 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
     Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the phase is
     part of a harmonic motion; the impact law gives the velocities and forces at its ends.
     """
-    works, time, stored = impact.phase_work_normal.tolist(), 0.0, 0.0
+    works = impact.phase_work_normal.tolist()
+    time = 0.0
+    stored = 0.0
     for index, impulse in enumerate(impact.phase_impulse.tolist()):
         if impulse <= 0.0:
             continue
         stiffness = 1.0
         if index >= 2:
-            stiffness, stored = 1.0 / restitution**2, sum(works[index:])
+            stiffness = 1.0 / restitution**2
+            stored = sum(works[index:])
         left = stored - works[index]
         change = 2.0 * (works[index] / impulse - velocity)
         forces = [math.sqrt(2.0 * stiffness * max(energy, 0.0)) for energy in (stored, left)]
-        compliance, velocities = change / impulse, (velocity, velocity + change)
+        compliance = change / impulse
+        velocities = (velocity, velocity + change)
         if change <= 1e-12 * max(map(abs, velocities)):
             time += 2.0 * impulse / sum(forces) if any(forces) else 0.0
         else:
             impedance = math.sqrt(compliance / stiffness)
-            before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
+            before, after = (
+                math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True)
+            )
             time += (after - before) / math.sqrt(compliance * stiffness)
-        stored, velocity = left, velocity + change
+        stored = left
+        velocity = velocity + change
     return time

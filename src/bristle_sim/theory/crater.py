@@ -33,7 +33,9 @@ from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 from bristle_sim.theory.numbers import require
 
-CUTTING_FRICTION = 0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
+CUTTING_FRICTION = (
+    0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
+)
 PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
 DEPTH_ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
 
@@ -82,9 +84,13 @@ def merchant_crater_depth_limit(
     >>> print(f"{1e6 * merchant_crater_depth_limit(angles=PRINTED_ANGLES):.2f} um")
     142.28 um
     """
-    u = 0.5 * (NODES + 1.0)  # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand
+    u = 0.5 * (
+        NODES + 1.0
+    )  # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand
     time = compression_time * u**2
-    growth = float(np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / PRINTED_WIDTH(time)))
+    growth = float(
+        np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / PRINTED_WIDTH(time))
+    )
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
@@ -111,7 +117,9 @@ def friction_for_crater_depth(
     sine = 1.0 - 2.0 * np.asarray(depth) / scale
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + DEPTH_ROUNDING) & (sine > -np.sin(gamma))
-    require("depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)")
+    require(
+        "depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)"
+    )
     # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
     return np.tan(2.0 * np.arcsin(np.sqrt(depth / scale)) - gamma)
 
@@ -141,12 +149,20 @@ def constant_for_crater_depth(
     scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
     given = (sine > 0.0) & (sine <= 1.0 + DEPTH_ROUNDING)
-    require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the scale being that of pi/2 (in m)")
+    require(
+        "depth",
+        depth,
+        given,
+        "must be the depth for some C, 0 < C <= pi/2, the scale being that of pi/2 (in m)",
+    )
     return np.arcsin(np.minimum(sine, 1.0))
 
 
 def _depth_ratio(
-    friction: ArrayLike, impact_angle: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles | None
+    friction: ArrayLike,
+    impact_angle: ArrayLike,
+    shear_yield_stress: ArrayLike,
+    angles: CuttingAngles | None,
 ) -> Number:
     """Return the crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
@@ -160,7 +176,10 @@ def _ply_sum(plies: int, compression_time: float) -> float:
 
 
 def energy_crater_depth(
-    plies: int = PLIES, impact_angle: ArrayLike = IMPACT_ANGLE, *, compression_time: float = COMPRESSION_TIME
+    plies: int = PLIES,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    *,
+    compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the sum of energy quotients as derived, cos(gamma) sum_i dE_i/R(t_i) (4.62-4.65), m; it grows with n.
 
@@ -172,7 +191,10 @@ def energy_crater_depth(
 
 
 def energy_crater_depth_ratio(
-    plies: int = PLIES, impact_angle: ArrayLike = IMPACT_ANGLE, *, compression_time: float = COMPRESSION_TIME
+    plies: int = PLIES,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    *,
+    compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i) (4.66 as set), m; it falls like 1/n.
 
@@ -194,4 +216,8 @@ def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
 def work_along_path() -> float:
     """Return the integral of R v_C over the compression, J: an upper bound of the force's work along the printed motion."""
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
-    return float(0.5 * COMPRESSION_TIME * np.sum(WEIGHTS * BRISTLE(time) * PRINTED_KINEMATICS.tip_velocity(time)))
+    return float(
+        0.5
+        * COMPRESSION_TIME
+        * np.sum(WEIGHTS * BRISTLE(time) * PRINTED_KINEMATICS.tip_velocity(time))
+    )

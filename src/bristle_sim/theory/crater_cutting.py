@@ -34,7 +34,8 @@ from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 from bristle_sim.theory.numbers import require
 
 _RULE = np.polynomial.legendre.leggauss(40)
-NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
+NODES = 0.5 * (_RULE[0] + 1.0)
+WEIGHTS = 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
 NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
@@ -71,7 +72,9 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
     return (inner + outer) * np.tan(gamma)
 
 
-def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
+def depth_from_energy(
+    energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
+) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
     W in J is the work that the tip does on the workpart along its path, u in J/m^3.
@@ -82,14 +85,17 @@ def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angl
     >>> print(f"{depth_from_energy(1e9 * swept_volume(path, angle), 1e9, angle) / path:.6f}")  # sin(30 deg)
     0.500000
     """
-    volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
+    volume = np.divide(energy, specific_energy)
+    slope = np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
         width = PRINTED_FACE.width(path * np.sin(impact_angle))
         return swept_volume(path, impact_angle) - volume, width * path * slope
 
     # The full width everywhere would need the least path; the volume is convex in it, so Newton's method converges.
-    return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope)))
+    return np.sin(impact_angle) * _root(
+        excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope))
+    )
 
 
 def depth_from_force(
@@ -122,11 +128,19 @@ def depth_from_force(
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
     """Find the root of a rising function by Newton's method from a start close below it, or at it if that is 0."""
-    root, step, tries = np.asarray(start, dtype=float), np.array(math.inf), 0
+    root = np.asarray(start, dtype=float)
+    step = np.array(math.inf)
+    tries = 0
     while tries < NEWTON_STEPS and np.any(np.abs(step) > 1e-14 * np.abs(root)):
         value, slope = excess(root)
-        step = np.divide(value, slope, out=np.zeros(np.broadcast(value, slope).shape), where=np.asarray(slope) > 0.0)
-        root, tries = root - step, tries + 1
+        step = np.divide(
+            value,
+            slope,
+            out=np.zeros(np.broadcast(value, slope).shape),
+            where=np.asarray(slope) > 0.0,
+        )
+        root = root - step
+        tries = tries + 1
     return root[()]
 
 
@@ -151,15 +165,26 @@ def crater_depth_from_contact(
 
     Raises ValueError for a contact without a pressing force.
     """
-    columns = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
+    columns = (
+        time,
+        normal_force,
+        tangential_force,
+        penetration,
+        normal_velocity,
+        tangential_velocity,
+    )
     deepest = max(int(np.argmax(penetration)), 1)
-    t, normal, tangential, inside, v_n, v_t = (np.asarray(column)[: deepest + 1] for column in columns)
+    t, normal, tangential, inside, v_n, v_t = (
+        np.asarray(column)[: deepest + 1] for column in columns
+    )
     along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)
     peak = int(np.argmax(along))
     require("normal_force", normal[peak], normal[peak] > 0.0, "must press at its peak (in N)")
     cutting = float(abs(tangential[peak]) / normal[peak]) if friction is None else friction
     u = specific_cutting_energy(cutting, impact_angle, shear_yield_stress, surface)
-    work = sum(float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t)))
+    work = sum(
+        float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t))
+    )
     return ContactCrater(
         compression_time=float(t[-1] - t[0]),
         peak_cutting_force=float(along[peak]),

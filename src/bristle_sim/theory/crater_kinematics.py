@@ -47,9 +47,13 @@ class CraterKinematics:
         The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3); at rest the tip leaves the bristle with
         the rate -r_h w/L (2.36) and its centre with half the rim's speed.
         """
-        rim, length, excursion = tool.hub.speed * tool.hub.radius, tool.bristle.length, 3.25e-4
-        speed, depth = rim + length * bristle_rate, excursion * math.sin(IMPACT_ANGLE)
-        rates, centre = (speed / length, rim / length), (0.5 * speed, 0.5 * rim)
+        rim = tool.hub.speed * tool.hub.radius
+        length = tool.bristle.length
+        excursion = 3.25e-4
+        speed = rim + length * bristle_rate
+        depth = excursion * math.sin(IMPACT_ANGLE)
+        rates = (speed / length, rim / length)
+        centre = (0.5 * speed, 0.5 * rim)
         face_depth = depth / math.sin(TipFace().face_angle)
         return cls(speed / excursion, excursion, speed, *rates, *centre, depth, face_depth)
 
@@ -135,25 +139,38 @@ class CuttingWidth:
 PRINTED_KINEMATICS = CraterKinematics()  # with the printed constants (Zhang 2020, eqs. 4.4-4.10)
 PRINTED_FACE = TipFace()  # with the printed constants (Zhang 2020, eqs. 4.9-4.13)
 PRINTED_WIDTH = CuttingWidth()  # with the printed constants (Zhang 2020, eq. 4.16)
-PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)  # of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)
+PRINTED_ENERGY = (
+    0.0126,
+    0.00303,
+    7.25e-4,
+)  # of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)
 
 
-def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tuple[float, float, float]:
+def energy_coefficients(
+    kinematics: CraterKinematics = PRINTED_KINEMATICS,
+) -> tuple[float, float, float]:
     """Return the coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J.
 
     E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
     """
-    wire, k = Bristle(), kinematics
-    half_mass, half_inertia = 0.5 * wire.mass, 0.5 * wire.inertia_about_centre
+    wire = Bristle()
+    k = kinematics
+    half_mass = 0.5 * wire.mass
+    half_inertia = 0.5 * wire.inertia_about_centre
     return (
         half_mass * k.centre_speed**2 + half_inertia * k.rate**2,
-        2.0 * (half_mass * k.centre_speed * k.final_centre_speed - half_inertia * k.rate * k.final_rate),
+        2.0
+        * (
+            half_mass * k.centre_speed * k.final_centre_speed - half_inertia * k.rate * k.final_rate
+        ),
         half_mass * k.final_centre_speed**2 + half_inertia * k.final_rate**2,
     )
 
 
 def kinetic_energy(
-    time: ArrayLike, coefficients: tuple[float, float, float] = PRINTED_ENERGY, decay: float = PRINTED_KINEMATICS.decay
+    time: ArrayLike,
+    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
+    decay: float = PRINTED_KINEMATICS.decay,
 ) -> Number:
     """Return the kinetic energy of the bristle (4.59), J, at times >= 0 in s; coefficients as printed by default."""
     left = np.exp(-decay * np.asarray(time))
@@ -166,5 +183,6 @@ def path_force(time: ArrayLike) -> Number:
     The root moves with the hub at constant speed, so the force at the tip turns the bristle alone: its effective mass
     along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). Largest at first touch, where (3.19) has nothing.
     """
-    wire, motion = Bristle(), PRINTED_KINEMATICS
+    wire = Bristle()
+    motion = PRINTED_KINEMATICS
     return wire.inertia_about_root / wire.length**2 * motion.decay * motion.tip_velocity(time)

@@ -26,7 +26,9 @@ from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.theory.numbers import require
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(
+    64
+)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 
 
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
@@ -65,7 +67,11 @@ def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
 
 
 def retraction_at_bar(
-    bar_horizontal: Number, bar_vertical: Number, bar_reach: Number, hub_radius: Number, length: Number
+    bar_horizontal: Number,
+    bar_vertical: Number,
+    bar_reach: Number,
+    hub_radius: Number,
+    length: Number,
 ) -> Number:
     """Return theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad.
 
@@ -95,7 +101,9 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
     return np.sqrt(stiffness) / np.sqrt(inertia)
 
 
-def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
+def centrifugal_stiffness(
+    mass: Number, hub_radius: Number, length: Number, hub_speed: Number
+) -> Number:
     """Return g = m r_h (L/2) omega^2, N m/rad.
 
     >>> print(f"{centrifugal_stiffness(2.0, 3.0, 4.0, 5.0):.6f}")  # 2 x 3 x 2 x 25
@@ -104,7 +112,9 @@ def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_
     return 0.5 * mass * hub_radius * length * hub_speed**2
 
 
-def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
+def stiffened_highest_speed(
+    retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
+) -> Number:
     """Return sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion.
 
     Without a belt, from 90 deg, it is a pendulum's: sqrt(2 g/I):
@@ -116,7 +126,9 @@ def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: 
     return np.sqrt(stiffness * retraction**2 + centrifugal * chord**2) / np.sqrt(inertia)
 
 
-def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
+def stiffened_cue_time(
+    retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
+) -> Number:
     """Return the time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
 
     With alpha = theta_p sin u the energy integral becomes, without a singularity at the start,
@@ -175,9 +187,12 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
     turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * time
     turns = np.where(abs(turns) < LEAST_TURN, 0.0, turns)
     # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
-    swing, drift = np.cos(turns), time * np.sinc(turns / np.pi)
+    swing = np.cos(turns)
+    drift = time * np.sinc(turns / np.pi)
     fading = np.exp(-decay * time)
-    return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real
+    return retraction * fading * (
+        swing + decay * drift
+    ).real, retraction * rate**2 * fading * drift.real
 
 
 def _phase(damping_ratio: Number) -> Number:
@@ -212,20 +227,27 @@ class Cue:
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad."""
-    rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
+    rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
+    damping = tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
     return placed_cue(tool, retraction, damped_cue_time(rate, damping), speed)
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad."""
-    swing = (retraction, tool.belt.stiffness, field_stiffness(tool), tool.bristle.inertia_about_root)
+    swing = (
+        retraction,
+        tool.belt.stiffness,
+        field_stiffness(tool),
+        tool.bristle.inertia_about_root,
+    )
     return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
 
 
 def field_stiffness(tool: Tool) -> float:
     """Return g of a tool, N m/rad."""
-    bristle, hub = tool.bristle, tool.hub
+    bristle = tool.bristle
+    hub = tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
@@ -244,9 +266,14 @@ def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be there")
-    geometry, turn = (tool.hub.radius, tool.bristle.length), tool.hub.speed * time
+    geometry = (tool.hub.radius, tool.bristle.length)
+    turn = tool.hub.speed * time
     angle = impact_angle(*geometry, tool.workpart.penetration)
-    lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)
-    distance, direction = tool.bar_reach + radius, lag + turn + angle
+    lag = tip_lag(*geometry, retraction)
+    radius = tip_radius(*geometry, retraction)
+    distance = tool.bar_reach + radius
+    direction = lag + turn + angle
     place = (distance * np.sin(direction), distance * np.cos(direction))
-    return Cue(*map(float, (angle, radius, lag, time, turn, relative_speed, distance, direction, *place)))
+    return Cue(
+        *map(float, (angle, radius, lag, time, turn, relative_speed, distance, direction, *place))
+    )

@@ -26,10 +26,9 @@ AROUND = 0.5  # part of the duration before and after the contact that the fit t
 ENDS = 0.05  # part of the duration by which the start found may be late and the end early
 SHORTEST = 3.0  # shortest duration, in median sampling intervals
 FEWEST_OUTSIDE = 4  # samples from outside the contact that a baseline needs
-RISE, HALF_WIDTH = (
-    0.2127,
-    0.5745,
-)  # times t/t_f from the start to half the peak, and at more than that, of (3.3) without decay
+# times t/t_f from the start to half the peak, and at more than that, of (3.3) without decay
+RISE = 0.2127
+HALF_WIDTH = 0.5745
 
 MOST_CHANCE = 0.01  # probability that noise alone, independent and normal, shows as good a contact in the record
 PLACES = 50.0  # contacts that noise may show for each further duration: 16 starts, and durations that differ
@@ -99,10 +98,16 @@ def fit_force_history(
         ValueError: for points that are no force history, fewer points than unknowns, and for a record in which no contact is
             found or whose contact began before it.
     """
-    time, force = np.asarray(time, dtype=float), np.asarray(force, dtype=float)
+    time = np.asarray(time, dtype=float)
+    force = np.asarray(force, dtype=float)
     _check(time, force, duration, peak_force, start)
-    tried = (_fitted(time, force, pulse, duration, peak_force, start) for pulse in _pulses(time, force, start))
-    best = max((each for each in tried if each is not None), key=lambda each: each.explained, default=None)
+    tried = (
+        _fitted(time, force, pulse, duration, peak_force, start)
+        for pulse in _pulses(time, force, start)
+    )
+    best = max(
+        (each for each in tried if each is not None), key=lambda each: each.explained, default=None
+    )
     if best is None:
         raise ValueError(NO_CONTACT)
     if start is None:
@@ -112,16 +117,21 @@ def fit_force_history(
 
 def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
     """Yield the highest pulses of moving averages above the record's median and above its ends, once each."""
-    seen, interval = set[tuple[int, int]](), float(np.median(np.diff(time)))
+    seen = set[tuple[int, int]]()
+    interval = float(np.median(np.diff(time)))
     for width in (2**power for power in range(max(1, int(math.log2(force.size)) - 1))):
         weights = np.ones(width) / width
-        smooth, clock = np.convolve(force, weights, "valid"), np.convolve(time, weights, "valid")
-        top, ends = int(np.argmax(smooth)), 0.5 * float(smooth[0] + smooth[-1])
+        smooth = np.convolve(force, weights, "valid")
+        clock = np.convolve(time, weights, "valid")
+        top = int(np.argmax(smooth))
+        ends = 0.5 * float(smooth[0] + smooth[-1])
         for level in (0.0,) if start is not None else (float(np.median(force)), ends):
             high = smooth > 0.5 * (smooth[top] + level)
             before, after = np.flatnonzero(~high[:top]), np.flatnonzero(~high[top:])
             left = float(clock[before[-1]] if before.size else clock[0])
-            right = float(clock[top + after[0]] if after.size else max(clock[-1], 2.0 * clock[top] - left))
+            right = float(
+                clock[top + after[0]] if after.size else max(clock[-1], 2.0 * clock[top] - left)
+            )
             length = max((right - left) / HALF_WIDTH, SHORTEST * interval)
             begin = left - RISE * length if start is None else start
             place = round(20.0 * begin / length), round(20.0 * math.log(length / interval))
@@ -131,17 +141,25 @@ def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
 
 
 def _fitted(
-    time: Array, force: Array, pulse: _Pulse, duration: float | None, peak_force: float | None, start: float | None
+    time: Array,
+    force: Array,
+    pulse: _Pulse,
+    duration: float | None,
+    peak_force: float | None,
+    start: float | None,
 ) -> ForceFit | None:
     """Return the least-squares fit that is found from a pulse; None where none is."""
     from scipy.optimize import OptimizeWarning, curve_fit
 
     length = pulse.duration if duration is None else duration
-    since, based = (time - pulse.start) / length, False
+    since = (time - pulse.start) / length
+    based = False
     if start is None:
         near = (since >= -AROUND) & (since <= 1.0 + AROUND)
         based = int((near & ((since < -ENDS) | (since > 1.0 + ENDS))).sum()) >= FEWEST_OUTSIDE
-        time, force, since = time[near], force[near], since[near]
+        time = time[near]
+        force = force[near]
+        since = since[near]
     scale = peak_force or (pulse.height if based else float(force.max(initial=0.0)))
     if not scale > 0.0:
         return None
@@ -150,12 +168,21 @@ def _fitted(
     sizes |= {"duration": length} if duration is None else {}
     sizes |= {"start": length} if start is None else {}
     sizes |= {"baseline": pulse.height} if based else {}
-    begin = {"amplitude 1": 1.0, "decay 1": 0.0, "duration": 1.0, "start": 0.0, "baseline": pulse.level / pulse.height}
+    begin = {
+        "amplitude 1": 1.0,
+        "decay 1": 0.0,
+        "duration": 1.0,
+        "start": 0.0,
+        "baseline": pulse.level / pulse.height,
+    }
     if force.size <= len(sizes):
         return None
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
-        found = {name: size * value for (name, size), value in zip(sizes.items(), unknowns.tolist(), strict=True)}
+        found = {
+            name: size * value
+            for (name, size), value in zip(sizes.items(), unknowns.tolist(), strict=True)
+        }
         span = abs(found.get("duration", length))
         curve = ForceCurve.of_impact(found["amplitude 1"], found["decay 1"], scale, span)
         return curve, found.get("start", 0.0), found.get("baseline", 0.0)
@@ -166,23 +193,36 @@ def _fitted(
 
     try:
         with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
-            warnings.simplefilter("error", OptimizeWarning)  # unknowns that the points do not tell apart
+            warnings.simplefilter(
+                "error", OptimizeWarning
+            )  # unknowns that the points do not tell apart
             first = [begin[name] for name in sizes]
-            found, covariance = curve_fit(forces, since, force, first, ftol=1e-14, xtol=1e-14, gtol=0.0)
+            found, covariance = curve_fit(
+                forces, since, force, first, ftol=1e-14, xtol=1e-14, gtol=0.0
+            )
     except (RuntimeError, ValueError, ZeroDivisionError, OptimizeWarning):
         return None
     curve, begins, level = model(found)
     outside = (length * since < begins) | (length * since > begins + curve.duration)
     if based and int(outside.sum()) < FEWEST_OUTSIDE:
         return None
-    residuals, units = forces(since, *found) - force, np.array([*sizes.values()])
+    residuals = forces(since, *found) - force
+    units = np.array([*sizes.values()])
     exact = {"start": pulse.start + begins, "duration": curve.duration}
-    values = np.array([exact.get(name, value) for name, value in zip(sizes, (found * units).tolist(), strict=True)])
-    unexplained, total = float(residuals @ residuals), float(np.sum((force - force.mean()) ** 2))
+    values = np.array(
+        [
+            exact.get(name, value)
+            for name, value in zip(sizes, (found * units).tolist(), strict=True)
+        ]
+    )
+    unexplained = float(residuals @ residuals)
+    total = float(np.sum((force - force.mean()) ** 2))
     noise = math.sqrt(unexplained / (force.size - found.size))
     origin = pulse.start + begins
     spread = covariance * np.outer(units, units)
-    return ForceFit(curve, tuple(sizes), values, spread, residuals, noise, total - unexplained, origin, level)
+    return ForceFit(
+        curve, tuple(sizes), values, spread, residuals, noise, total - unexplained, origin, level
+    )
 
 
 def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
@@ -193,7 +233,8 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
         peak = fit.curve.peak_time()
     except ValueError:
         raise ValueError(NO_CONTACT) from None
-    unknowns, length = len(fit.names), fit.curve.duration
+    unknowns = len(fit.names)
+    length = fit.curve.duration
     freedom = fit.residuals.size - unknowns
     ratio = fit.explained / unknowns / max(fit.noise**2, np.finfo(float).tiny)
     places = max(1.0, PLACES * ((time[-1] - time[0]) / length - 1.0))
@@ -204,29 +245,47 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
         must = f"its start must be before that of the contact, {fit.start:.9g} s"
         raise ValueError(f"time: begins at {time[0]:.9g} s; {must}")
     if fit.start + peak > time[-1] + MISSING_START * length:
-        raise ValueError(f"time: ends at {time[-1]:.9g} s; its end must be after the peak of the force")
+        raise ValueError(
+            f"time: ends at {time[-1]:.9g} s; its end must be after the peak of the force"
+        )
     level = max(LEVEL * float(fit.curve(peak)), 4.0 * fit.root_mean_square)
-    if "baseline" not in fit.names and force[0] * force[-1] > 0.0 and min(abs(force[0]), abs(force[-1])) > level:
+    if (
+        "baseline" not in fit.names
+        and force[0] * force[-1] > 0.0
+        and min(abs(force[0]), abs(force[-1])) > level
+    ):
         ends = f"begins at {force[0]:g} N and ends at {force[-1]:g} N"
         must = "samples outside the contact must be in it, for its zero"
         raise ValueError(f"force: {ends}, where a contact has 0; {must}")
 
 
-def _check(time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None) -> None:
+def _check(
+    time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
+) -> None:
     """Refuse forces unless their times are one ascending row, with more samples than unknowns, of one contact."""
     if time.ndim != 1 or time.shape != force.shape:
-        raise ValueError(f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths")
+        raise ValueError(
+            f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths"
+        )
     if not (np.isfinite(time).all() and np.isfinite(force).all() and (np.diff(time) > 0.0).all()):
         raise ValueError("time, force: must be finite numbers, the times increasing (in s, N)")
     unknowns = 2 + (duration is None) + (start is None)
     if force.size <= unknowns:
-        raise ValueError(f"force: {force.size} points; there must be more than the {unknowns} unknowns")
+        raise ValueError(
+            f"force: {force.size} points; there must be more than the {unknowns} unknowns"
+        )
     if not SPAN[0] <= time[-1] - time[0] <= SPAN[1]:
-        raise ValueError(f"time: spans {time[-1] - time[0]:g}: must be {SPAN[0]:g} to {SPAN[1]:g} (in s)")
+        raise ValueError(
+            f"time: spans {time[-1] - time[0]:g}: must be {SPAN[0]:g} to {SPAN[1]:g} (in s)"
+        )
     for name, value, unit in (("duration", duration, "s"), ("peak_force", peak_force, "N")):
         if value is not None and not 0.0 < value < math.inf:
             raise ValueError(f"{name} = {value:g}: must be a finite number above 0 (in {unit})")
     if start is not None and (time[0] < start or not (force > 0.0).any()):
-        raise ValueError(f"time, force: must begin at start = {start:g} or later, and be above 0 (in s, N)")
+        raise ValueError(
+            f"time, force: must begin at start = {start:g} or later, and be above 0 (in s, N)"
+        )
     if start is not None and duration is not None and not duration >= time[-1] - start:
-        raise ValueError(f"duration = {duration:g}: must be at least the last time, {time[-1] - start:g} (in s)")
+        raise ValueError(
+            f"duration = {duration:g}: must be at least the last time, {time[-1] - start:g} (in s)"
+        )

@@ -47,11 +47,16 @@ class ForceCurve:
     period: float
 
     @classmethod
-    def of_impact(cls, amplitude: float, decay: float, peak_force: float, duration: float) -> ForceCurve:
+    def of_impact(
+        cls, amplitude: float, decay: float, peak_force: float, duration: float
+    ) -> ForceCurve:
         """Return the curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
-        lead, swing = LEAD_RATIO * duration, 0.5 * peak_force
+        lead = LEAD_RATIO * duration
+        swing = 0.5 * peak_force
         period = duration + 2.0 * lead
-        return cls(amplitude, decay, swing * math.cos(2.0 * math.pi * lead / period), swing, lead, period)
+        return cls(
+            amplitude, decay, swing * math.cos(2.0 * math.pi * lead / period), swing, lead, period
+        )
 
     @property
     def duration(self) -> float:
@@ -80,7 +85,8 @@ class ForceCurve:
 
     def _integral(self, time: ArrayLike) -> Number:
         """Return the integral from 0, of the constant part and of that of e^(z t + i w t_o) with z = -lambda + i w."""
-        t, exponent = np.asarray(time, dtype=float), complex(-self.decay, self._turn)
+        t = np.asarray(time, dtype=float)
+        exponent = complex(-self.decay, self._turn)
         constant = -np.expm1(-self.decay * t) / self.decay if self.decay else t
         turning = cmath.exp(1j * self._turn * self.lead) * np.expm1(exponent * t) / exponent
         return self.amplitude * (self.offset * constant - self.swing * turning.real)
@@ -106,9 +112,12 @@ class ForceCurve:
 
     def inflection_time(self) -> float:
         """Return the time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
-        turn, decay = self._turn, self.decay
+        turn = self._turn
+        decay = self.decay
         cosine = -(decay**2) * self.offset / (self.swing * (turn**2 + decay**2))
-        return (math.acos(cosine) - math.atan2(2.0 * decay * turn, turn**2 - decay**2)) / turn - self.lead
+        return (
+            math.acos(cosine) - math.atan2(2.0 * decay * turn, turn**2 - decay**2)
+        ) / turn - self.lead
 
     def peak_force(self) -> float:
         """Return the largest force, N."""
@@ -159,4 +168,6 @@ def segment_impulses(
     end = curve.peak_time() if compression_time is None else compression_time
     edges = np.linspace(0.0, end, segments + 1)
     parts = curve.impulse(edges[1:], edges[:-1])
-    return np.asarray(np.asarray(impulse, dtype=float)[..., np.newaxis] * parts / curve.impulse(end))
+    return np.asarray(
+        np.asarray(impulse, dtype=float)[..., np.newaxis] * parts / curve.impulse(end)
+    )

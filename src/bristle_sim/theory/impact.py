@@ -52,7 +52,8 @@ __all__ = [
 
 MOST_FRICTION = 1e150  # more makes impulses that overflow
 
-LEAST_COMPLIANCE, MOST_COMPLIANCE = 1e-4, 1e4
+LEAST_COMPLIANCE = 1e-4
+MOST_COMPLIANCE = 1e4
 """Least eta^2 whose springs are followed, and the largest that is accepted. Each swing of the tangential spring is a phase of its own,
 some 0.65/eta of them; below the least value the impact is a mean of the rigid one and the one at that value."""
 
@@ -133,7 +134,8 @@ def poisson_impact(
     """
     _require_rigid(tangential_compliance)
     return _resolve(
-        _poisson_end, (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+        _poisson_end,
+        (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance),
     )
 
 
@@ -159,7 +161,8 @@ def newton_impact(
     """
     _require_rigid(tangential_compliance)
     return _resolve(
-        _newton_end, (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+        _newton_end,
+        (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance),
     )
 
 
@@ -190,14 +193,23 @@ def _newton_end(velocity: Number, compliance: Number, target: Target) -> Number:
 
 def _require_rigid(compliance: ArrayLike) -> None:
     if np.any(numbers("tangential_compliance", compliance, "must be real numbers")):
-        raise ValueError(f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)")
+        raise ValueError(
+            f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)"
+        )
 
 
 def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     """Check and unpack the arguments, then resolve the rigid impacts and those with a tangential compliance."""
     matrix, velocity, friction, restitution, later, stick = given
-    coefficients = (friction, restitution, friction if later is None else later, *(() if stick is None else (stick,)))
-    rigid = isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
+    coefficients = (
+        friction,
+        restitution,
+        friction if later is None else later,
+        *(() if stick is None else (stick,)),
+    )
+    rigid = (
+        isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
+    )
     single = _single(matrix, velocity, coefficients) if rigid else None
     values, shape = single or _unpack(matrix, velocity, *coefficients)
     if rigid and shape is None:
@@ -206,7 +218,12 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
         return impact
     squared = numbers("tangential_compliance", compliance, "must be real numbers")
     within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
-    require("tangential_compliance", squared, within, f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)")
+    require(
+        "tangential_compliance",
+        squared,
+        within,
+        f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)",
+    )
     shape = np.broadcast_shapes(shape or (), squared.shape)
     values = [np.broadcast_to(value, shape).ravel() for value in values]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -247,13 +264,19 @@ def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
 def _rigid_row(end: End, values: list[Number]) -> Impact:
     """Resolve a row of rigid impacts in blocks that fit the cache."""
     starts = range(0, max(values[0].size, 1), BLOCK)
-    parts = [resolve_phases(end, *(value[start : start + BLOCK] for value in values)) for start in starts]
+    parts = [
+        resolve_phases(end, *(value[start : start + BLOCK] for value in values)) for start in starts
+    ]
     if len(parts) == 1:
         return parts[0]
-    return Impact(*(np.concatenate([getattr(part, entry.name) for part in parts]) for entry in fields(Impact)))
+    return Impact(
+        *(np.concatenate([getattr(part, entry.name) for part in parts]) for entry in fields(Impact))
+    )
 
 
-def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]) -> tuple[list[Number], None] | None:
+def _single(
+    inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]
+) -> tuple[list[Number], None] | None:
     """Return the floats of one impact that is given as floats and an array, as a scene does; None for all else."""
     if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
         return None
@@ -269,7 +292,14 @@ def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...
     return values, None
 
 
-NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "stick_compliance")
+NAMES = (
+    "inverse_mass",
+    "velocity",
+    "friction",
+    "restitution",
+    "restitution_friction",
+    "stick_compliance",
+)
 
 
 def _unpack(
@@ -277,13 +307,23 @@ def _unpack(
 ) -> tuple[list[Number], tuple[int, ...] | None]:
     """Return K's entries, velocities and coefficients: floats for one impact (shape None), else broadcast arrays."""
     given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
-    matrix, velocity, *coefficients = (numbers(name, each, "must be real numbers") for name, each in given)
+    matrix, velocity, *coefficients = (
+        numbers(name, each, "must be real numbers") for name, each in given
+    )
     if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
         raise ValueError(
             f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: must be (..., 2, 2) and (..., 2)"
         )
-    shape = np.broadcast_shapes(matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients))
-    entries = (matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 1], velocity[..., 0], velocity[..., 1])
+    shape = np.broadcast_shapes(
+        matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients)
+    )
+    entries = (
+        matrix[..., 0, 0],
+        matrix[..., 0, 1],
+        matrix[..., 1, 1],
+        velocity[..., 0],
+        velocity[..., 1],
+    )
     values: list[Number] = [np.broadcast_to(each, shape) for each in (*entries, *coefficients)]
     if not shape:
         values = [each.item() for each in values]
@@ -310,7 +350,9 @@ def _check(values: list[Number], k_tn: Number) -> None:
         ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
     ]
     for each in given:
-        rules.append(("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)))
+        rules.append(
+            ("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,))
+        )
     for name, rule, holds, checked in rules:
         if holds is not True and not np.all(holds):
             raise ValueError(f"{name} = {_first(checked, holds)}: must be {rule}")
@@ -318,15 +360,25 @@ def _check(values: list[Number], k_tn: Number) -> None:
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:
     """Return the first of the values for which a rule does not hold, for a message."""
-    chosen = values if isinstance(holds, bool) else [np.broadcast_to(each, holds.shape)[~holds][0] for each in values]
+    chosen = (
+        values
+        if isinstance(holds, bool)
+        else [np.broadcast_to(each, holds.shape)[~holds][0] for each in values]
+    )
     text = ", ".join(f"{float(each):g}" for each in chosen)
     return text if len(values) == 1 else f"({text})"
 
 
 def _check_result(impact: Impact, arguments: list[Number]) -> None:
     """Refuse impulses, velocities and works that are not finite: they overflow, or K is too small for its inverse."""
-    entries = (impact.impulse_normal, impact.impulse_tangential, impact.velocity_normal, impact.velocity_tangential)
-    total, works = sum(entries), (impact.phase_work_normal, impact.phase_work_tangential)
+    entries = (
+        impact.impulse_normal,
+        impact.impulse_tangential,
+        impact.velocity_normal,
+        impact.velocity_tangential,
+    )
+    total = sum(entries)
+    works = (impact.phase_work_normal, impact.phase_work_tangential)
     if isinstance(total, float):
         holds = isfinite(sum([total, *works[0].tolist(), *works[1].tolist()]))
     else:

@@ -27,7 +27,17 @@ from dataclasses import fields
 import numpy as np
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.impact_events import APART, BACKWARD, FORWARD, LINE, NEVER, NOISE, NONE, SETTLED, STOP
+from bristle_sim.theory.impact_events import (
+    APART,
+    BACKWARD,
+    FORWARD,
+    LINE,
+    NEVER,
+    NOISE,
+    NONE,
+    SETTLED,
+    STOP,
+)
 from bristle_sim.theory.impact_phases import (
     INFINITE,
     JAM,
@@ -42,11 +52,15 @@ from bristle_sim.theory.impact_phases import (
 from bristle_sim.theory.impact_stick import Contact, stick
 from bristle_sim.theory.numbers import quotient
 
-LEAST_RESTITUTION = 1e-8  # below it the work that is returned is less than the rounding of the work that was taken
+LEAST_RESTITUTION = (
+    1e-8  # below it the work that is returned is less than the rounding of the work that was taken
+)
 
 WIDEST_CONE = 1e12  # more friction acts as this: the cone is a half-plane but for parts in 1e12
 
-LOCAL, BLOCK = 1 << 15, 1 << 13  # contacts that fit the outer cache, and the inner one
+# contacts that fit the outer cache, and the inner one
+LOCAL = 1 << 15
+BLOCK = 1 << 13
 
 ROUNDS = 3
 """Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks, and by longer steps."""
@@ -56,11 +70,13 @@ MOST_IN_STICK = 10_000
 The modes of a nearly singular K, whose rates differ a thousandfold, bounce from line to line: 198 times where det K is 1e-4 of
 K_nn K_tt, 2,690 times at 2e-5. The cost is linear in their number."""
 
-SETTLING, LEAST_RESOLVED = 120, 2e-3
+SETTLING = 120
+LEAST_RESOLVED = 2e-3
 """The same number for a jam of one degree of freedom, which further phases do not change, and for a smaller e*. Such a point bounces
 on the steep line some 1/e* times; what is lost then changes its velocity by up to an eighth in one impact of fifty."""
 
-CHATTER, FURTHER = 500, 20
+CHATTER = 500
+FURTHER = 20
 """Times that a point is pressed on again before its slip loses a half at rest, and before it loses a further half. With mu_2 > mu_1
 slip can press the point on as soon as it begins to part. In one of some thousand impacts this happens a million times; each
 of them changes the slip by less than one part in that number."""
@@ -72,19 +88,26 @@ MOTION = Contact._fields.index("normal")  # the first row of a contact that chan
 
 def _slip(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance by a phase of slip; return contact, event, and impulses and works along the normal and the surface."""
-    loading, mu, kappa = contact.loading > 0.0, contact.friction, contact.steep * contact.steep
+    loading = contact.loading > 0.0
+    mu = contact.friction
+    kappa = contact.steep * contact.steep
     gain, gain_along, foot, foot_gain = _foot(contact, contact.slip)
     stop = np.where((mu > 0.0) & (foot_gain < 0.0), np.maximum(foot, 0.0) / -foot_gain, INFINITE)
-    speed, push = contact.normal, contact.push
+    speed = contact.normal
+    push = contact.push
 
     # Unloading: N = 0, or N as large as it was, by the quadratic N^2(p) in the forms that do not cancel.
-    left, stored = (contact.peak - push) * (contact.peak + push) / kappa, push * push / kappa
-    inside, beyond = speed * speed - gain * left, speed * speed + gain * stored
+    left = (contact.peak - push) * (contact.peak + push) / kappa
+    stored = push * push / kappa
+    inside = speed * speed - gain * left
+    beyond = speed * speed + gain * stored
     root = np.sqrt(np.maximum(inside, 0.0))
     again = np.where(speed < 0.0, left / (root - speed), (speed + root) / -gain)
     again = np.where((inside >= 0.0) & ((speed < 0.0) | (gain < 0.0)), again, INFINITE)
     root = np.sqrt(np.maximum(beyond, 0.0))
-    apart: Number = np.where(speed < 0.0, quotient(root - speed, gain), quotient(stored, speed + root))
+    apart: Number = np.where(
+        speed < 0.0, quotient(root - speed, gain), quotient(stored, speed + root)
+    )
     apart = np.where(loading | (beyond < 0.0), INFINITE, apart)
     line = np.where(loading, quotient(-speed, gain), again)
 
@@ -97,7 +120,10 @@ def _slip(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
     square = push * push - kappa * impulse * (speed + normal)
     push = np.where(event == APART, 0.0, np.sqrt(np.maximum(square, 0.0)))
     ratio = -mu * contact.slip
-    works = 0.5 * impulse * (speed + normal), 0.5 * ratio * impulse * (contact.tangential + tangential)
+    works = (
+        0.5 * impulse * (speed + normal),
+        0.5 * ratio * impulse * (contact.tangential + tangential),
+    )
     after = contact._replace(normal=normal, tangential=tangential, push=push, rub=ratio * push)
     return after, event, (impulse, ratio * impulse, *works)
 
@@ -118,11 +144,17 @@ def _foot(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Numbe
 def _begun(contact: Contact) -> Number:
     """Return the sense in which the foot slips at an edge of the cone that the force would leave, else 0; without friction it always slips."""
     smooth = contact.friction == 0.0
-    free = np.where(contact.tangential == 0.0, np.where(contact.k_nt < 0.0, -1.0, 1.0), np.sign(contact.tangential))
+    free = np.where(
+        contact.tangential == 0.0,
+        np.where(contact.k_nt < 0.0, -1.0, 1.0),
+        np.sign(contact.tangential),
+    )
     side = np.where(smooth | (contact.rub == 0.0), free, -np.sign(contact.rub))
     _, _, foot, gain = _foot(contact, side)
     growth = contact.friction * (contact.eta * contact.steep) ** 2
-    still = abs(foot) <= NOISE * (abs(contact.tangential) + growth * abs(contact.normal)) / (1.0 + growth)
+    still = abs(foot) <= NOISE * (abs(contact.tangential) + growth * abs(contact.normal)) / (
+        1.0 + growth
+    )
     leaves = np.where(still, gain > 0.0, foot > 0.0)
     slips = (abs(contact.rub) >= contact.friction * contact.push * (1.0 - NOISE)) & leaves
     return np.where(smooth | slips, side, 0.0)
@@ -130,11 +162,16 @@ def _begun(contact: Contact) -> Number:
 
 def _turned(contact: Contact, event: Number) -> Contact:
     """Return the contact after an event, on the line and with the slip that follow it."""
-    line, loading = event == LINE, contact.loading > 0.0
-    deepest, again = line & loading, line & ~loading
-    push = np.where(loading, contact.push, np.where(again, contact.peak, np.minimum(contact.push, contact.peak)))
+    line = event == LINE
+    loading = contact.loading > 0.0
+    deepest = line & loading
+    again = line & ~loading
+    push = np.where(
+        loading, contact.push, np.where(again, contact.peak, np.minimum(contact.push, contact.peak))
+    )
     mu = np.where(deepest, contact.mu_2, np.where(again, contact.mu_1, contact.friction))
-    limit, slides = mu * push, (event == FORWARD) | (event == BACKWARD)
+    limit = mu * push
+    slides = (event == FORWARD) | (event == BACKWARD)
     side = np.where(event == FORWARD, 1.0, -1.0)
     contact = contact._replace(
         normal=np.where(deepest, 0.0, contact.normal),
@@ -145,7 +182,9 @@ def _turned(contact: Contact, event: Number) -> Contact:
         steep=np.where(deepest, 1.0 / contact.restitution, np.where(again, 1.0, contact.steep)),
         friction=mu,
     )
-    return contact._replace(slip=np.where(slides, side, np.where(event == STOP, 0.0, _begun(contact))))
+    return contact._replace(
+        slip=np.where(slides, side, np.where(event == STOP, 0.0, _begun(contact)))
+    )
 
 
 class _Contacts:
@@ -157,11 +196,16 @@ class _Contacts:
     """
 
     def __init__(self, contact: Contact) -> None:
-        self.rows, self.initial = np.array(contact), contact.slip
+        self.rows = np.array(contact)
+        self.initial = contact.slip
         size = contact.slip.size
-        self.totals, self.slips, self.row = np.zeros((4, 4 * size)), np.zeros((size, 4)), np.zeros(size, dtype=int)
-        self.phases, self.settled = np.zeros(size, dtype=int), np.zeros(size, dtype=bool)
-        self.slip_stop, self.outcome = np.full(size, INFINITE), np.zeros(size, dtype=int)
+        self.totals = np.zeros((4, 4 * size))
+        self.slips = np.zeros((size, 4))
+        self.row = np.zeros(size, dtype=int)
+        self.phases = np.zeros(size, dtype=int)
+        self.settled = np.zeros(size, dtype=bool)
+        self.slip_stop = np.full(size, INFINITE)
+        self.outcome = np.zeros(size, dtype=int)
         self.again = np.zeros(size, dtype=int)
 
     @property
@@ -180,19 +224,31 @@ class _Contacts:
                     after, event, done = _slip(before)
                 else:
                     many = self.phases[at] >= SETTLING
-                    most = many & ((self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED))
-                    after, event, done = stick(before, many & ~self.settled[at], most & ~self.settled[at], patient)
+                    most = many & (
+                        (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
+                    )
+                    after, event, done = stick(
+                        before, many & ~self.settled[at], most & ~self.settled[at], patient
+                    )
                 over = self.note(at, before, after, event, done)
                 turned = _turned(after, event)
                 if (event == NONE).any():
-                    turned = Contact(*(np.where(event == NONE, *pair) for pair in zip(after, turned, strict=True)))
+                    turned = Contact(
+                        *(
+                            np.where(event == NONE, *pair)
+                            for pair in zip(after, turned, strict=True)
+                        )
+                    )
                 self.turn(at, before, turned, event, over)
                 going.append(at[~over])
         return np.concatenate(going)
 
-    def note(self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]) -> Number:
+    def note(
+        self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]
+    ) -> Number:
         """Add a phase, or a part of one, of the contacts ``at`` an index; return which of them it ends."""
-        place, loading = 4 * at + self.row[at], before.loading > 0.0
+        place = 4 * at + self.row[at]
+        loading = before.loading > 0.0
         for total, part in zip(self.totals, done, strict=True):
             total[place] += part
         moved = done[0] > 0.0
@@ -200,15 +256,23 @@ class _Contacts:
         counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
-        over = (event == APART) | (event == NEVER) | ((event == LINE) & loading & (before.restitution == 0.0))
+        over = (
+            (event == APART)
+            | (event == NEVER)
+            | ((event == LINE) & loading & (before.restitution == 0.0))
+        )
         ends = np.flatnonzero(over)
-        event, speed, approach = event[ends], after.normal[ends], before.approach[ends]
+        event = event[ends]
+        speed = after.normal[ends]
+        approach = before.approach[ends]
         pressed = loading[ends] | (speed < -KNIFE_EDGE * approach)
         parted = np.where((event == APART) & (speed > 0.0), REBOUND, NO_REBOUND)
         self.outcome[at[ends]] = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
         return over
 
-    def turn(self, at: Number, before: Contact, after: Contact, event: Number, over: Number) -> None:
+    def turn(
+        self, at: Number, before: Contact, after: Contact, event: Number, over: Number
+    ) -> None:
         """Go on to the phase after an event, and to its row."""
         for row, value in zip(self.rows[MOTION:], after[MOTION:], strict=True):
             row[at] = value
@@ -230,7 +294,8 @@ class _Contacts:
     def rest(self, at: Number) -> None:
         """Halve the slip under the mean friction of points that chatter, which keeps v_n as it is."""
         contact = Contact(*self.rows.take(at, axis=1))
-        speed, ratio = contact.tangential, -contact.k_nn / contact.k_nt
+        speed = contact.tangential
+        ratio = -contact.k_nn / contact.k_nt
         impulse = 0.5 * speed * contact.k_nt / (contact.stick * contact.k_tt)
         impulse = np.where(np.isfinite(impulse), np.maximum(impulse, 0.0), 0.0)
         done = (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
@@ -248,10 +313,15 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
     """
     k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
     # Powers of two keep squares of any unit within floats, and every digit.
-    mass, speed = (np.ldexp(1.0, np.frexp(each)[1]) for each in (k_nn, np.maximum(-normal, abs(tangential))))
-    k_nn, k_nt, k_tt = k_nn / mass, k_nt / mass, k_tt / mass
+    mass, speed = (
+        np.ldexp(1.0, np.frexp(each)[1]) for each in (k_nn, np.maximum(-normal, abs(tangential)))
+    )
+    k_nn = k_nn / mass
+    k_nt = k_nt / mass
+    k_tt = k_tt / mass
     normal, tangential = normal / speed, tangential / speed
-    mu_1, mu_2 = np.minimum(mu_1, WIDEST_CONE), np.minimum(mu_2, WIDEST_CONE)
+    mu_1 = np.minimum(mu_1, WIDEST_CONE)
+    mu_2 = np.minimum(mu_2, WIDEST_CONE)
     e = np.where(e < LEAST_RESTITUTION, 0.0, e)
     none = np.zeros_like(normal)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -268,7 +338,9 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
             np.sqrt(squared),
             -normal,
         )
-        contact = Contact(*bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none)
+        contact = Contact(
+            *bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none
+        )
         contacts = _Contacts(contact._replace(slip=_begun(contact)))
         rest = [np.arange(0)]
         for begin in range(0, none.size, LOCAL):
@@ -279,7 +351,8 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
         active = np.concatenate(rest)
         while active.size:
             active = contacts.advance(active, patient=True)
-    momentum, energy = (speed / mass)[:, np.newaxis], (speed * speed / mass)[:, np.newaxis]
+    momentum = (speed / mass)[:, np.newaxis]
+    energy = (speed * speed / mass)[:, np.newaxis]
     impulses, along = contacts.by_row[:2] * momentum
     normal_works, tangential_works = contacts.by_row[2:] * energy
     return Impact(
@@ -289,7 +362,9 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
         velocity_tangential=contacts.rows[MOTION + 1] * speed,
         compressive_impulse_normal=impulses[:, :2].sum(axis=-1),
         compressive_impulse_tangential=along[:, :2].sum(axis=-1),
-        slip_stop_impulse=np.where(contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum[:, 0]),
+        slip_stop_impulse=np.where(
+            contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum[:, 0]
+        ),
         phase_impulse=impulses,
         phase_slip=contacts.slips,
         phase_work_normal=normal_works,
@@ -308,7 +383,8 @@ def mean_impact(rigid: Impact, springs: Impact, weight: Number) -> Impact:
     alone = weight == 1.0
 
     def mean(name: str) -> Number:
-        of_rigid, of_springs = getattr(rigid, name), getattr(springs, name)
+        of_rigid = getattr(rigid, name)
+        of_springs = getattr(springs, name)
         factor = weight.reshape(weight.shape + (1,) * (of_rigid.ndim - 1))
         return of_rigid * (1.0 - factor) + of_springs * factor
 
@@ -316,9 +392,13 @@ def mean_impact(rigid: Impact, springs: Impact, weight: Number) -> Impact:
     loss = 0.0
     for axis in ("normal", "tangential"):
         change = getattr(springs, f"impulse_{axis}") - getattr(rigid, f"impulse_{axis}")
-        loss = loss + change * (getattr(springs, f"velocity_{axis}") - getattr(rigid, f"velocity_{axis}"))
+        loss = loss + change * (
+            getattr(springs, f"velocity_{axis}") - getattr(rigid, f"velocity_{axis}")
+        )
     last = np.where(means["phase_impulse"] > 0.0, np.arange(len(PHASES)), 0).max(axis=-1)
-    means["phase_work_tangential"][np.arange(weight.size), last] -= 0.5 * weight * (1.0 - weight) * loss
+    means["phase_work_tangential"][np.arange(weight.size), last] -= (
+        0.5 * weight * (1.0 - weight) * loss
+    )
 
     stops = np.isfinite(rigid.slip_stop_impulse) & np.isfinite(springs.slip_stop_impulse)
     one = np.where(alone, springs.slip_stop_impulse, rigid.slip_stop_impulse)

@@ -32,7 +32,9 @@ NOISE = 64.0 * sys.float_info.epsilon
 LEAST_STEP = 1e-6
 """Step over the fast mode's time scale that leaves an edge at which a function and its slopes are zero; it then moves by 1e-18."""
 
-STRAIGHT = 1e-8  # bend of a function over its bound below which such a step cannot take it past zero
+STRAIGHT = (
+    1e-8  # bend of a function over its bound below which such a step cannot take it past zero
+)
 
 FEW = 8  # a fraction 1/8 of the contacts is worth the cost of gathering, or of leaving it to the next round
 
@@ -40,12 +42,15 @@ STEPS = 12  # steps after which those of the contacts that have no event yet wai
 
 NEAR = 5e-4  # a root this near, over the fast mode's time scale, is that of the cubic: the fourth order is (NEAR)^4/24 = 3e-15
 
-REACH, TANGENT = 2.0, 1.2
+REACH = 2.0
+TANGENT = 1.2
 """Longest step by the bound of f''', over the fast mode's time scale, and over the distance of the tangent's root."""
 
 CONVEX = 0.9  # part of the step for which a function that rises and bends upwards does so by the bound of f'''
 
-GRAZE = 1.0 - 1e-13  # a fast oscillation that reaches a zero by less than the rest of its amplitude does not reach it
+GRAZE = (
+    1.0 - 1e-13
+)  # a fast oscillation that reaches a zero by less than the rest of its amplitude does not reach it
 
 FLAT = 1e-10  # third derivative over its bound, beside slopes of rounding, of a function that stays zero to as much
 
@@ -95,7 +100,8 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
     # By the half angle's tangent, which costs a tenth of sine and cosine.
     half = np.tan(0.5 * modes.rates * time)
     scale = 1.0 / (1.0 + half * half)
-    cosines, ways = (1.0 - half * half) * scale, half / modes.rates
+    cosines = (1.0 - half * half) * scale
+    ways = half / modes.rates
     sines = 2.0 * ways * scale
     speeds = modes.speeds * cosines + modes.squares * modes.forces * sines
     forces = modes.forces * cosines - modes.speeds * sines
@@ -106,10 +112,12 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
 
 def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
     """Step until few contacts are left without an event; return the times since the phase began, and the events."""
-    times, events = np.zeros(settles.size), np.where(settles, SETTLED, NONE)
+    times = np.zeros(settles.size)
+    events = np.where(settles, SETTLED, NONE)
     going = np.flatnonzero(~settles)
     few = going.size // FEW
-    modes, time = (modes if going.size == settles.size else modes.chosen(going)), np.zeros(going.size)
+    modes = modes if going.size == settles.size else modes.chosen(going)
+    time = np.zeros(going.size)
     for _ in range(STEPS):
         if going.size <= few:
             break
@@ -119,7 +127,9 @@ def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number,
         if FEW * over >= going.size or going.size - over <= few:
             times[going], events[going] = time, event
             left = np.flatnonzero(event == NONE)
-            going, modes, time = going[left], modes.chosen(left), time[left]
+            going = going[left]
+            modes = modes.chosen(left)
+            time = time[left]
     times[going] = time
     return times, events
 
@@ -127,24 +137,34 @@ def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number,
 def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
     """Return a step that passes no event, and the event at its end; a contact that is at one stays there."""
     speeds, forces = oscillators(modes, time)
-    loading, parts, squares = modes.loading, modes.parts, modes.squares
+    loading = modes.loading
+    parts = modes.parts
+    squares = modes.squares
     gains = squares * forces
-    value, slope, bend = np.empty_like(modes.bend), np.empty_like(modes.bend), np.empty_like(modes.bend)
+    value = np.empty_like(modes.bend)
+    slope = np.empty_like(modes.bend)
+    bend = np.empty_like(modes.bend)
     value[:2] = parts[0, :2] * forces[0] + parts[1, :2] * forces[1]
     slope[:2] = -(parts[0, :2] * speeds[0] + parts[1, :2] * speeds[1])
     bend[:2] = -(parts[0, :2] * gains[0] + parts[1, :2] * gains[1])
     # The line's function is one of G, or at the end of loading of w, whose slope is lambda G.
-    across, inclined, along = np.where(loading, speeds, forces), np.where(loading, gains, -speeds), parts[:, 2]
+    across = np.where(loading, speeds, forces)
+    inclined = np.where(loading, gains, -speeds)
+    along = parts[:, 2]
     value[2] = modes.constant + along[0] * across[0] + along[1] * across[1]
     slope[2] = along[0] * inclined[0] + along[1] * inclined[1]
     bend[2] = -(along[0] * squares[0] * across[0] + along[1] * squares[1] * across[1])
 
-    above, reach = np.maximum(value, 0.0), REACH / modes.rates[0]
+    above = np.maximum(value, 0.0)
+    reach = REACH / modes.rates[0]
     tangents = np.minimum(np.where(slope < 0.0, TANGENT * above / -slope, INFINITE), reach)
-    steps = np.minimum(_root(above, slope, np.minimum(modes.jerk * tangents - bend, modes.bend)), tangents)
+    steps = np.minimum(
+        _root(above, slope, np.minimum(modes.jerk * tangents - bend, modes.bend)), tangents
+    )
     steps = np.fmax(steps, np.where(slope >= 0.0, CONVEX * bend / modes.jerk, 0.0))
     if patient:
-        slow, slow_slope = parts[1] * forces[1], -modes.drifts * parts[1] * speeds[1]
+        slow = parts[1] * forces[1]
+        slow_slope = -modes.drifts * parts[1] * speeds[1]
         slow[2] = modes.constant + along[1] * np.where(loading, modes.drifts * speeds[1], forces[1])
         slow_slope[2] = along[1] * np.where(loading, gains[1], -modes.drifts * speeds[1])
         clear = slow - GRAZE * modes.swing
@@ -178,7 +198,9 @@ class _Functions(NamedTuple):
         ends = self.modes.loading[at] & (of == 2)
         first, second = (
             np.where(ends, -square[at] * force[at], speed[at]) * square[at]
-            for square, force, speed in zip(self.modes.squares, self.forces, self.speeds, strict=True)
+            for square, force, speed in zip(
+                self.modes.squares, self.forces, self.speeds, strict=True
+            )
         )
         return fast * first + slow * second
 
@@ -190,19 +212,31 @@ class _Functions(NamedTuple):
         modes = self.modes
         of, at = np.divmod(flat, event.size)
         step, value, slope, bend, most = (
-            each.ravel()[flat] for each in (self.steps, self.value, self.slope, self.bend, modes.bend)
+            each.ravel()[flat]
+            for each in (self.steps, self.value, self.slope, self.bend, modes.bend)
         )
-        line, terms, rate = of == 2, modes.terms.take(at, axis=1), modes.rates[0][at]
-        noise, slope_noise = (NOISE * both(terms * abs(each.take(at, axis=1))) for each in (self.forces, self.speeds))
-        noise, slope_noise = np.where(line, modes.line_noise[at], noise), np.where(line, 0.0, slope_noise)
+        line = of == 2
+        terms = modes.terms.take(at, axis=1)
+        rate = modes.rates[0][at]
+        noise, slope_noise = (
+            NOISE * both(terms * abs(each.take(at, axis=1))) for each in (self.forces, self.speeds)
+        )
+        noise = np.where(line, modes.line_noise[at], noise)
+        slope_noise = np.where(line, 0.0, slope_noise)
         # On the border of stick, with modes of equal rates, the force keeps to the edge.
-        flats = (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise) & ~line
+        flats = (
+            (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise) & ~line
+        )
         if flats.any():
             flats &= (abs(self.third(of, at)) <= FLAT * rate * most) & (value <= WIDE * noise)
-        zero, slope = value <= noise, np.where(abs(slope) <= slope_noise, 0.0, slope)
-        square, dip = slope * slope, 2.0 * noise * bend
+        zero = value <= noise
+        slope = np.where(abs(slope) <= slope_noise, 0.0, slope)
+        square = slope * slope
+        dip = 2.0 * noise * bend
         lift = np.where(most > 0.0, bend / (rate * most), 0.0)
-        leaves = np.where(zero & (bend >= -STRAIGHT * most), np.maximum(lift, LEAST_STEP / rate), 0.0)
+        leaves = np.where(
+            zero & (bend >= -STRAIGHT * most), np.maximum(lift, LEAST_STEP / rate), 0.0
+        )
         self.steps.ravel()[flat] = np.where(flats, INFINITE, np.maximum(step, leaves))
         falls = np.where(slope < 0.0, square > dip, square < -dip) & zero & ~flats
         event[at[falls]] = NAMES[of[falls]]
@@ -212,10 +246,13 @@ class _Functions(NamedTuple):
         at = np.flatnonzero((event == NONE) & (step * self.modes.rates[0] < NEAR))
         if not at.size:
             return
-        of = np.where(self.steps[2][at] == step[at], 2, np.where(self.steps[1][at] == step[at], 1, 0))
+        of = np.where(
+            self.steps[2][at] == step[at], 2, np.where(self.steps[1][at] == step[at], 1, 0)
+        )
         flat = of * event.size + at
         value, slope, bend = (each.ravel()[flat] for each in (self.value, self.slope, self.bend))
-        third, close = self.third(of, at), self.modes.close.ravel()[flat]
+        third = self.third(of, at)
+        close = self.modes.close.ravel()[flat]
         falls = (slope < 0.0) & (value > close)
         tangent = np.where(falls, -value / slope, 0.0)
         root = tangent
@@ -224,7 +261,9 @@ class _Functions(NamedTuple):
             root = root - rest / (slope + root * (bend + 0.5 * root * third))
         steps = self.steps.take(at, axis=1)
         steps[of, np.arange(at.size)] = INFINITE
-        good = falls & (abs(root - tangent) < 0.1 * tangent) & (root * self.modes.rates[0][at] < NEAR)
+        good = (
+            falls & (abs(root - tangent) < 0.1 * tangent) & (root * self.modes.rates[0][at] < NEAR)
+        )
         good &= root <= np.minimum(np.minimum(steps[0], steps[1]), steps[2])
         step[at[good]], event[at[good]] = root[good], NAMES[of[good]]
 
@@ -232,6 +271,9 @@ class _Functions(NamedTuple):
 def _root(value: Number, slope: Number, most: Number) -> Number:
     """Return the first positive root of value + slope h - most h^2/2, value >= 0, in the form that does not cancel; inf without one."""
     square = slope * slope + 2.0 * most * value
-    root, falls = np.sqrt(np.maximum(square, 0.0)), slope < 0.0
-    found = np.where(falls, 2.0 * value, root + slope + TINY) / np.where(falls, root - slope, np.maximum(most, 0.0))
+    root = np.sqrt(np.maximum(square, 0.0))
+    falls = slope < 0.0
+    found = np.where(falls, 2.0 * value, root + slope + TINY) / np.where(
+        falls, root - slope, np.maximum(most, 0.0)
+    )
     return np.where(square < 0.0, INFINITE, found)

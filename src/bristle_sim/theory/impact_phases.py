@@ -38,7 +38,9 @@ KNIFE_EDGE = 1e-6
 radial bristle, up to rounding and to where its strike was located. It neither jams nor rebounds: for a rebound the work
 rule would require an unbounded impulse W/v_n."""
 
-SINGULAR = 64.0 * sys.float_info.epsilon  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
+SINGULAR = (
+    64.0 * sys.float_info.epsilon
+)  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +76,16 @@ class Impact:
     @property
     def compressive_work(self) -> tuple[Number, Number]:
         """Return normal (W_c, negative) and tangential work of compression, J."""
-        return self.phase_work_normal[..., :2].sum(axis=-1), self.phase_work_tangential[..., :2].sum(axis=-1)
+        return self.phase_work_normal[..., :2].sum(axis=-1), self.phase_work_tangential[
+            ..., :2
+        ].sum(axis=-1)
 
     @property
     def restitutive_work(self) -> tuple[Number, Number]:
         """Return normal (W_r, positive) and tangential work of restitution, J."""
-        return self.phase_work_normal[..., 2:].sum(axis=-1), self.phase_work_tangential[..., 2:].sum(axis=-1)
+        return self.phase_work_normal[..., 2:].sum(axis=-1), self.phase_work_tangential[
+            ..., 2:
+        ].sum(axis=-1)
 
     @property
     def energy_change(self) -> Number:
@@ -148,7 +154,9 @@ class _Phase(NamedTuple):
 
 _NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single impact does not have
 
-End = Callable[[Number, Number, Target], Number]  # (velocity, compliance, target) -> normal impulse of restitution
+End = Callable[
+    [Number, Number, Target], Number
+]  # (velocity, compliance, target) -> normal impulse of restitution
 
 
 def resolve_phases(
@@ -181,7 +189,9 @@ def resolve_phases(
     opens = (approaching ^ jammed) & (e > 0.0)
     slip = sign(state.tangential)
     third = _phase(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
-    left = Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
+    left = Target(
+        work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least
+    )
     still_open = opens & ((slip == 0.0) | third.unfinished)
     fourth = _phase(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
@@ -195,7 +205,8 @@ def resolve_phases(
     *columns, _, _ = zip(first, second, third, fourth, strict=True)
     impulses, slips, normal_works, tangential_works = np.array(columns).swapaxes(1, -1)
     phases = (impulses, slips, normal_works, tangential_works)
-    impulse, velocity = (state.impulse, state.impulse_tangential), select(approaching, state.normal, normal)
+    impulse = (state.impulse, state.impulse_tangential)
+    velocity = select(approaching, state.normal, normal)
     outcome = select(approaching, select(jammed, JAM, ending), NO_CONTACT)
     return Impact(*impulse, velocity, state.tangential, *compressive, slip_stop, *phases, outcome)
 
@@ -227,7 +238,8 @@ def _phase(
     """Advance to the end of slip, or of compression or restitution; slip that would turn restitution's v_n back keeps it at rest."""
     if active is False:
         return _NOTHING
-    sticks, ratio = slip == 0.0, -mu * slip
+    sticks = slip == 0.0
+    ratio = -mu * slip
     # The normal gain by way of the tangential one: where rounding decides both, they are still those of one mu.
     tangential_rate = mass.coupling - mu * slip * mass.tangential
     normal_rate = mass.stick - mass.stick_ratio * tangential_rate
@@ -275,4 +287,6 @@ def _advance(
     state.tangential = tangential
     state.impulse = state.impulse + step
     state.impulse_tangential = state.impulse_tangential + ratio * step
-    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active ^ finished)
+    return _Phase(
+        step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active ^ finished
+    )

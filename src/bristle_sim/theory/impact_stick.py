@@ -30,7 +30,9 @@ from bristle_sim.theory.impact_events import (
 )
 from bristle_sim.theory.impact_phases import KNIFE_EDGE
 
-STEEPEST_CONE = 1e150  # tangent of the cone's angle in the modes' units beyond which it is a half-plane
+STEEPEST_CONE = (
+    1e150  # tangent of the cone's angle in the modes' units beyond which it is a half-plane
+)
 
 
 class Contact(NamedTuple):
@@ -62,14 +64,17 @@ class Contact(NamedTuple):
     slip: Number
 
 
-def stick(contact: Contact, jams: Number, settles: Number, patient: bool) -> tuple[Contact, Number, tuple[Number, ...]]:
+def stick(
+    contact: Contact, jams: Number, settles: Number, patient: bool
+) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance to the end of a phase of stick; return the contact, event, and impulses and works along the normal and the surface.
 
     Where ``settles``, the fast mode's swing and its energy are taken from the motion instead; where ``jams``, only if one degree of
     freedom is pressed on across its line, which has no end. A few contacts may be left without an event; unless ``patient``, so
     are those whose rates differ much.
     """
-    steep, eta = contact.steep, contact.eta
+    steep = contact.steep
+    eta = contact.eta
     modes, (cosine, sine) = _modes(contact)
     # Its drift is constant in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
@@ -97,7 +102,8 @@ def stick(contact: Contact, jams: Number, settles: Number, patient: bool) -> tup
         0.5 * (contact.rub - after.rub) * (contact.rub + after.rub) * eta * eta,
     )
     if still.any():  # stopping the fast mode takes an impulse
-        last, before = np.where(still, -w_1 / modes.squares[0], 0.0), after
+        last = np.where(still, -w_1 / modes.squares[0], 0.0)
+        before = after
         after = seen(np.where(still, 0.0, w_1), np.where(event == SETTLED, 0.0, g_1))
         impulse = steep * cosine * last, sine * last / eta
         works = (
@@ -110,9 +116,12 @@ def stick(contact: Contact, jams: Number, settles: Number, patient: bool) -> tup
 
 def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
     """Return the two oscillators of a motion, and cosine and sine of the rotation that makes S diagonal."""
-    steep, eta = contact.steep, contact.eta
-    along, across = steep * steep * contact.k_nn, contact.k_tt / (eta * eta)
-    coupling, half = steep / eta * contact.k_nt, 0.5 * (along - across)
+    steep = contact.steep
+    eta = contact.eta
+    along = steep * steep * contact.k_nn
+    across = contact.k_tt / (eta * eta)
+    coupling = steep / eta * contact.k_nt
+    half = 0.5 * (along - across)
     radius = np.sqrt(half * half + coupling * coupling)
     first = np.maximum(0.5 * (along + across) + radius, LEAST_RATE)
     squares = np.array([first, steep * steep * across * contact.stick / first])
@@ -121,7 +130,10 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
     # The larger component of the eigenvector is the one that does not cancel; equal rates have any.
     large = abs(half) + radius
     scale = 1.0 / np.sqrt(large * large + coupling * coupling)
-    one, other = np.where(large > 0.0, large * scale, 1.0), np.where(large > 0.0, coupling * scale, 0.0)
+    one, other = (
+        np.where(large > 0.0, large * scale, 1.0),
+        np.where(large > 0.0, coupling * scale, 0.0),
+    )
     upright = half >= 0.0
     cosine, sine = np.where(upright, one, other), np.where(upright, other, one)
 
@@ -142,10 +154,13 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
             [-up * sine - aside * cosine, aside * cosine - up * sine, sine],
         ]
     )
-    sizes, loading, peak = abs(np.array([cosine, sine])), contact.loading > 0.0, contact.peak / steep
+    sizes = abs(np.array([cosine, sine]))
+    loading = contact.loading > 0.0
+    peak = contact.peak / steep
     bends = abs(parts) * np.where(squares > 0.0, swings * rates, 0.0)[:, np.newaxis]
     bends[:, 2] *= np.where(loading, rates, 1.0)
-    terms, line_noise = up * sizes + aside * sizes[::-1], NOISE * np.where(loading, both(sizes * swings), peak)
+    terms = up * sizes + aside * sizes[::-1]
+    line_noise = NOISE * np.where(loading, both(sizes * swings), peak)
     close = np.empty_like(bends[0])
     close[:2], close[2] = WIDE * NOISE * both(terms * (swings / rates)), WIDE * line_noise
     return Modes(
@@ -164,5 +179,7 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
         swing=bends[0] / first,
         slow_bend=bends[1],
         # One degree of freedom drifts across its line; as little as rounding makes is none.
-        drifts=((squares[1] > 0.0) | (abs(speeds[1]) > KNIFE_EDGE * contact.approach)).astype(float),
+        drifts=((squares[1] > 0.0) | (abs(speeds[1]) > KNIFE_EDGE * contact.approach)).astype(
+            float
+        ),
     ), (cosine, sine)

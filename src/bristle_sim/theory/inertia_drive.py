@@ -19,14 +19,19 @@ import numpy as np
 
 from bristle_sim.theory.numbers import require
 
-LEAST_SPEED = 1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
+LEAST_SPEED = (
+    1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
+)
 
 _RULE = np.polynomial.legendre.leggauss(60)
-NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]
+NODES = 0.25 * math.pi * (_RULE[0] + 1.0)
+WEIGHTS = 0.25 * math.pi * _RULE[1]
 """Gauss-Legendre rule on (0, pi/2); the integrand is analytic there."""
 
 
-def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
+def largest_retraction(
+    inertia: float, stiffness: float, centrifugal: float, hub_speed: float
+) -> float:
     """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
     Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
@@ -36,20 +41,37 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
     >>> print(f"{largest_retraction(1.0, 4.0, 0.0, 1.0):.9f}")
     0.500000000
     """
-    require("hub_speed", hub_speed, hub_speed >= LEAST_SPEED, f"must be at least {LEAST_SPEED:g} (in rad/s)")
+    require(
+        "hub_speed",
+        hub_speed,
+        hub_speed >= LEAST_SPEED,
+        f"must be at least {LEAST_SPEED:g} (in rad/s)",
+    )
     from scipy.optimize import brentq
 
     energy = 0.5 * inertia * hub_speed**2
 
     def excess(angle: float) -> float:
-        return (0.5 * stiffness * angle**2 + 2.0 * centrifugal * math.sin(0.5 * angle) ** 2) / energy - 1.0
+        return (
+            0.5 * stiffness * angle**2 + 2.0 * centrifugal * math.sin(0.5 * angle) ** 2
+        ) / energy - 1.0
 
     flat = 0.5 * math.pi
     require(
-        "stiffness", stiffness, excess(flat) >= 0.0, "must be enough to stop the bristle within 90 deg (in N m/rad)"
+        "stiffness",
+        stiffness,
+        excess(flat) >= 0.0,
+        "must be enough to stop the bristle within 90 deg (in N m/rad)",
     )
     # Near 0 both terms are parabolas: the root is at most that of either, and at least a parabola's of the whole curvature.
-    return float(brentq(excess, 0.9 * min(flat, math.sqrt(2.0 * energy / (stiffness + centrifugal))), flat, xtol=1e-16))
+    return float(
+        brentq(
+            excess,
+            0.9 * min(flat, math.sqrt(2.0 * energy / (stiffness + centrifugal))),
+            flat,
+            xtol=1e-16,
+        )
+    )
 
 
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:

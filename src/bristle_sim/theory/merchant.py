@@ -28,9 +28,13 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
-Surface = Literal["parallel", "inclined"]  # how the surface lies to the path where the shear plane ends
+Surface = Literal[
+    "parallel", "inclined"
+]  # how the surface lies to the path where the shear plane ends
 API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
-RAKE_OFFSET = math.radians(11.5)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
+RAKE_OFFSET = math.radians(
+    11.5
+)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
 
 
 class ShearAngleError(ValueError):
@@ -75,7 +79,9 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 """Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
 
 
-def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True) -> CuttingAngles:
+def oblique_angles(
+    friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True
+) -> CuttingAngles:
     """Return the modified circle's angles: alpha = gamma + offset, beta = offset + arccot(mu), eta = pi/4 - (beta - alpha)/2.
 
     The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of tangential to normal force on
@@ -89,13 +95,17 @@ def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool 
     >>> print(f"{math.degrees(angles.resultant_angle):.3f} {math.degrees(angles.shear):.3f} {math.degrees(angles.rake):.3f}")
     45.000 22.500 11.500
     """
-    gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
+    gamma = np.asarray(impact_angle)
+    upright = np.arctan2(1.0, friction)
     shear = 0.5 * np.subtract(0.5 * math.pi, upright - gamma)
     angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear)
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
     buried = shear < gamma - 1e-12
     if check and np.any(buried):
-        worst, least = (float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, np.tan(gamma)))
+        worst, least = (
+            float(np.broadcast_to(each, buried.shape)[buried][0])
+            for each in (friction, np.tan(gamma))
+        )
         raise ShearAngleError(
             f"friction = {worst:g}: must be friction >= tan(impact_angle) = {least:g}, or the shear plane does not come out"
             " of the surface (dimensionless)"

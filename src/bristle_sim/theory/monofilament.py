@@ -55,7 +55,9 @@ class MonofilamentImpact:
     def rebound_ratio(self) -> Number:
         """Return phi' after the impact over that before it (2.65); ValueError where the latter is 0."""
         if np.any(np.equal(self.initial_bristle_rate, 0.0)):
-            raise ValueError("speed_ratio * hub_speed = 0: must not be 0 where a rebound ratio is requested (in rad/s)")
+            raise ValueError(
+                "speed_ratio * hub_speed = 0: must not be 0 where a rebound ratio is requested (in rad/s)"
+            )
         return self.final_bristle_rate / self.initial_bristle_rate
 
     @property
@@ -100,7 +102,8 @@ def monofilament_impact(
     later = friction if restitution_friction is None else restitution_friction
     sine, cosine = np.sin(impact_angle), np.cos(impact_angle)
     leaves = np.less(later, stiction_friction(impact_angle))
-    s_1, s_2 = sine + friction * cosine, np.where(leaves, np.maximum(sine - later * cosine, 0.0), 0.0)[()]
+    s_1 = sine + friction * cosine
+    s_2 = np.where(leaves, np.maximum(sine - later * cosine, 0.0), 0.0)[()]
     speed = tip_speed(length, hub_radius, hub_speed, speed_ratio)
     pressed = normal_compressive_impulse(mass, speed, impact_angle, friction)
     rubbed = 0.0 - np.multiply(friction, pressed)
@@ -108,7 +111,8 @@ def monofilament_impact(
     ending = np.where(np.greater(restitution, 0.0), np.where(leaves, REBOUND, STICTION), NO_REBOUND)
     return MonofilamentImpact(
         normal_compressive_impulse=pressed,
-        normal_final_impulse=pressed * (1.0 + restitution * np.sqrt(s_1 / np.where(s_2 > 0.0, s_2, np.inf))),
+        normal_final_impulse=pressed
+        * (1.0 + restitution * np.sqrt(s_1 / np.where(s_2 > 0.0, s_2, np.inf))),
         tangential_compressive_impulse=rubbed,
         normal_compressive_work=-0.5 * np.multiply(speed, sine) * pressed,
         tangential_compressive_work=0.5 * np.multiply(speed, cosine) * rubbed,
@@ -140,7 +144,9 @@ def stiction_friction(impact_angle: Number) -> Number:
     return np.tan(impact_angle)
 
 
-def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
+def normal_compressive_impulse(
+    mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
+) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37).
 
     With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2 the sum s_1 is 1:
@@ -149,4 +155,8 @@ def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Nu
     >>> print(f"{normal_compressive_impulse(3.0, 2.0, math.asin(0.6), 0.5):.6f}")
     2.000000
     """
-    return mass * np.maximum(tip_speed, 0.0) / (3.0 * (np.sin(impact_angle) + friction * np.cos(impact_angle)))
+    return (
+        mass
+        * np.maximum(tip_speed, 0.0)
+        / (3.0 * (np.sin(impact_angle) + friction * np.cos(impact_angle)))
+    )

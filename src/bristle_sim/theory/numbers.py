@@ -63,8 +63,12 @@ def numbers(name: str, value: Any, rule: str) -> Array:
     try:
         array = np.asarray(value)
         kind = "?" if _has_truth_value(value) else array.dtype.kind
-        if kind in "iuf" or (kind == "O" and all(isinstance(each, Real | None) for each in array.flat)):
-            with np.errstate(over="ignore"):  # whole numbers beyond 64 bits and fractions are objects
+        if kind in "iuf" or (
+            kind == "O" and all(isinstance(each, Real | None) for each in array.flat)
+        ):
+            with np.errstate(
+                over="ignore"
+            ):  # whole numbers beyond 64 bits and fractions are objects
                 return array.astype(float, copy=False)
     except (ValueError, OverflowError):  # rows of different lengths, numbers beyond a float
         pass
@@ -82,7 +86,9 @@ def _has_truth_value(value: Any) -> bool:
     """Return whether True or False is among the values; a NumPy array would turn them into 1 and 0 beside numbers."""
     if isinstance(value, list | tuple):
         return any(map(_has_truth_value, value))
-    return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")
+    return isinstance(value, bool) or (
+        isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b"
+    )
 
 
 RANGES: dict[str, Range] = {
@@ -90,11 +96,29 @@ RANGES: dict[str, Range] = {
     for keys, unit, low, high, why in (
         ("rod_mass", "kg", 1e-30, 1e6, "rounding: m v^2 and v/m of the extremes are floats"),
         ("rod_length", "m", 1e-9, 1e3, "rounding: m L^2 of the extremes is a float"),
-        ("impact_angle", "rad", 0.0, 0.5 * math.pi, "physics: from along the surface to straight down"),
+        (
+            "impact_angle",
+            "rad",
+            0.0,
+            0.5 * math.pi,
+            "physics: from along the surface to straight down",
+        ),
         ("friction restitution_friction", "1", 0.0, 1e9, "physics: Coulomb's; rounding: 1 + mu^2"),
         ("restitution", "1", 0.0, 1.0, "physics: no energy is gained"),
-        ("mass_ratio", "1", 1e-30, 1e12, "physics: positive; rounding: n + 3 keeps either's digits"),
-        ("angle_1 angle_2", "rad", -0.5 * math.pi, 0.5 * math.pi, "physics: the rods reach the surface from above"),
+        (
+            "mass_ratio",
+            "1",
+            1e-30,
+            1e12,
+            "physics: positive; rounding: n + 3 keeps either's digits",
+        ),
+        (
+            "angle_1 angle_2",
+            "rad",
+            -0.5 * math.pi,
+            0.5 * math.pi,
+            "physics: the rods reach the surface from above",
+        ),
         ("rate rate_1 rate_2", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
         ("tangential_compliance", "1", 0.0, 1e4, "rounding: as for the energetic law"),
         ("resting_speed", "length/time", 0.0, 1e300, "physics: any finite speed"),

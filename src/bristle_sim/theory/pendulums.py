@@ -37,7 +37,9 @@ from bristle_sim.theory.numbers import RANGES, checked_numbers, require
 
 _ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 
-_PARALLEL = 1e-8  # rods whose angles differ by less, rad, are parallel: their tip moves along one line
+_PARALLEL = (
+    1e-8  # rods whose angles differ by less, rad, are parallel: their tip moves along one line
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +54,12 @@ class SinglePendulumImpact:
 
 
 def single_pendulum_impact(
-    rod_mass: float, rod_length: float, impact_angle: float, rate: float, friction: float, restitution: float
+    rod_mass: float,
+    rod_length: float,
+    impact_angle: float,
+    rate: float,
+    friction: float,
+    restitution: float,
 ) -> SinglePendulumImpact:
     """Strike with Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26).
 
@@ -69,14 +76,18 @@ def single_pendulum_impact(
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
     mu, e = checked_numbers(friction=friction, restitution=restitution)
-    require("impact_angle", angle, angle >= LEAST_ANGLE, f"must be at least {LEAST_ANGLE:g} (in rad)")
+    require(
+        "impact_angle", angle, angle >= LEAST_ANGLE, f"must be at least {LEAST_ANGLE:g} (in rad)"
+    )
     if rate >= 0.0:
         return SinglePendulumImpact(0.0, 0.0, rate, 1.0, "no contact")
     compressing = math.sin(angle) + mu * math.cos(angle)
     releasing = math.sin(angle) - mu * math.cos(angle)
     compressive = -mass * length * rate / (3.0 * compressing)
     if releasing <= 0.0 or e == 0.0:
-        return SinglePendulumImpact(compressive, compressive, 0.0, 0.0, "stiction" if e > 0.0 else "no rebound")
+        return SinglePendulumImpact(
+            compressive, compressive, 0.0, 0.0, "stiction" if e > 0.0 else "no rebound"
+        )
     ratio = -e * math.sqrt(releasing / compressing)
     final = compressive + mass * length * ratio * rate / (3.0 * releasing)
     return SinglePendulumImpact(compressive, final, ratio * rate, ratio, "rebound")
@@ -122,9 +133,17 @@ def double_pendulum_impact(
     >>> print(f"{impact.kinetic_energy_ratio:.9f} {impact.outcome}")
     1.000000000 rebound
     """
-    mass, ratio, *angles = checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2)
-    length, mu, e = checked_numbers(rod_length=rod_length, friction=friction, restitution=restitution)
-    later = mu if restitution_friction is None else RANGES["restitution_friction"].check(restitution_friction)
+    mass, ratio, *angles = checked_numbers(
+        rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2
+    )
+    length, mu, e = checked_numbers(
+        rod_length=rod_length, friction=friction, restitution=restitution
+    )
+    later = (
+        mu
+        if restitution_friction is None
+        else RANGES["restitution_friction"].check(restitution_friction)
+    )
     first, second = checked_numbers(rate_1=rate_1, rate_2=rate_2)
     speeds = np.array([length * first, length * second / 2.0])
     rods = _Rods(mass, ratio, angles)
@@ -157,9 +176,12 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     0.623401
     """
     first, second = np.asarray(angle_1, dtype=float), np.asarray(angle_2, dtype=float)
-    heavy, c = np.add(mass_ratio, 3.0), np.cos(first - second)
+    heavy = np.add(mass_ratio, 3.0)
+    c = np.cos(first - second)
     driven = np.sin(2.0 * first) + heavy * np.sin(2.0 * second) - 3.0 * c * np.sin(first + second)
-    resisted = np.cos(first) ** 2 + heavy * np.cos(second) ** 2 - 3.0 * c * np.cos(first) * np.cos(second)
+    resisted = (
+        np.cos(first) ** 2 + heavy * np.cos(second) ** 2 - 3.0 * c * np.cos(first) * np.cos(second)
+    )
     return np.abs(driven) / (2.0 * resisted)
 
 
@@ -167,10 +189,16 @@ class _Rods:
     """The rods at their angles: effects of speeds q = (q_1, q_2), m/s, and of impulses on C, whose change of q is dq/dp_y."""
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
-        self.mass, self.ratio, self.angles = mass, ratio, angles
-        (self.cos_1, self.cos_2), (self.sin_1, self.sin_2) = map(math.cos, angles), map(math.sin, angles)
+        self.mass = mass
+        self.ratio = ratio
+        self.angles = angles
+        (self.cos_1, self.cos_2), (self.sin_1, self.sin_2) = (
+            map(math.cos, angles),
+            map(math.sin, angles),
+        )
         between = angles[0] - angles[1]
-        self.c, self.sine = math.cos(between), math.sin(between)
+        self.c = math.cos(between)
+        self.sine = math.sin(between)
         # C of parallel rods moves along one line, so that it cannot lift off while it sticks.
         self.parallel = abs(between) < _PARALLEL
 
@@ -200,7 +228,10 @@ class _Rods:
 
     def sliding_at_rest(self) -> Array:
         """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps it there: again one freedom."""
-        friction = self.tip_velocity(self.response(0.0, 1.0))[1] / self.tip_velocity(self.response(1.0, 0.0))[1]
+        friction = (
+            self.tip_velocity(self.response(0.0, 1.0))[1]
+            / self.tip_velocity(self.response(1.0, 0.0))[1]
+        )
         freedom = np.array([2.0 * self.sin_2, -self.sin_1])
         return -friction * freedom * (2.0 * self.sine) / (2.0 * self.kinetic_energy(freedom))
 
@@ -209,8 +240,11 @@ class _RodImpact:
     """The present state of the rods' impact: speeds q, normal impulse, and normal work."""
 
     def __init__(self, rods: _Rods, speeds: Array) -> None:
-        self.rods, self.speeds = rods, speeds
-        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
+        self.rods = rods
+        self.speeds = speeds
+        self.impulse = 0.0
+        self.compressive_impulse = 0.0
+        self.work = 0.0
         self.phases: list[str] = []
         across = 2.0 * _PARALLEL if rods.parallel else 0.0
         self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
@@ -220,16 +254,20 @@ class _RodImpact:
     @property
     def tip(self) -> list[float]:
         """Return v_C without its rounding."""
-        return [each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)]
+        return [
+            each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)
+        ]
 
     def until_zero(self, axis: int, change: Array) -> float:
         """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
-        value, slope = self.tip[axis], self.rods.tip_velocity(change)[axis]
+        value = self.tip[axis]
+        slope = self.rods.tip_velocity(change)[axis]
         return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
 
     def until_work(self, change: Array, work: float) -> float:
         """Return the further normal impulse that does the work, the root of v_y p + v_y' p^2/2 = W (2.83)."""
-        speed, gain = self.tip[1], self.rods.tip_velocity(change)[1]
+        speed = self.tip[1]
+        gain = self.rods.tip_velocity(change)[1]
         if gain <= 0.0:
             return math.inf
         final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
@@ -241,12 +279,19 @@ class _RodImpact:
         Compression ends where C rests, restitution with the normal work that remains to do (2.87).
         """
         for slips in (True, False) if self.tip[0] else (False,):
-            driven = self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
-            direction, motion = math.copysign(1.0, driven), "stick"
+            driven = (
+                self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
+            )
+            direction = math.copysign(1.0, driven)
+            motion = "stick"
             if slips or mu < stick_friction(self.rods.ratio, *self.rods.angles):
                 self.first_slip = self.first_slip or direction
                 motion = "slip" if direction == self.first_slip else "reverse slip"
-            change = self.rods.sticking() if motion == "stick" else self.rods.response(-mu * direction, 1.0)
+            change = (
+                self.rods.sticking()
+                if motion == "stick"
+                else self.rods.response(-mu * direction, 1.0)
+            )
             if slips and work is not None and self.rods.tip_velocity(change)[1] <= 0.0:
                 # More friction than in compression: it would drive C back as soon as C leaves.
                 change = self.rods.sliding_at_rest()
@@ -256,7 +301,8 @@ class _RodImpact:
                 return False
             done = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * step) * step
             self.speeds = self.speeds + change * step
-            self.work, self.impulse = self.work + done, self.impulse + step
+            self.work = self.work + done
+            self.impulse = self.impulse + step
             self.phases.append(f"{part} {motion}")
             if math.isinf(self.slip_stop) and not self.tip[0]:
                 self.slip_stop = self.impulse
@@ -274,4 +320,8 @@ class _RodImpact:
         self.compressive_impulse = self.impulse
         if restitution == 0.0:
             return "no rebound"
-        return "rebound" if self.follow("restitution", later, -(restitution**2) * self.work) else "stiction"
+        return (
+            "rebound"
+            if self.follow("restitution", later, -(restitution**2) * self.work)
+            else "stiction"
+        )

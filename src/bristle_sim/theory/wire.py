@@ -47,7 +47,13 @@ def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) 
 
 
 def hinge_damping(
-    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, damping_ratio: float, links: int
+    mass: float,
+    length: float,
+    diameter: float,
+    modulus: float,
+    root_stiffness: float,
+    damping_ratio: float,
+    links: int,
 ) -> float:
     """Return the torsional damper between two links, 2 zeta k_w/omega_1, in N m s/rad.
 
@@ -55,7 +61,12 @@ def hinge_damping(
     zeta omega/omega_1, where omega_1 is the beam's first bending mode: zeta is the ratio of that mode.
     """
     first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
-    return 2.0 * damping_ratio * hinge_stiffness(diameter, length, modulus, links) / (math.tau * float(first))
+    return (
+        2.0
+        * damping_ratio
+        * hinge_stiffness(diameter, length, modulus, links)
+        / (math.tau * float(first))
+    )
 
 
 def beam_frequencies(
@@ -72,7 +83,9 @@ def beam_frequencies(
     >>> print(f"{math.tau * frequencies[1]:.4f}")
     15.4182
     """
-    from scipy.optimize import brentq  # takes longer than everything else that a rigid bristle's scene imports
+    from scipy.optimize import (
+        brentq,  # takes longer than everything else that a rigid bristle's scene imports
+    )
 
     bending = modulus * second_moment_of_area(diameter)
     ratio = root_stiffness * length / bending
@@ -89,9 +102,14 @@ def beam_frequencies(
     low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
     rigid = ratio < RIGID
     first = (
-        math.sqrt(math.sqrt(3.0 * ratio)) if rigid else brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14)
+        math.sqrt(math.sqrt(3.0 * ratio))
+        if rigid
+        else brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14)
     )
-    waves = [brentq(characteristic, (j - 1) * math.pi, (j - 0.25) * math.pi, xtol=1e-15) for j in range(2, modes + 1)]
+    waves = [
+        brentq(characteristic, (j - 1) * math.pi, (j - 0.25) * math.pi, xtol=1e-15)
+        for j in range(2, modes + 1)
+    ]
     return np.array([first, *waves][:modes]) ** 2 * math.sqrt(bending / mass / length**3) / math.tau
 
 
@@ -118,7 +136,8 @@ def chain_modes(
     """
     from scipy.linalg import eigh
 
-    each, link = mass / links, length / links
+    each = mass / links
+    link = length / links
     number = np.arange(1, links + 1)
     inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
     np.fill_diagonal(inertia, each * link**2 * (links - number + 1.0 / 3.0))

@@ -1,7 +1,14 @@
 """Trajectories, the results of runs: motion, events, contacts; saved, tabulated, interpolated and drawn."""
 
 from bristle_sim.trajectory.interpolation import Interpolation
-from bristle_sim.trajectory.records import ContactHistory, ContactRecord, Cost, Event, Motion, WireMotion
+from bristle_sim.trajectory.records import (
+    ContactHistory,
+    ContactRecord,
+    Cost,
+    Event,
+    Motion,
+    WireMotion,
+)
 from bristle_sim.trajectory.trajectory import Trajectory
 
 __all__ = [

@@ -18,7 +18,8 @@ Pieces = list[tuple[int, int]]
 
 MOST_SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
 MOST_ON_ONE_SIDE = 4  # beyond an interval; with six, an interval without any on the other side magnifies errors by 20
-SHORTEST_DISTANCE, LONGEST_DISTANCE = 0.4, 20.0
+SHORTEST_DISTANCE = 0.4
+LONGEST_DISTANCE = 20.0
 """Of a polynomial's neighbouring samples, over the interval that it is for. Shorter ones, as next to an event, would magnify the
 errors of their samples far away from them."""
 
@@ -41,10 +42,14 @@ class Interpolation:
 
         self.run = run
         parts = [part for part in (run, run.inner_samples) if part is not None]
-        time, states = np.concatenate([part.time for part in parts]), np.concatenate([_states(part) for part in parts])
+        time = np.concatenate([part.time for part in parts])
+        states = np.concatenate([_states(part) for part in parts])
         order = np.argsort(time, kind="stable")
-        self._time, self._states, place = time[order], states[order], np.argsort(order)
-        kinks, ends = set[int](), set[int]()
+        self._time = time[order]
+        self._states = states[order]
+        place = np.argsort(order)
+        kinks = set[int]()
+        ends = set[int]()
         lasting = [contact for contact in run.contacts if contact.duration]
         for contact in lasting:
             instants = (contact.time, contact.time + contact.duration)
@@ -57,28 +62,39 @@ class Interpolation:
                 kinks |= set(range(begin, last))
         self._pieces = _smooth_pieces(self._time, {int(place[each]) for each in kinks})
         if not self._pieces:
-            raise ValueError("trajectory: must have samples of two different instants to be interpolated")
-        self._smooth, self._splines = _smooth_pieces(run.time, ends), []
+            raise ValueError(
+                "trajectory: must have samples of two different instants to be interpolated"
+            )
+        self._smooth = _smooth_pieces(run.time, ends)
+        self._splines = []
         scalars = np.stack([run.normal_force, run.kinetic_energy, run.potential_energy], axis=1)
         for first, last in self._smooth:
-            values, middle = scalars[first : last + 1].copy(), 0.5 * (run.time[first] + run.time[last])
+            values = scalars[first : last + 1].copy()
+            middle = 0.5 * (run.time[first] + run.time[last])
             if not any(each.time < middle < each.time + each.duration for each in lasting):
-                values[:, 0] = 0.0  # no force in flight, whatever the contact before or after it ends or begins with
+                values[:, 0] = (
+                    0.0  # no force in flight, whatever the contact before or after it ends or begins with
+                )
             self._splines.append(CubicSpline(run.time[first : last + 1], values))
 
     def __call__(self, time: ArrayLike, side: str = "after") -> Motion:
         """Return the motion at one instant or several; see Trajectory.at."""
         if side not in ("before", "after"):
             raise ValueError(f"side = {side!r}: must be before or after")
-        run, instants = self.run, np.asarray(time, dtype=float)
+        run = self.run
+        instants = np.asarray(time, dtype=float)
         outside = ~((instants >= run.time[0]) & (instants <= run.time[-1]))
         if outside.any():
             limits = f"must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
             raise ValueError(f"time = {instants[outside].flat[0]:g}: {limits}")
-        flat, links = instants.ravel(), run.angles.shape[1]
-        force, kinetic, potential = (each.reshape(instants.shape) for each in self._scalars(flat, side).T)
+        flat = instants.ravel()
+        links = run.angles.shape[1]
+        force, kinetic, potential = (
+            each.reshape(instants.shape) for each in self._scalars(flat, side).T
+        )
         places, slopes = self._motion(flat, side)
-        angles, lines = (*instants.shape, links), (*instants.shape, run.centre_line.shape[1], 2)
+        angles = (*instants.shape, links)
+        lines = (*instants.shape, run.centre_line.shape[1], 2)
         return Motion(
             time=instants,
             angles=places[:, :links].reshape(angles),
@@ -96,10 +112,16 @@ class Interpolation:
         """Return the motion up to an instant; see Trajectory.course."""
         start, end = float(self.run.time[0]), min(until, float(self.run.time[-1]))
         if not end > start:
-            raise ValueError(f"until = {until:g}: must be an instant after the run's start at {start:g} (in s)")
+            raise ValueError(
+                f"until = {until:g}: must be an instant after the run's start at {start:g} (in s)"
+            )
         sampled = self.run.time[self.run.time <= end]
-        time = np.sort(np.concatenate([sampled, np.setdiff1d(np.linspace(start, end, points), sampled)]))
-        found, first = self(time), np.flatnonzero(np.diff(time) <= 0.0)  # of two that share an instant the first one
+        time = np.sort(
+            np.concatenate([sampled, np.setdiff1d(np.linspace(start, end, points), sampled)])
+        )
+        # of two that share an instant the first one
+        found = self(time)
+        first = np.flatnonzero(np.diff(time) <= 0.0)
         before = self(time[first], "before")
         for name in SAMPLED:
             getattr(found, name)[first] = getattr(before, name)
@@ -111,7 +133,8 @@ class Interpolation:
 
     def _scalars(self, instants: Array, side: str) -> Array:
         """Return normal force, kinetic and potential energy at instants, shape (instants, 3)."""
-        chosen, found = _chosen(self.run.time, self._smooth, instants, side), np.empty((instants.size, 3))
+        chosen = _chosen(self.run.time, self._smooth, instants, side)
+        found = np.empty((instants.size, 3))
         for number in np.unique(chosen):
             found[chosen == number] = self._splines[number](instants[chosen == number])
         return found
@@ -121,7 +144,8 @@ class Interpolation:
         chosen = _chosen(self._time, self._pieces, instants, side)
         both = zip(chosen.tolist(), instants.tolist(), strict=True)
         windows = [_window(self._time, self._pieces[piece], instant) for piece, instant in both]
-        sizes, found = np.array([*map(len, windows)]), np.empty((2, instants.size, self._states.shape[2]))
+        sizes = np.array([*map(len, windows)])
+        found = np.empty((2, instants.size, self._states.shape[2]))
         for size in np.unique(sizes):
             own = np.flatnonzero(sizes == size)
             rows = np.array([windows[each] for each in own])
@@ -130,9 +154,12 @@ class Interpolation:
 
 
 def _states(samples: WireMotion) -> Array:
-    places, slopes = (samples.angles, samples.centre_line), (samples.rates, samples.centre_line_velocity)
+    places = (samples.angles, samples.centre_line)
+    slopes = (samples.rates, samples.centre_line_velocity)
     rows = samples.time.size
-    return np.stack([np.hstack([each.reshape(rows, -1) for each in both]) for both in (places, slopes)], axis=1)
+    return np.stack(
+        [np.hstack([each.reshape(rows, -1) for each in both]) for both in (places, slopes)], axis=1
+    )
 
 
 def _hermite(time: Array, states: Array, instants: Array) -> Array:
@@ -141,15 +168,18 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
     ``time`` has the times of each polynomial's samples, shape (instants, samples), ``states`` their values and slopes, shape
     (instants, samples, 2, columns).
     """
-    nodes, table = np.repeat(time, 2, axis=1), np.repeat(states[:, :, 0], 2, axis=1)
+    nodes = np.repeat(time, 2, axis=1)
+    table = np.repeat(states[:, :, 0], 2, axis=1)
     coefficients = [table[:, 0]]
     for order in range(1, nodes.shape[1]):
-        step, difference = (nodes[:, order:] - nodes[:, :-order])[..., np.newaxis], np.diff(table, axis=1)
+        step = (nodes[:, order:] - nodes[:, :-order])[..., np.newaxis]
+        difference = np.diff(table, axis=1)
         if order == 1:  # between a node and itself it is the slope
             difference[:, ::2], step[:, ::2] = states[:, :, 1], 1.0
         table = difference / step
         coefficients.append(table[:, 0])
-    value, slope = coefficients[-1], np.zeros_like(coefficients[-1])
+    value = coefficients[-1]
+    slope = np.zeros_like(coefficients[-1])
     for node, coefficient in zip(nodes.T[-2::-1], coefficients[-2::-1], strict=True):
         distance = (instants - node)[:, np.newaxis]
         slope = slope * distance + value
@@ -169,8 +199,10 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, .
     """Return the samples of the polynomial for an instant, on both sides of it as far as there are any at suitable distances."""
     first, last = piece
     low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
-    chosen, own = deque([low, low + 1]), time[low + 1] - time[low]
-    shortest, longest = SHORTEST_DISTANCE * own, LONGEST_DISTANCE * own
+    chosen = deque([low, low + 1])
+    own = time[low + 1] - time[low]
+    shortest = SHORTEST_DISTANCE * own
+    longest = LONGEST_DISTANCE * own
     for _ in range(MOST_ON_ONE_SIDE):
         each = int(np.searchsorted(time, time[chosen[0]] - shortest, side="right")) - 1
         if each >= first and time[chosen[0]] - time[each] <= longest:

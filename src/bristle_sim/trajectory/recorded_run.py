@@ -40,7 +40,9 @@ class RecordedRun(Motion):
     stop_detail: str = ""
     inner_samples: WireMotion | None = None
 
-    def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
+    def event_time(
+        self, name: str, *, last: bool = False, before: float = math.inf
+    ) -> float | None:
         """Return the time, s, of the first (or last) event of that name up to an instant; None without one.
 
         Raises ValueError for a name that no event can have.
@@ -56,7 +58,10 @@ class RecordedRun(Motion):
 
         For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
         """
-        sizes = {"largest retraction": abs(self.relative_angle), "highest relative speed": abs(self.relative_rate)}
+        sizes = {
+            "largest retraction": abs(self.relative_angle),
+            "highest relative speed": abs(self.relative_rate),
+        }
         notable = []
         for event in self.events:
             size = sizes.get(event.name)
@@ -68,7 +73,9 @@ class RecordedRun(Motion):
     def stop_advice(self) -> str:
         """How to make the run go further, in terms of the obstacle touched last."""
         at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
-        return self.stop_detail or self.stop_reason.remedy.format(friction="bar_friction" if at_bar else "friction")
+        return self.stop_detail or self.stop_reason.remedy.format(
+            friction="bar_friction" if at_bar else "friction"
+        )
 
     @property
     def accuracy_not_reached(self) -> str:
@@ -77,7 +84,11 @@ class RecordedRun(Motion):
         requested = self.parameters.get("settings", {}).get("accuracy")
         if not estimate or not requested or estimate <= EXCESS_SAID * requested:
             return ""
-        ratio = f"{estimate / requested:.0f}" if estimate < 1e6 * requested else f"{estimate / requested:.0e}"
+        ratio = (
+            f"{estimate / requested:.0f}"
+            if estimate < 1e6 * requested
+            else f"{estimate / requested:.0e}"
+        )
         return (
             f"accuracy not reached: error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
             " request a smaller accuracy"
@@ -96,7 +107,8 @@ class RecordedRun(Motion):
 
     def columns(self) -> dict[str, Array]:
         """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
-        x_y, links = ("x", "y"), range(self.angles.shape[1])
+        x_y = ("x", "y")
+        links = range(self.angles.shape[1])
         return {
             "time (s)": self.time,
             "hub_angle (rad)": self.hub_angle,
@@ -106,7 +118,10 @@ class RecordedRun(Motion):
             "relative_rate (rad/s)": self.relative_rate,
             "retraction (rad)": self.retraction,
             **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
-            **{f"tip_velocity_{name} (m/s)": each for name, each in zip(x_y, self.tip_velocity.T, strict=True)},
+            **{
+                f"tip_velocity_{name} (m/s)": each
+                for name, each in zip(x_y, self.tip_velocity.T, strict=True)
+            },
             "tip_speed (m/s)": self.tip_speed,
             "kinetic_energy (J)": self.kinetic_energy,
             "potential_energy (J)": self.potential_energy,
@@ -118,7 +133,12 @@ class RecordedRun(Motion):
         """The tool that was simulated. Raises ValueError if the parameters do not describe one."""
         try:
             parts = self.parameters["tool"]
-            built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
+            built = {
+                name: None if parts[name] is None else kinds[0](**parts[name])
+                for name, kinds in PARTS.items()
+            }
             return Tool(**{**parts, **built})
         except (KeyError, TypeError) as error:
-            raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
+            raise ValueError(
+                f"parameters: must describe the tool that was simulated ({error})"
+            ) from error

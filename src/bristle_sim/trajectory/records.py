@@ -187,5 +187,7 @@ class ContactRecord:
     def columns(self) -> dict[str, Array]:
         """Return the history under keys of name and unit. Raises ValueError for a contact not resolved in time."""
         if self.history is None:
-            raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")
+            raise ValueError(
+                f"contact = {self.law}: must be compliant; an impact at an instant has no time series"
+            )
         return self.history.columns()

@@ -18,13 +18,23 @@ from bristle_sim.arrays import Array
 from bristle_sim.files import complete_or_absent
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory.recorded_run import RecordedRun
-from bristle_sim.trajectory.records import SAMPLED, WIRE, ContactHistory, ContactRecord, Cost, Event, WireMotion
+from bristle_sim.trajectory.records import (
+    SAMPLED,
+    WIRE,
+    ContactHistory,
+    ContactRecord,
+    Cost,
+    Event,
+    WireMotion,
+)
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 FORMAT = 3  # number of the file format
-MOST_UNPACKED = 256e6  # bytes of arrays that are read from any file: a million samples of a rigid bristle
+MOST_UNPACKED = (
+    256e6  # bytes of arrays that are read from any file: a million samples of a rigid bristle
+)
 MOST_PACKED = 100.0  # ratio of unpacked to packed bytes of a larger file: motion packs to a half, rest to a thousandth
 HISTORY = tuple(each.name for each in dataclasses.fields(ContactHistory))
 PLAIN = {"hub_speed": float, "parameters": dict, "stop_detail": str}
@@ -46,7 +56,9 @@ def write(run: RecordedRun, path: str | Path) -> None:
         contacts.append(dataclasses.asdict(dataclasses.replace(contact, history=None)))
         if contact.history is not None:
             contacts[-1]["history"] = True
-            arrays |= {f"contact{number}_{name}": getattr(contact.history, name) for name in HISTORY}
+            arrays |= {
+                f"contact{number}_{name}": getattr(contact.history, name) for name in HISTORY
+            }
     meta = {
         "format": FORMAT,
         **{name: getattr(run, name) for name in PLAIN},
@@ -76,7 +88,9 @@ def read(path: Path) -> dict[str, Any]:
             return _checked(meta, stored)
     except OSError:
         raise
-    except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
+    except (
+        Exception
+    ) as error:  # zip, JSON and NumPy each have their own for a file that is something else
         raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
 
 
@@ -84,22 +98,31 @@ def _check_size(members: ZipFile, size: int) -> None:
     """Refuse a file of ``size`` bytes whose unpacked members would fill the memory."""
     unpacked = sum(each.file_size for each in members.infolist())
     if unpacked > max(MOST_UNPACKED, MOST_PACKED * size):
-        raise ValueError(f"its arrays take {unpacked:.3g} bytes, too many for a run in a file of {size:.3g} bytes")
+        raise ValueError(
+            f"its arrays take {unpacked:.3g} bytes, too many for a run in a file of {size:.3g} bytes"
+        )
 
 
 def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:
     sizes = {"2": 2}
-    arrays, inner = _arrays(stored, "", SAMPLED, sizes), None
+    arrays = _arrays(stored, "", SAMPLED, sizes)
+    inner = None
     _require("time", arrays["time"].size > 0, "have at least one sample")
     if "inner_time" in stored:
         inner = WireMotion(**_arrays(stored, "inner_", WIRE, {name: sizes[name] for name in "lc2"}))
     for name, kind in PLAIN.items():
         _require(name, _fits(meta[name], kind), f"be of type {kind.__name__}")
     events = tuple(_record(Event, row) for row in meta["events"])
-    _require("events", all(one.time <= other.time for one, other in pairwise(events)), "be in order of time")
+    _require(
+        "events",
+        all(one.time <= other.time for one, other in pairwise(events)),
+        "be in order of time",
+    )
     contacts = []
     for number, row in enumerate(meta["contacts"]):
-        values = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+        values = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in row.items()
+        }
         if values["history"] is not None:
             values["history"] = ContactHistory(**_arrays(stored, f"contact{number}_", HISTORY, {}))
         contacts.append(_record(ContactRecord, values))
@@ -115,14 +138,22 @@ def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any
     }
 
 
-def _arrays(stored: Mapping[str, Array], prefix: str, names: Iterable[str], sizes: dict[str, int]) -> dict[str, Array]:
+def _arrays(
+    stored: Mapping[str, Array], prefix: str, names: Iterable[str], sizes: dict[str, int]
+) -> dict[str, Array]:
     """Return stored arrays after checking their dimensions against the known sizes; new dimensions are added to these."""
     found = {}
     for name in names:
-        array, (letters, _), whole = stored[f"{prefix}{name}"], SAMPLED.get(name, ("n", "")), f"{prefix}{name}"
+        array, (letters, _), whole = (
+            stored[f"{prefix}{name}"],
+            SAMPLED.get(name, ("n", "")),
+            f"{prefix}{name}",
+        )
         found[name] = array
         _require(whole, array.dtype == float, f"be floats, not {array.dtype}")
-        wanted = [sizes.get(letter, size) for letter, size in zip(letters, array.shape, strict=False)]
+        wanted = [
+            sizes.get(letter, size) for letter, size in zip(letters, array.shape, strict=False)
+        ]
         shape = f"have the shape ({', '.join(str(sizes.get(each, each)) for each in letters)})"
         _require(whole, array.ndim == len(letters) and [*array.shape] == wanted, shape)
         _require(whole, bool(np.isfinite(array).all()), "be finite")
@@ -140,12 +171,19 @@ def _record(kind: type[T], row: dict[str, Any]) -> T:
 
 def _fits(value: Any, hint: Any) -> bool:
     """Return whether a value is of a type: a class, a tuple of one length or any, or one of several types."""
-    origin, parts = get_origin(hint), get_args(hint)
+    origin = get_origin(hint)
+    parts = get_args(hint)
     if origin in (Union, UnionType):
         return any(_fits(value, part) for part in parts)
     if origin is tuple:
-        wanted = parts[:1] * len(value) if isinstance(value, tuple) and parts[-1] is Ellipsis else parts
-        return isinstance(value, tuple) and len(value) == len(wanted) and all(map(_fits, value, wanted))
+        wanted = (
+            parts[:1] * len(value) if isinstance(value, tuple) and parts[-1] is Ellipsis else parts
+        )
+        return (
+            isinstance(value, tuple)
+            and len(value) == len(wanted)
+            and all(map(_fits, value, wanted))
+        )
     if hint is float:
         return isinstance(value, float | int) and not isinstance(value, bool)
     return isinstance(value, hint)

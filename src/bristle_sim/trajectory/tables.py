@@ -25,12 +25,18 @@ SINGULAR = {"angles": "angle", "rates": "rate"}
 def summary(run: RecordedRun) -> str:
     """Describe samples, strike, events, stop reason and cost, one line each, and an accuracy that was not reached."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
-    notable, contact = run.notable_events, run.first_contact("workpart")
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN])
+    notable = run.notable_events
+    contact = run.first_contact("workpart")
+    events = ", ".join(
+        f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
+    )
     more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
-    cost, strike = run.cost, "none"
+    cost = run.cost
+    strike = "none"
     if contact is not None:
-        before, after = (math.hypot(*velocity) for velocity in (contact.velocity_before, contact.velocity_after))
+        before, after = (
+            math.hypot(*velocity) for velocity in (contact.velocity_before, contact.velocity_after)
+        )
         speeds = f"{contact.point or 'tip'} speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
     error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
@@ -53,7 +59,8 @@ def to_dataframe(run: RecordedRun) -> pd.DataFrame:
     library = _installed("pandas")
     frame: pd.DataFrame = library.DataFrame(run.columns())
     units = dict(title.removesuffix(")").split(" (") for title in frame)
-    frame.columns, frame.attrs["units"] = library.Index(units), units
+    frame.columns = library.Index(units)
+    frame.attrs["units"] = units
     return frame
 
 
@@ -71,11 +78,19 @@ def to_xarray(run: RecordedRun) -> xarray.Dataset:
         ascending[later] = max(ascending[later], np.nextafter(ascending[later - 1], np.inf))
     sampled = SAMPLED | {"relative_angle": ("n", "rad"), "relative_rate": ("n", "rad/s")}
     variables: dict[str, Any] = {
-        SINGULAR.get(name, name): ([DIMENSIONS[each] for each in letters], getattr(run, name), {"units": unit})
+        SINGULAR.get(name, name): (
+            [DIMENSIONS[each] for each in letters],
+            getattr(run, name),
+            {"units": unit},
+        )
         for name, (letters, unit) in sampled.items()
         if name != "time"
     }
-    variables["event_time"] = ("event", np.array([event.time for event in run.events]), {"units": "s"})
+    variables["event_time"] = (
+        "event",
+        np.array([event.time for event in run.events]),
+        {"units": "s"},
+    )
     coordinates = {
         "time": ("time", ascending, {"units": "s"}),
         "instant": ("time", run.time, {"units": "s"}),
@@ -92,4 +107,6 @@ def _installed(library: str) -> Any:
     try:
         return import_module(library)
     except ImportError as error:
-        raise ImportError(f"{library}: must be installed: pip install bristle-sim[sweep]") from error
+        raise ImportError(
+            f"{library}: must be installed: pip install bristle-sim[sweep]"
+        ) from error

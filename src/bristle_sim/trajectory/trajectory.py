@@ -46,7 +46,9 @@ class Trajectory(RecordedRun):
         contacts = []
         for contact in self.contacts:
             line = self.centre_line[int(abs(self.time - contact.time).argmin())]
-            contacts.append(located(contact, tool, line) if contact.obstacle in ("bar", "workpart") else contact)
+            contacts.append(
+                located(contact, tool, line) if contact.obstacle in ("bar", "workpart") else contact
+            )
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
@@ -73,7 +75,12 @@ class Trajectory(RecordedRun):
         return figure
 
     def animate(
-        self, path: str | Path, *, fps: float = 30.0, size: tuple[int, int] = (640, 480), **options: Any
+        self,
+        path: str | Path,
+        *,
+        fps: float = 30.0,
+        size: tuple[int, int] = (640, 480),
+        **options: Any,
     ) -> Path:
         """Write a film of the run, mp4 or gif, ``size`` in px; for options see ``bristle_sim.render.tool_films.pass_film``."""
         written: Path = drawn_by().film(self, path, fps, size, options)
@@ -110,7 +117,9 @@ def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
     else:
         assert tool.bar is not None
         pieces = np.diff(line, axis=0)
-        along = ((np.array(tool.bar.centre) - line[:-1]) * pieces).sum(axis=1) / (pieces**2).sum(axis=1)
+        along = ((np.array(tool.bar.centre) - line[:-1]) * pieces).sum(axis=1) / (pieces**2).sum(
+            axis=1
+        )
         along = np.clip(along, 0.0, 1.0)
         points = line[:-1] + along[:, np.newaxis] * pieces
         piece = int(np.linalg.norm(points - tool.bar.centre, axis=1).argmin())

@@ -21,5 +21,7 @@ class Effort(Declared):
         "quick",
     )
     peers: str = choice(
-        "peers: whether other packages are timed too [chosen: every installed peer takes part]", "all", "none"
+        "peers: whether other packages are timed too [chosen: every installed peer takes part]",
+        "all",
+        "none",
     )

@@ -70,8 +70,10 @@ class StrikeCase(Case):
 
 def release_flight() -> Case:
     """Return the undamped release on a turning hub, up to the radial direction, where the energy integral gives the speed."""
-    tool, retraction = Tool(bar=None, workpart=None), RETRACTION_AT_RELEASE
-    bristle, hub = tool.bristle, tool.hub
+    tool = Tool(bar=None, workpart=None)
+    retraction = RETRACTION_AT_RELEASE
+    bristle = tool.bristle
+    hub = tool.hub
     centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
     swing = (retraction, tool.belt.stiffness, centrifugal, bristle.inertia_about_root)
     speed = float(cueing.stiffened_highest_speed(*swing))
@@ -93,10 +95,16 @@ def release_flight() -> Case:
 
 def strike() -> StrikeCase:
     """Return the radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
-    bristle, hub, state, surface = Tool().bristle, Tool().hub, Strike(), Surface()
-    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
+    bristle = Tool().bristle
+    hub = Tool().hub
+    state = Strike()
+    surface = Surface()
+    gamma = math.radians(state.impact_angle_deg)
+    rate = state.speed_ratio * hub.speed
     motion = (hub.radius, hub.speed, state.speed_ratio, gamma)
-    exact = monofilament_impact(bristle.mass, bristle.length, *motion, surface.friction, surface.restitution)
+    exact = monofilament_impact(
+        bristle.mass, bristle.length, *motion, surface.friction, surface.restitution
+    )
     return StrikeCase(
         name="strike",
         title="one oblique strike",
@@ -110,11 +118,14 @@ def strike() -> StrikeCase:
 
 def double_pendulum() -> StrikeCase:
     """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
-    rods, surface = DoublePendulum(), Surface(friction=0.5, restitution=0.5)
+    rods = DoublePendulum()
+    surface = Surface(friction=0.5, restitution=0.5)
     chain = double_chain(rods)
     angle_1, angle_2, rate_1, rate_2 = (-each for each in (*chain.angles, *chain.rates))
     law = (surface.friction, surface.restitution)
-    exact = double_pendulum_impact(rods.mass, rods.mass_ratio, rods.length, angle_1, angle_2, rate_1, rate_2, *law)
+    exact = double_pendulum_impact(
+        rods.mass, rods.mass_ratio, rods.length, angle_1, angle_2, rate_1, rate_2, *law
+    )
     return StrikeCase(
         name="double_pendulum",
         title="strike of a double pendulum",
@@ -129,7 +140,9 @@ def double_pendulum() -> StrikeCase:
 @functools.cache
 def whole_pass_case() -> Case:
     """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
-    exact = state_at_strike(simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike"))
+    exact = state_at_strike(
+        simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike")
+    )
     return Case(
         name="whole_pass",
         title="whole pass up to the strike",

@@ -52,7 +52,9 @@ class Point:
     failure: str = ""
 
 
-def attempts(method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]) -> list[Attempt]:
+def attempts(
+    method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
+) -> list[Attempt]:
     """Return an attempt for each value of a method's setting, which go from coarse to fine."""
     return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
@@ -72,18 +74,26 @@ def by_method(points: Iterable[Point]) -> list[list[Point]]:
 
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
     """Measure the error of every attempt, then the CPU time of those that raise no exception."""
-    points, working = list[Point](), list[Callable[[], Run]]()
+    points = list[Point]()
+    working = list[Callable[[], Run]]()
     for attempt in tried:
-        error, steps, failure = math.inf, 0, ""
+        error = math.inf
+        steps = 0
+        failure = ""
         try:
             run = attempt.run()
-            error, steps = case.error(run.values), run.steps
+            error = case.error(run.values)
+            steps = run.steps
             working.append(attempt.run)
         except Exception as raised:
             failure = " ".join(str(raised).split()) or type(raised).__name__
-        points.append(Point(case.name, attempt.method, attempt.setting, error, math.nan, steps, failure))
+        points.append(
+            Point(case.name, attempt.method, attempt.setting, error, math.nan, steps, failure)
+        )
     times = iter(cpu_times(working, rounds))
-    return [each if each.failure else dataclasses.replace(each, cpu_s=next(times)) for each in points]
+    return [
+        each if each.failure else dataclasses.replace(each, cpu_s=next(times)) for each in points
+    ]
 
 
 BLOCK = 4e-3

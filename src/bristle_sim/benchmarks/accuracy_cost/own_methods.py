@@ -23,7 +23,10 @@ STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)  # s
 def flight_attempts(case: Case) -> list[Attempt]:
     """Return attempts by the public call, and by steppers on a scene built beforehand, as other packages compile a model."""
     scene, units = build_tool(case.tool, hub_start=0.0)
-    start, end = State(0.0, (-case.retraction,), (scene.mechanism.hub_speed,)), case.duration / units.time
+    start, end = (
+        State(0.0, (-case.retraction,), (scene.mechanism.hub_speed,)),
+        case.duration / units.time,
+    )
 
     def simulated(accuracy: float) -> Run:
         settings = Settings(accuracy=accuracy, hub_turn=case.tool.hub.speed * case.duration)
@@ -32,7 +35,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
     def extrapolated(tolerance: float) -> Run:
         """Carry the scene interval after interval, as long as the stepper proposes them."""
-        stepper, state, before = Extrapolation(tolerance), start, scene.engine.steps
+        stepper = Extrapolation(tolerance)
+        state = start
+        before = scene.engine.steps
         while state.time < end * (1.0 - 1e-15):
             length = stepper.propose(end - state.time)
             result = stepper.advance(scene, state, length)
@@ -50,8 +55,11 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(scene.angles()[0], scene.rates()[0], before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
-        hub_angle, hub_speed = scene.mechanism.hub_angle(end), scene.mechanism.hub_speed
-        return Run((angle - hub_angle, (rate - hub_speed) / units.time), scene.engine.steps - before)
+        hub_angle = scene.mechanism.hub_angle(end)
+        hub_speed = scene.mechanism.hub_speed
+        return Run(
+            (angle - hub_angle, (rate - hub_speed) / units.time), scene.engine.steps - before
+        )
 
     return [
         *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),
@@ -85,6 +93,16 @@ def pass_attempts(case: Case) -> list[Attempt]:
         return Run(state_at_strike(found), found.cost.steps)
 
     return [
-        *attempts("bristle_sim simulate", "accuracy={:g}", lambda e: passed(Settings(e), simulate), ACCURACIES[:10]),
-        *attempts("bristle_sim plain steps", "step={:g} s", lambda dt: passed(dt, simulate_in_steps), STEPS_OF_A_PASS),
+        *attempts(
+            "bristle_sim simulate",
+            "accuracy={:g}",
+            lambda e: passed(Settings(e), simulate),
+            ACCURACIES[:10],
+        ),
+        *attempts(
+            "bristle_sim plain steps",
+            "step={:g} s",
+            lambda dt: passed(dt, simulate_in_steps),
+            STEPS_OF_A_PASS,
+        ),
     ]

@@ -25,15 +25,22 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     """Return attempts by Taylor series, with one compiled program for each tolerance of the remainder."""
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
-    tool, bristle = case.tool, case.tool.bristle
-    field = float(centrifugal_stiffness(bristle.mass, tool.hub.radius, bristle.length, tool.hub.speed))
+    tool = case.tool
+    bristle = case.tool.bristle
+    field = float(
+        centrifugal_stiffness(bristle.mass, tool.hub.radius, bristle.length, tool.hub.speed)
+    )
     moment = tool.belt.stiffness * angle + field * library.sin(angle)
-    equations, start = [(angle, rate), (rate, -moment / bristle.inertia_about_root)], [-case.retraction, 0.0]
-    compiled = {each: library.taylor_adaptive(equations, start, tol=each) for each in HEYOKA_TOLERANCES}
+    equations = [(angle, rate), (rate, -moment / bristle.inertia_about_root)]
+    start = [-case.retraction, 0.0]
+    compiled = {
+        each: library.taylor_adaptive(equations, start, tol=each) for each in HEYOKA_TOLERANCES
+    }
 
     def fly(tolerance: float) -> Run:
         integrator = compiled[tolerance]
-        integrator.time, integrator.state[:] = 0.0, start
+        integrator.time = 0.0
+        integrator.state[:] = start
         steps = integrator.propagate_until(case.duration)[3]
         return Run((float(integrator.state[0]), float(integrator.state[1])), int(steps))
 
@@ -49,13 +56,35 @@ HARD = 0.9999
 FREE = '<flag contact="disable" constraint="disable"/>'
 """MuJoCo's options without the parts of the engine that a free motion does not need."""
 
-FLIGHT_STEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096, 8192)
+FLIGHT_STEPS = (
+    2,
+    3,
+    4,
+    6,
+    8,
+    12,
+    16,
+    24,
+    32,
+    48,
+    64,
+    96,
+    128,
+    192,
+    256,
+    512,
+    1024,
+    2048,
+    4096,
+    8192,
+)
 PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
 
 STEPS_IN_CONTACT = 2.0
 """Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
 
-HUB_START, HUB_TURN = -0.5 * math.pi, 0.5 * math.pi
+HUB_START = -0.5 * math.pi
+HUB_TURN = 0.5 * math.pi
 """Hub's start in a pass and its turn in the given number of steps, rad; the strike comes before the end of that turn."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
@@ -68,23 +97,25 @@ MODEL = """<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="
 BAR = """<geom name="bar" type="sphere" size="{size!r}" condim="1" pos="{x!r} {y!r} 0" contype="1" conaffinity="0"
 solimp="{hard} {hard} 1" priority="1"/>"""
 
-WIRE = (
-    """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="0" conaffinity="1" condim="1" mass="0"/>"""
-)
+WIRE = """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="0" conaffinity="1" condim="1" mass="0"/>"""
 
 
 def mujoco_flight(case: Case) -> list[Attempt]:
     """Return attempts with each of MuJoCo's integrators over step counts."""
     models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
-        each for name in models for each in attempts(name, "steps={}", partial(models[name].fly, case), FLIGHT_STEPS)
+        each
+        for name in models
+        for each in attempts(name, "steps={}", partial(models[name].fly, case), FLIGHT_STEPS)
     ]
 
 
 def mujoco_pass(case: Case) -> list[Attempt]:
     """Return attempts up to the strike; the bar is a critically damped spring, stiffer as steps get shorter."""
     models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
-    return [each for name in models for each in attempts(name, "steps={}", models[name].go, PASS_STEPS)]
+    return [
+        each for name in models for each in attempts(name, "steps={}", models[name].go, PASS_STEPS)
+    ]
 
 
 class MujocoModel:
@@ -93,14 +124,29 @@ class MujocoModel:
     def __init__(self, tool: Tool, integrator: str) -> None:
         self.library: Any = importlib.import_module("mujoco")
         self.units = tool_units(tool)
-        size, bar, wire, option = self.units.length, "", "", FREE
-        self.hub_speed, self.hub_radius = tool.hub.speed * self.units.time, tool.hub.radius / size
+        size = self.units.length
+        bar = ""
+        wire = ""
+        option = FREE
+        self.hub_speed = tool.hub.speed * self.units.time
+        self.hub_radius = tool.hub.radius / size
         if tool.bar is not None:
             self.depth, (x, y) = tool.workpart_depth / size, tool.bar.centre
             bar = BAR.format(size=tool.bar.radius / size, x=x / size, y=y / size, hard=HARD)
-            wire, option = WIRE.format(radius=tool.bristle.wire_diameter / 2.0 / size), ""
-        parts = {"integrator": integrator, "option": option, "bar": bar, "wire": wire, "rod": 1.0 / 12.0}
-        numbers = {"hub": HUB_INERTIA, "root": -self.hub_radius, "stiffness": tool.belt.stiffness / self.units.energy}
+            wire = WIRE.format(radius=tool.bristle.wire_diameter / 2.0 / size)
+            option = ""
+        parts = {
+            "integrator": integrator,
+            "option": option,
+            "bar": bar,
+            "wire": wire,
+            "rod": 1.0 / 12.0,
+        }
+        numbers = {
+            "hub": HUB_INERTIA,
+            "root": -self.hub_radius,
+            "stiffness": tool.belt.stiffness / self.units.energy,
+        }
         text = MODEL.format(hinge='<joint type="hinge" axis="0 0 1"', **parts, **numbers)
         self.model = self.library.MjModel.from_xml_string(text)
         self.data = self.library.MjData(self.model)
@@ -121,7 +167,9 @@ class MujocoModel:
         self.data.time, self.data.qpos[:], self.data.qvel[:] = before[0], before[1:3], before[3:5]
         before, after = self._last_above(1), self._state()
         ratio = self._height(before) / (self._height(before) - self._height(after))
-        time, _, angle, _, rate = (first + ratio * (last - first) for first, last in zip(before, after, strict=True))
+        time, _, angle, _, rate = (
+            first + ratio * (last - first) for first, last in zip(before, after, strict=True)
+        )
         return Run((time * self.units.time, angle, rate / self.units.time), round(after[0] / step))
 
     def _start(self, angles: tuple[float, float], step: float) -> None:

@@ -19,7 +19,9 @@ TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 """Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
 
 COMPILED = {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
-METHODS = {each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")} | COMPILED
+METHODS = {
+    each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")
+} | COMPILED
 """Integrators of ``solve_ivp``, and those that ``ode`` steps in compiled code, with their names in tables."""
 
 Slope = Callable[[float, Any], tuple[float, ...]]
@@ -48,7 +50,9 @@ def pass_attempts(case: Case) -> list[Attempt]:
 def _flight(case: Case) -> Slope:
     """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
     tool, (retraction, highest) = case.tool, case.scale
-    stiffening = centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed)
+    stiffening = centrifugal_stiffness(
+        tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed
+    )
     scale = highest / retraction
     belt = tool.belt.stiffness / tool.bristle.inertia_about_root / scale
     extra = float(stiffening) / tool.bristle.inertia_about_root / highest
@@ -62,18 +66,24 @@ def _flight(case: Case) -> Slope:
 
 def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
     """Fly from the retraction, -1 in its own unit, at rest."""
-    calls, start = itertools.count(), (-1.0, 0.0)
+    calls = itertools.count()
+    start = (-1.0, 0.0)
 
     def counted(time: float, state: Any) -> list[float]:
         next(calls)
-        return list(slope(time, state))  # before SciPy 1.17 compiled code takes a tuple for several results
+        return list(
+            slope(time, state)
+        )  # before SciPy 1.17 compiled code takes a tuple for several results
 
     if method in COMPILED:
         solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
         state = solver.set_initial_value(start).integrate(case.duration)
         evaluations = next(calls)
     else:
-        found = solve_ivp(slope, (0.0, case.duration), start, method=method, rtol=tolerance, atol=tolerance)
-        state, evaluations = found.y[:, -1], found.nfev
+        found = solve_ivp(
+            slope, (0.0, case.duration), start, method=method, rtol=tolerance, atol=tolerance
+        )
+        state = found.y[:, -1]
+        evaluations = found.nfev
     angle, rate = state.tolist()
     return Run((angle * case.scale[0], rate * case.scale[1]), evaluations)

@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 from bristle_sim.benchmarks.accuracy_cost import Effort, cases, own_methods, peers, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Point, by_method, cheapest, measure, package_of
+from bristle_sim.benchmarks.accuracy_cost.measure import (
+    OURS,
+    Attempt,
+    Point,
+    by_method,
+    cheapest,
+    measure,
+    package_of,
+)
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import WIDTH, Quantity, Report, Unfinished, amount, finite
 
@@ -24,7 +32,11 @@ FLIGHT: Offers = {
     "heyoka": peers.heyoka_flight,
 }
 STRIKE: Offers = {OURS: own_methods.strike_attempts}
-PASS: Offers = {OURS: own_methods.pass_attempts, "scipy": scipy_methods.pass_attempts, "mujoco": peers.mujoco_pass}
+PASS: Offers = {
+    OURS: own_methods.pass_attempts,
+    "scipy": scipy_methods.pass_attempts,
+    "mujoco": peers.mujoco_pass,
+}
 
 CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.release_flight, FLIGHT),
@@ -94,7 +106,9 @@ def accuracy_cost(effort: Effort) -> Report:
     Raises:
         Unfinished: with the curves of the cases measured so far, if the user interrupts.
     """
-    begin, measured, interrupted = clock.perf_counter(), AccuracyCost(), False
+    begin = clock.perf_counter()
+    measured = AccuracyCost()
+    interrupted = False
     try:
         _measure(measured, effort)
     except KeyboardInterrupt:
@@ -108,7 +122,8 @@ def accuracy_cost(effort: Effort) -> Report:
         dataclasses.asdict(each) | {"error": finite(each.error), "cpu_s": finite(each.cpu_s)}
         for each in measured.points
     ]
-    found, extra = tuple(_tables(measured, machine)), {"curves": curves, "machine": machine}
+    found = tuple(_tables(measured, machine))
+    extra = {"curves": curves, "machine": machine}
     if interrupted:
         raise Unfinished(Report(None, (), remarks=found, extra=extra))
     return Report(
@@ -128,21 +143,25 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
     measured.missing = {name: "not installed" for name in PACKAGES if name not in here}
     taking_part = here if effort.peers == "all" else {OURS}
     for number, (build, offers) in enumerate(CASES, start=1):
-        case, tried = build(), list[Attempt]()
+        case = build()
+        tried = list[Attempt]()
         logging.getLogger(__name__).info("%s (case %d of %d)", case.name, number, len(CASES))
         for name, offer in offers.items():
             if name in taking_part:
                 tried += _offered(name, offer, case, measured.missing)
         if effort.effort == "quick":
             methods = [
-                [each for each in tried if each.method == name] for name in dict.fromkeys(each.method for each in tried)
+                [each for each in tried if each.method == name]
+                for name in dict.fromkeys(each.method for each in tried)
             ]
             tried = [each for own in methods for each in own[:: -(-len(own) // QUICK_SETTINGS)]]
         measured.points += tuple(measure(case, tried, ROUNDS[effort.effort]))
         measured.cases += (case,)
 
 
-def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
+def _offered(
+    name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]
+) -> list[Attempt]:
     """Return a package's attempts at a case; an empty list for a peer that is installed but cannot be imported or set up."""
     try:
         return offer(case)
@@ -158,8 +177,14 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
     found = []
     for case in measured.cases:
         points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
-        sides = [[each for each in points if (package_of(each.method) == OURS) is ours] for ours in (True, False)]
-        found += [Comparison(case.name, e, *(cheapest(side, e) for side in sides)) for e in TARGETS[case.name]]
+        sides = [
+            [each for each in points if (package_of(each.method) == OURS) is ours]
+            for ours in (True, False)
+        ]
+        found += [
+            Comparison(case.name, e, *(cheapest(side, e) for side in sides))
+            for e in TARGETS[case.name]
+        ]
     return found
 
 
@@ -172,7 +197,11 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
     law = next(each for each in measured.of("strike") if each.method == "bristle_sim energetic")
     rows.append(Quantity("strike_cpu_energetic", "s", law.cpu_s))
     for case, (method, least) in REQUESTED.items():
-        found = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
+        found = [
+            (float(each.setting.split("=")[1]), each.error)
+            for each in measured.of(case)
+            if each.method == method
+        ]
         worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
         rows.append(Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0))
     return rows
@@ -183,10 +212,18 @@ def _answer(measured: AccuracyCost) -> str:
     costs = []
     for each in comparisons(measured):
         if each.ours is not None and each.target == min(TARGETS[each.case]):
-            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's')})"
+            peer = (
+                ""
+                if each.peer is None
+                else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's')})"
+            )
             reached = f"to an error of {each.target:.0e} takes {amount(each.ours.cpu_s, 's')}"
             costs.append(f"{each.case.replace('_', ' ')} {reached}{peer}")
-    return f"In CPU time, {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
+    return (
+        f"In CPU time, {'; '.join(costs)}."
+        if costs
+        else "No method of ours reaches the target errors."
+    )
 
 
 DECADES = tuple(10.0**-power for power in range(1, 11))
@@ -197,17 +234,26 @@ def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
     """Yield lines to print below the comparison, none wider than a terminal."""
     for line in _lines(measured, machine):
         indent = " " * (len(line) - len(line.lstrip()) + 4)
-        yield from textwrap.wrap(line, WIDTH, subsequent_indent=indent) if len(line) > WIDTH else [line]
+        yield from (
+            textwrap.wrap(line, WIDTH, subsequent_indent=indent) if len(line) > WIDTH else [line]
+        )
 
 
 def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
-    yield from ("", "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time")
+    yield from (
+        "",
+        "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time",
+    )
     for case in measured.cases:
         yield from ("", f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})")
         yield f"  {'method':<28}" + "".join(f"{decade:>7.0e}" for decade in DECADES)
         for own in by_method(measured.of(case.name)):
-            yield f"  {own[0].method:<28}" + "".join(_cell(cheapest(own, decade)) for decade in DECADES)
-            yield from (f"    {each.setting} failed: {each.failure}" for each in own if each.failure)
+            yield f"  {own[0].method:<28}" + "".join(
+                _cell(cheapest(own, decade)) for decade in DECADES
+            )
+            yield from (
+                f"    {each.setting} failed: {each.failure}" for each in own if each.failure
+            )
         yield from (f"  {note}" for note in case.notes)
     yield from ("", "ratio of our CPU time to the cheapest peer's:")
     for each in comparisons(measured):
@@ -215,9 +261,14 @@ def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
         if each.ours is not None and each.peer is not None:
             verdict = f"{each.ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
         yield f"  {each.case:<16} {each.target:.0e}  {verdict}"
-    yield from ("", f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}")
+    yield from (
+        "",
+        f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}",
+    )
     yield f"times: {machine['clock']}"
-    yield "versions: " + ", ".join(f"{name} {version}" for name, version in machine["versions"].items())
+    yield "versions: " + ", ".join(
+        f"{name} {version}" for name, version in machine["versions"].items()
+    )
     yield f"command: {machine['command']}"
     for name, why in measured.missing.items():
         yield f"does not take part: {name}, {why}"

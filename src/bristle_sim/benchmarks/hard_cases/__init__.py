@@ -10,7 +10,17 @@ from dataclasses import dataclass
 from bristle_sim.units import Declared, choice
 
 THEMES = (
-    *("mass_ratio", "belt_stiffness", "damping", "jam", "grazing", "hub_speed", "tunnelling", "long_run", "chatter"),
+    *(
+        "mass_ratio",
+        "belt_stiffness",
+        "damping",
+        "jam",
+        "grazing",
+        "hub_speed",
+        "tunnelling",
+        "long_run",
+        "chatter",
+    ),
     *("touching", "wires", "size", "budget"),
 )
 """Kinds of hard cases, each the name of the function that yields its cases."""
@@ -20,5 +30,11 @@ THEMES = (
 class HardCaseChoice(Declared):
     """The cases to try."""
 
-    theme: str = choice("theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES)
-    effort: str = choice("effort: how much is tried: quick leaves out long cases [chosen: all cases]", "full", "quick")
+    theme: str = choice(
+        "theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES
+    )
+    effort: str = choice(
+        "effort: how much is tried: quick leaves out long cases [chosen: all cases]",
+        "full",
+        "quick",
+    )

@@ -26,7 +26,8 @@ from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings, StopReason
 
 TOOL = Tool()
-ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
+ROOT = TOOL.hub.radius
+LENGTH = TOOL.bristle.length
 
 SURFACE = 0.8
 """Angle, rad, at which a falling bristle meets the workpart."""
@@ -40,35 +41,58 @@ def chatter() -> Iterator[HardCase]:
 
     A tap with restitution e leaves the fraction e of the speed, so each hop lasts e times as long as the one before.
     """
-    pressed = TOOL.replace(belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None)
+    pressed = TOOL.replace(
+        belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None
+    )
     for e in (0.5, 0.9):
         yield _chatters(
-            f"bar, restitution {e:g}", pressed.replace(bar_restitution=e), "bar", e, Settings(hub_turn=2.0), {}
+            f"bar, restitution {e:g}",
+            pressed.replace(bar_restitution=e),
+            "bar",
+            e,
+            Settings(hub_turn=2.0),
+            {},
         )
     fall: Start = {"start_hub_angle": 0.0, "start_relative_angle": SURFACE + 0.01}
     hinge = Tool(Hub(speed=0.0, radius=0.0), Belt(stiffness=0.0), bar=None, gravity=9.81)
     for e, friction in ((0.5, 0.3), (0.9, 0.1)):
-        tool = replace(hinge, workpart=Workpart(friction, None, e, LENGTH * (1.0 - math.cos(SURFACE))))
+        tool = replace(
+            hinge, workpart=Workpart(friction, None, e, LENGTH * (1.0 - math.cos(SURFACE)))
+        )
         name = f"falls 0.01 rad, restitution {e:g}, friction {friction:g}"
         yield _chatters(name, tool, "workpart", e, Settings(), fall)
 
 
-def _chatters(name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start) -> HardCase:
+def _chatters(
+    name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start
+) -> HardCase:
     """Return a case limited to twice the taps that reduce a speed to ``SLOWEST``; the factor covers the motion in between."""
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"
     return row("chatter", name, promise, _comes_to_rest, tool, obstacle, most, settings, start)
 
 
-def _comes_to_rest(tool: Tool, obstacle: str, most: int, settings: Settings, start: Start) -> Finding:
+def _comes_to_rest(
+    tool: Tool, obstacle: str, most: int, settings: Settings, start: Start
+) -> Finding:
     """Return whether 2 to ``most`` taps end in sustained contact, and none of them gains energy."""
     run = simulate(tool, settings, **start)
-    sustained = [each.time for each in run.contacts if each.law not in IMPACT_LAWS and each.obstacle == obstacle]
-    taps = [each for each in impacts_of(run, obstacle) if each.time <= min(sustained, default=math.inf)]
+    sustained = [
+        each.time
+        for each in run.contacts
+        if each.law not in IMPACT_LAWS and each.obstacle == obstacle
+    ]
+    taps = [
+        each for each in impacts_of(run, obstacle) if each.time <= min(sustained, default=math.inf)
+    ]
     works = [(sum(tap.compressive_work or ()), sum(tap.restitutive_work or ())) for tap in taps]
     gained = max(0.0, *(one + two for one, two in works)) / max(abs(one) for one, _ in works)
-    result = f"{len(taps)} taps, then {'in' if sustained else 'NO'} contact; energy gained {gained:.1g}"
-    return Finding(result, bool(sustained) and 1 < len(taps) <= most and gained <= 1e-15, run.cost.steps)
+    result = (
+        f"{len(taps)} taps, then {'in' if sustained else 'NO'} contact; energy gained {gained:.1g}"
+    )
+    return Finding(
+        result, bool(sustained) and 1 < len(taps) <= most and gained <= 1e-15, run.cost.steps
+    )
 
 
 WEDGE: Start = {"start_hub_angle": -0.9, "start_relative_angle": 1.2}
@@ -80,10 +104,18 @@ STARTS = {"workpart": (-0.4, -0.3), "bar": (-0.9, -0.4)}
 
 def touching() -> Iterator[HardCase]:
     """Yield a strike while the bar is touched, a wedge, and starts in contact or overlapping."""
-    case, as_reference = partial(row, "touching"), AS_REFERENCE.format(ACCURACY)
+    case = partial(row, "touching")
+    as_reference = AS_REFERENCE.format(ACCURACY)
     # A near bar and a deep workpart: the bar lets the tip down on it, and in the end folds the bristle.
-    near = {"bar_radius": 0.0034, "bar_horizontal": 0.0413664, "bar_vertical": 0.0347105, "penetration": 0.0225}
-    both = TOOL.replace(belt_stiffness=3.0 * TOOL.belt.stiffness, bar_restitution=0.4, bar_friction=0.2, **near)
+    near = {
+        "bar_radius": 0.0034,
+        "bar_horizontal": 0.0413664,
+        "bar_vertical": 0.0347105,
+        "penetration": 0.0225,
+    }
+    both = TOOL.replace(
+        belt_stiffness=3.0 * TOOL.belt.stiffness, bar_restitution=0.4, bar_friction=0.2, **near
+    )
     yield case(
         "struck while the bar is touched",
         AS_REFERENCE.format(10 * ACCURACY),
@@ -98,20 +130,35 @@ def touching() -> Iterator[HardCase]:
     pinned: Start = {"start_hub_angle": -0.3, "start_relative_angle": 0.6}
     resting = between(-0.3, 0.3, at=0.6).replace(hub_speed=0.0)
     yield case("pinned by bar and workpart, hub at rest", still, _remains, resting, pinned)
-    for obstacle, words in (("workpart", ("penetration =",)), ("bar", ("bar_horizontal =", "bar_vertical ="))):
+    for obstacle, words in (
+        ("workpart", ("penetration =",)),
+        ("bar", ("bar_horizontal =", "bar_vertical =")),
+    ):
         tool, start, lever = starting_at(obstacle)
         promise = f"{still}; its force the belt's torque over the lever to 1e-9"
         rests = (tool.replace(hub_speed=0.0), start, lever)
         yield case(f"starts at rest, pressed on the {obstacle}", promise, _remains, *rests)
         into: Start = {**start, "start_relative_rate": 100.0}
-        yield case(f"starts moving into the {obstacle}", as_reference, agrees_with_reference, tool, start=into)
+        yield case(
+            f"starts moving into the {obstacle}",
+            as_reference,
+            agrees_with_reference,
+            tool,
+            start=into,
+        )
         inside, begin, _ = starting_at(obstacle, gap=-1e-10 * LENGTH)
-        name, run = f"starts 1e-10 of its length inside the {obstacle}", partial(simulate, inside, **begin)
+        name = f"starts 1e-10 of its length inside the {obstacle}"
+        run = partial(simulate, inside, **begin)
         yield case(name, "refused in one line that names the keys", refusal, run, *words, "in m")
 
 
 def between(
-    hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float | None = 0.0, gap: float | None = 0.0
+    hub_angle: float,
+    angle: float,
+    *,
+    at: float = 0.8,
+    bar_gap: float | None = 0.0,
+    gap: float | None = 0.0,
 ) -> Tool:
     """Return a tool with bar and workpart at given gaps (m) from its bristle at an absolute angle (rad); None leaves one out.
 
@@ -154,8 +201,12 @@ def _jams(tool: Tool) -> Finding:
     closed = brentq(gap, begin + 1e-4, begin + 0.1, xtol=1e-15)
     run = simulate(tool, Settings(maximum_steps=100_000), **WEDGE)
     late = (float(run.time[-1]) - (closed - begin) / tool.hub.speed) / tool_units(tool).time
-    named = Finding(f"{run.stop_reason} after {len(run.contacts)} contacts", run.stop_reason is StopReason.JAM)
-    return all_of(named, Finding("finite", is_finite(run)), within(late, ACCURACY, "late by", run.cost.steps))
+    named = Finding(
+        f"{run.stop_reason} after {len(run.contacts)} contacts", run.stop_reason is StopReason.JAM
+    )
+    return all_of(
+        named, Finding("finite", is_finite(run)), within(late, ACCURACY, "late by", run.cost.steps)
+    )
 
 
 def _remains(tool: Tool, start: Start, lever: float = 0.0) -> Finding:

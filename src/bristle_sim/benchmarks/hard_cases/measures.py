@@ -55,7 +55,9 @@ def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
 
 def is_finite(run: Trajectory) -> bool:
     """Return whether every number of a run's samples, events and contacts is finite."""
-    contacts = [(each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts]
+    contacts = [
+        (each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts
+    ]
     numbers: list[Any] = [*run.columns().values(), *contacts, [event.time for event in run.events]]
     return all(bool(np.isfinite(each).all()) for each in numbers)
 
@@ -104,27 +106,46 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
 
 def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
     """Compare an undamped release from rest, its highest speed and the time of it, with the energy integral."""
-    run = simulate(tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed")
+    run = simulate(
+        tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"
+    )
     expected = stiffened_cue(replace(Tool(), hub=tool.hub, belt=tool.belt, bristle=tool.bristle))
     late = float(run.time[-1]) / expected.cue_time - 1.0
     fast = float(run.relative_rate[-1]) / expected.highest_relative_speed - 1.0
     return within(worst([late, fast]), accuracy, "off by", run.cost.steps)
 
 
-def spends_budget(tool: Tool, budget: int, settings: Settings | None = None, start: Start | None = None) -> Finding:
+def spends_budget(
+    tool: Tool, budget: int, settings: Settings | None = None, start: Start | None = None
+) -> Finding:
     """Return whether a run stops within an interval of its step budget, gives that reason, and has finite numbers only."""
     run = simulate(tool, replace(settings or Settings(), maximum_steps=budget), **(start or {}))
-    excess, said, finite = run.cost.steps - budget, run.stop_reason is StopReason.STEP_BUDGET, is_finite(run)
-    result = f"{excess} beyond" + ("" if said else f", {run.stop_reason}") + ("" if finite else ", not finite")
+    excess = run.cost.steps - budget
+    said = run.stop_reason is StopReason.STEP_BUDGET
+    finite = is_finite(run)
+    result = (
+        f"{excess} beyond"
+        + ("" if said else f", {run.stop_reason}")
+        + ("" if finite else ", not finite")
+    )
     return Finding(result, said and 0 <= excess <= ONE_INTERVAL and finite, run.cost.steps)
 
 
-def struck(chain: Chain, friction: float, restitution: float, law: str = "energetic") -> ChainStrike:
+def struck(
+    chain: Chain, friction: float, restitution: float, law: str = "energetic"
+) -> ChainStrike:
     """Return a chain's strike with equal friction in compression and restitution."""
-    return strike(chain, Surface(friction, None, restitution), Contact(law), Settings(accuracy=STRIKE_ACCURACY))
+    return strike(
+        chain,
+        Surface(friction, None, restitution),
+        Contact(law),
+        Settings(accuracy=STRIKE_ACCURACY),
+    )
 
 
-def _rate_difference(rates: tuple[float, ...], exact: tuple[float, ...], before: tuple[float, ...]) -> float:
+def _rate_difference(
+    rates: tuple[float, ...], exact: tuple[float, ...], before: tuple[float, ...]
+) -> float:
     """Return the largest difference of rates over the largest rate."""
     return worst(np.subtract(rates, exact)) / worst((*before, *exact))
 
@@ -140,23 +161,39 @@ def agrees_in_time(chain: Chain, friction: float, restitution: float, limit: flo
 
 def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
     """Compare strikes of one or two rods, each with friction and restitution, with Zhang's closed forms (2020, ch. 2)."""
-    off, alike = [], True
+    off = []
+    alike = True
     for chain, friction, e in strikes:
         contact = struck(chain, friction, e).contact
         rates, impulse, outcome = _closed_form(chain, friction, e)
         alike &= contact.outcome == outcome
-        off += [_rate_difference(contact.rates_after, rates, chain.rates), contact.impulse[0] / impulse - 1.0]
-    return all_of(within(worst(off), limit, "off by"), Finding(f"outcomes {'equal' if alike else 'different'}", alike))
+        off += [
+            _rate_difference(contact.rates_after, rates, chain.rates),
+            contact.impulse[0] / impulse - 1.0,
+        ]
+    return all_of(
+        within(worst(off), limit, "off by"),
+        Finding(f"outcomes {'equal' if alike else 'different'}", alike),
+    )
 
 
-def _closed_form(chain: Chain, friction: float, restitution: float) -> tuple[tuple[float, ...], float, str]:
+def _closed_form(
+    chain: Chain, friction: float, restitution: float
+) -> tuple[tuple[float, ...], float, str]:
     """Return rates after the impact (rad/s), normal impulse (N s) and outcome."""
-    mass, length = chain.masses[-1], chain.lengths[0]
+    mass = chain.masses[-1]
+    length = chain.lengths[0]
     if len(chain.masses) == 1:
         (rate,), (angle,) = chain.rates, chain.angles
         one = monofilament_impact(mass, length, 0.0, rate, 1.0, -angle, friction, restitution)
         return (float(one.final_bristle_rate),), float(one.normal_final_impulse), one.outcome_name
     (first, second), rates = chain.angles, (-chain.rates[0], -chain.rates[1])
     ratio = chain.masses[0] / mass
-    two = double_pendulum_impact(mass, ratio, length, -first, -second, *rates, friction, restitution)
-    return (-float(two.final_rate_1), -float(two.final_rate_2)), float(two.normal_final_impulse), two.outcome
+    two = double_pendulum_impact(
+        mass, ratio, length, -first, -second, *rates, friction, restitution
+    )
+    return (
+        (-float(two.final_rate_1), -float(two.final_rate_2)),
+        float(two.normal_final_impulse),
+        two.outcome,
+    )

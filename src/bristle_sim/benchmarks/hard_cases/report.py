@@ -12,8 +12,23 @@ from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
 
 THEMES = (
-    *(strikes.mass_ratio, motion.belt_stiffness, motion.damping, strikes.jam, strikes.grazing, motion.hub_speed),
-    *(motion.tunnelling, motion.long_run, contact.chatter, contact.touching, motion.wires, motion.size, motion.budget),
+    *(
+        strikes.mass_ratio,
+        motion.belt_stiffness,
+        motion.damping,
+        strikes.jam,
+        strikes.grazing,
+        motion.hub_speed,
+    ),
+    *(
+        motion.tunnelling,
+        motion.long_run,
+        contact.chatter,
+        contact.touching,
+        motion.wires,
+        motion.size,
+        motion.budget,
+    ),
 )
 """Functions that yield the cases of a theme, which has the function's name."""
 
@@ -38,7 +53,9 @@ def hard_cases(requested: HardCaseChoice) -> Report:
     tried: list[tuple[HardCase, Finding]] = []
     try:
         for number, theme in enumerate(themes, start=1):
-            logging.getLogger(__name__).info("%s (theme %d of %d)", theme.replace("_", " "), number, len(themes))
+            logging.getLogger(__name__).info(
+                "%s (theme %d of %d)", theme.replace("_", " "), number, len(themes)
+            )
             for case in cases_of(theme, full=requested.effort == "full"):
                 tried.append((case, case.run()))
     except KeyboardInterrupt:
@@ -51,9 +68,23 @@ def _report(tried: Tried, wall_s: float) -> Report:
     kept = []
     for theme in dict.fromkeys(case.theme for case, _ in tried):
         verdicts = [finding.ok for case, finding in tried if case.theme == theme]
-        kept.append(Quantity(f"{theme}_promises_kept", "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0))
+        kept.append(
+            Quantity(
+                f"{theme}_promises_kept",
+                "1",
+                float(sum(verdicts)),
+                float(len(verdicts)),
+                tolerance=0.0,
+            )
+        )
     rows = [
-        {"theme": case.theme, "case": _named(case), "promise": case.promise, "reached": each.reached, "ok": each.ok}
+        {
+            "theme": case.theme,
+            "case": _named(case),
+            "promise": case.promise,
+            "reached": each.reached,
+            "ok": each.ok,
+        }
         for case, each in tried
     ]
     return Report(
@@ -85,11 +116,14 @@ WIDTHS = (30, 30, 31, 3)
 
 
 def _table(tried: Tried) -> list[str]:
-    lines, theme = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100], ""
+    lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
+    theme = ""
     for case, finding in tried:
         lines += [case.theme.replace("_", " ")] if case.theme != theme else []
         theme = case.theme
-        name, promise, reached = map(textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31))
+        name, promise, reached = map(
+            textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31)
+        )
         cells = ([f"  {each}" for each in name], promise, reached, ["yes" if finding.ok else "NO"])
         lines += side_by_side(cells, WIDTHS)
     return lines

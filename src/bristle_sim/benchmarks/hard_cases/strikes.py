@@ -28,12 +28,14 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
 
 TOOL = Tool()
-ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
+ROOT = TOOL.hub.radius
+LENGTH = TOOL.bristle.length
 TIP = ROOT + LENGTH
 
 EPSILON = 2.0**-52
 
-RATE, RESTITUTION = 845.0, 0.42
+RATE = 845.0
+RESTITUTION = 0.42
 """A rod that strikes like the bristle; rad/s, 1."""
 
 TWO_ROD_ROUNDING = 1e-12
@@ -42,7 +44,11 @@ more for the phases; and limit of energies."""
 
 ANGLES = (math.radians(-20.0), math.radians(-30.0))
 
-MOTIONS = {"slip": ((1.0, 0.2), 0.2), "reverse slip": ((0.1, 0.2), 0.3), "stick": ((-1.0, 1.1), 5.0)}
+MOTIONS = {
+    "slip": ((1.0, 0.2), 0.2),
+    "reverse slip": ((0.1, 0.2), 0.3),
+    "stick": ((-1.0, 1.1), 5.0),
+}
 """Rates and friction with which the tip slips, reverses or sticks; the second and third as soon as slip has stopped."""
 
 
@@ -53,14 +59,19 @@ def mass_ratio() -> Iterator[HardCase]:
     for ratio, motion in ((1e-9, "slip"), (1e-3, "reverse slip"), (1e12, "stick")):
         rates, friction = MOTIONS[motion]
         strikes = [(_two_rods(ratio, rates), friction, e) for e in (0.0, 0.5, 1.0)]
-        yield case(f"n = {ratio:g}, {motion}", promise, agrees_with_closed_form, strikes, TWO_ROD_ROUNDING)
+        yield case(
+            f"n = {ratio:g}, {motion}", promise, agrees_with_closed_form, strikes, TWO_ROD_ROUNDING
+        )
     limit = 10 * STRIKE_ACCURACY
     for ratio, motion in ((0.1, "slip"), (1e3, "reverse slip")):
         rates, friction = MOTIONS[motion]
-        given, promise = (_two_rods(ratio, rates), friction, 0.5, limit), f"the rigid-body limit's rates to {limit:g}"
+        given = (_two_rods(ratio, rates), friction, 0.5, limit)
+        promise = f"the rigid-body limit's rates to {limit:g}"
         yield case(f"n = {ratio:g}, {motion}, in time", promise, agrees_in_time, *given)
     light = partial(struck, _two_rods(1e-9, (1.0, 0.2)), 0.2, 0.5, "compliant")
-    yield case("n = 1e-09, in time", "refused in one line", refusal, light, "contact = compliant", "1e-3")
+    yield case(
+        "n = 1e-09, in time", "refused in one line", refusal, light, "contact = compliant", "1e-3"
+    )
     law = "restitution returns e*^2 of the work of compression, no energy gained, to 1e-9"
     yield case("strike of rods of lengths 1, 1e-3, 1, 1e-3", law, _unequal, (1.0, 1e-3, 1.0, 1e-3))
 
@@ -71,7 +82,8 @@ def _two_rods(ratio: float, rates: tuple[float, float]) -> Chain:
 
 def _unequal(lengths: tuple[float, ...]) -> Finding:
     """Strike with rods of masses in proportion to their lengths, and compare the works with the law and with 0."""
-    hit, e = struck(Chain(lengths, lengths, (-0.4, -0.7, -0.2, -0.5), (1.0, 0.5, 2.0, 1.0)), 0.3, 0.5), 0.5
+    hit = struck(Chain(lengths, lengths, (-0.4, -0.7, -0.2, -0.5), (1.0, 0.5, 2.0, 1.0)), 0.3, 0.5)
+    e = 0.5
     taken, rubbed = hit.contact.compressive_work or (math.nan, math.nan)
     returned, later = hit.contact.restitutive_work or (math.nan, math.nan)
     gained = max(0.0, (taken + rubbed + returned + later) / -taken)
@@ -87,7 +99,9 @@ number of epsilons, divided near the jam by the distance from it."""
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
 """Two rods whose slip drives the tip into the surface; it stops before restitution ends, so that little is magnified."""
 
-TWO_RODS_LIMIT = TWO_ROD_ROUNDING + 0.5 * ROUNDINGS * EPSILON * float(np.linalg.cond(contact_inverse_mass(TWO_RODS)))
+TWO_RODS_LIMIT = TWO_ROD_ROUNDING + 0.5 * ROUNDINGS * EPSILON * float(
+    np.linalg.cond(contact_inverse_mass(TWO_RODS))
+)
 """Ratio of the rods' speeds that their closed form takes for 0, and rounding times the condition of K."""
 
 LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration=0.0095))
@@ -107,20 +121,39 @@ def jam() -> Iterator[HardCase]:
     """
     case = partial(row, "jam")
     for distance in (1e-3, 1e-9):
-        promise = f"outcome and numbers of the closed form, to {ROUNDINGS} roundings over that distance"
-        sides = [(angle, math.tan(angle) * (1.0 + side)) for angle in ROD_ANGLES for side in (-distance, distance)]
+        promise = (
+            f"outcome and numbers of the closed form, to {ROUNDINGS} roundings over that distance"
+        )
+        sides = [
+            (angle, math.tan(angle) * (1.0 + side))
+            for angle in ROD_ANGLES
+            for side in (-distance, distance)
+        ]
         strikes = [(_rod(angle), friction, RESTITUTION) for angle, friction in sides]
         limit = ROUNDINGS * EPSILON * (1.0 + 1.0 / distance) / math.sin(2.0 * ROD_ANGLES[0])
-        yield case(f"rod pulled, friction {distance:g} off the jam", promise, agrees_with_closed_form, strikes, limit)
+        yield case(
+            f"rod pulled, friction {distance:g} off the jam",
+            promise,
+            agrees_with_closed_form,
+            strikes,
+            limit,
+        )
     (normal, coupling), (_, tangential) = contact_inverse_mass(TWO_RODS).tolist()
     promise = f"rebound; phases, impulse and rates of the closed form to {TWO_RODS_LIMIT:.0e}"
-    for which, edge in (("sticks", abs(coupling) / tangential), ("presses on", normal / abs(coupling))):
+    for which, edge in (
+        ("sticks", abs(coupling) / tangential),
+        ("presses on", normal / abs(coupling)),
+    ):
         near = [(TWO_RODS, edge * (1.0 + side), RESTITUTION) for side in (-1e-6, 1e-6)]
         name = f"two rods, 1e-06 off the friction that {which}"
         yield case(name, promise, agrees_with_closed_form, near, TWO_RODS_LIMIT)
-    promise = "strike and end as in the reference to 1e-7; jams, by name, above it if the tip is pushed"
+    promise = (
+        "strike and end as in the reference to 1e-7; jams, by name, above it if the tip is pushed"
+    )
     for tool, name, start in ((TOOL, "default pass", {}), (LEANING, "pass, tip pushed", THROWN)):
-        yield case(f"{name}, friction 0.001 off the jam", promise, _passes_near_jam, tool, start, 1e-3)
+        yield case(
+            f"{name}, friction 0.001 off the jam", promise, _passes_near_jam, tool, start, 1e-3
+        )
 
 
 def _rod(angle: float) -> Chain:
@@ -132,7 +165,9 @@ def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
     rough = [tool.replace(friction=edge * (1.0 + side)) for side in (-distance, distance)]
-    return all_of(*(agrees_with_reference(each, 1e-7, start=start, stop_after="strike") for each in rough))
+    return all_of(
+        *(agrees_with_reference(each, 1e-7, start=start, stop_after="strike") for each in rough)
+    )
 
 
 NAMES = {"bar": ("bar touch", "bar not touched"), "workpart": ("strike", "workpart not reached")}
@@ -144,7 +179,10 @@ TOUCH_GAP = 1e-12
 def grazing() -> Iterator[HardCase]:
     """Yield strikes at extreme angles, tips that just reach an obstacle or just miss it, and three contacts at one instant."""
     case = partial(row, "grazing")
-    for words, angle in (("1e-12 rad", 1e-12), ("a right angle less 1e-09 rad", math.pi / 2 - 1e-9)):
+    for words, angle in (
+        ("1e-12 rad", 1e-12),
+        ("a right angle less 1e-09 rad", math.pi / 2 - 1e-9),
+    ):
         # None, half and twice the friction of the jam; half magnifies a rounding by (1 + 1/2)/(1 - 1/2).
         frictions = [mu for mu in (0.0, 0.5 * math.tan(angle), 2.0 * math.tan(angle)) if mu <= 1e9]
         limit = 3.0 * 16.0 * EPSILON
@@ -155,10 +193,8 @@ def grazing() -> Iterator[HardCase]:
         promise = f"touches, there to {TOUCH_GAP:g} of the length" if depth > 0.0 else "no touch"
         name = f"tip's circle {abs(depth):g} {'into' if depth > 0.0 else 'past'} the {obstacle}"
         yield case(name, promise, _dips, obstacle, depth)
-    name, promise = (
-        "three contacts at one instant: bar at a wire's joint, tip at the workpart",
-        f"state 30 deg later as in the reference, to {ACCURACY:g}",
-    )
+    name = "three contacts at one instant: bar at a wire's joint, tip at the workpart"
+    promise = f"state 30 deg later as in the reference, to {ACCURACY:g}"
     yield case(name, promise, _three_at_once)
 
 
@@ -171,7 +207,9 @@ def _dips(obstacle: str, depth: float) -> Finding:
     tool = TOOL.replace(bar=None, penetration=depth * LENGTH)
     if obstacle == "bar" and TOOL.bar is not None:
         away = (TIP + TOOL.bar_reach - depth * LENGTH) / math.hypot(*TOOL.bar.centre)
-        bar = replace(TOOL.bar, horizontal=TOOL.bar.horizontal * away, vertical=TOOL.bar.vertical * away)
+        bar = replace(
+            TOOL.bar, horizontal=TOOL.bar.horizontal * away, vertical=TOOL.bar.vertical * away
+        )
         tool = TOOL.replace(bar=bar, workpart=None)
     run = simulate(tool, Settings(accuracy=1e-10))
     touch, absence = NAMES[obstacle]
@@ -181,8 +219,15 @@ def _dips(obstacle: str, depth: float) -> Finding:
         return Finding(absence if at is None else touch, missed and is_finite(run), run.cost.steps)
     angle = tool.hub.speed * at + tool.start_hub_angle
     tip = (TIP * math.sin(angle), -TIP * math.cos(angle))
-    gap = tool.workpart_depth + tip[1] if tool.bar is None else math.dist(tip, tool.bar.centre) - tool.bar_reach
-    return all_of(within(gap / LENGTH, TOUCH_GAP, "gap", run.cost.steps), Finding(run.stop_reason, is_finite(run)))
+    gap = (
+        tool.workpart_depth + tip[1]
+        if tool.bar is None
+        else math.dist(tip, tool.bar.centre) - tool.bar_reach
+    )
+    return all_of(
+        within(gap / LENGTH, TOUCH_GAP, "gap", run.cost.steps),
+        Finding(run.stop_reason, is_finite(run)),
+    )
 
 
 LATER = 1e-13
@@ -192,8 +237,10 @@ impact."""
 
 def _three_at_once() -> Finding:
     """Run a radial wire whose two links meet the bar, which restores, at the instant at which its tip meets the workpart."""
-    cos, reach = TOOL.workpart_depth / TIP, TOOL.bar_reach
-    sin, joint = math.sqrt(1.0 - cos**2), ROOT + 0.5 * LENGTH
+    cos = TOOL.workpart_depth / TIP
+    reach = TOOL.bar_reach
+    sin = math.sqrt(1.0 - cos**2)
+    joint = ROOT + 0.5 * LENGTH
     bar = {"bar_horizontal": joint * sin - reach * cos, "bar_vertical": joint * cos + reach * sin}
     depth = TIP - TOOL.workpart_depth - LATER
     tool = TOOL.replace(wire_links=2, penetration=depth, bar_restitution=RESTITUTION, **bar)

@@ -29,7 +29,8 @@ OFTEN = ("hub", "bristle", "workpart")
 SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GPa", 1e9)}
 """Units that an engineer types, and their size in SI."""
 
-WHOLE, PANEL_COLUMNS = 1500, 300
+WHOLE = 1500
+PANEL_COLUMNS = 300
 """Most samples of a run that a panel shows whole, and the intervals of time, each a pixel or two wide, of which it shows the first,
 last, least and largest values of a longer run."""
 
@@ -37,8 +38,13 @@ last, least and largest values of a longer run."""
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
     """Return every key as a dictionary for the page; ``start`` are the assignments that the page begins with."""
     values = pass_of.values_of(start)
-    groups = {each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()}
-    return [_knob(declared, values[key], groups.get(key, "settings")) for key, (declared, _) in pass_of.keys().items()]
+    groups = {
+        each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()
+    }
+    return [
+        _knob(declared, values[key], groups.get(key, "settings"))
+        for key, (declared, _) in pass_of.keys().items()
+    ]
 
 
 def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
@@ -55,12 +61,23 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
         "optional": declared.optional,
     }
     if isinstance(declared, Choice):
-        return words | {"unit": "", "range": declared.allowed, "start": value, "choices": list(declared.options)}
+        return words | {
+            "unit": "",
+            "range": declared.allowed,
+            "start": value,
+            "choices": list(declared.options),
+        }
     unit, size = SHOWN_IN.get(unit, (unit, 1.0))
     start = None if value is None else float(f"{value / size:.10g}")
     limits = [float(f"{limit / size:.6g}") for limit in (declared.lowest, declared.highest)]
     between = f"from {limits[0]:g} to {limits[1]:g}{' ' if unit else ''}{unit}"
-    return words | {"unit": unit, "range": between, "start": start, "limits": limits, "whole": declared.whole}
+    return words | {
+        "unit": unit,
+        "range": between,
+        "start": start,
+        "limits": limits,
+        "whole": declared.whole,
+    }
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
@@ -70,7 +87,8 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         report = pass_of.answer(values)
     except (ValueError, ArithmeticError) as error:
         return {"error": " ".join(str(error).split())}
-    run, tool = report.subject.trajectory, report.subject.tool
+    run = report.subject.trajectory
+    tool = report.subject.tool
     before = pass_of.values_of(start)
     return {
         "answer": report.answer,
@@ -101,8 +119,14 @@ def series(run: Trajectory) -> dict[str, Any]:
         "speed": run.tip_speed,
         "force": run.normal_force,
     }
-    chosen = list(range(run.time.size)) if run.time.size <= WHOLE else _visible_samples(run.time, list(curves.values()))
-    columns = {name: [float(f"{value:.6g}") for value in values[chosen]] for name, values in curves.items()}
+    chosen = (
+        list(range(run.time.size))
+        if run.time.size <= WHOLE
+        else _visible_samples(run.time, list(curves.values()))
+    )
+    columns = {
+        name: [float(f"{value:.6g}") for value in values[chosen]] for name, values in curves.items()
+    }
     return {**columns, "drawn": f"{len(chosen)} of {run.time.size} samples drawn"}
 
 
@@ -113,13 +137,21 @@ def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
     for first, end in pairwise([*edges.tolist(), time.size]):
         if end > first:
             own = [values[first:end] for values in curves]
-            kept |= {first + int(place) for each in own for place in (each.argmin(), each.argmax())} | {first, end - 1}
+            kept |= {
+                first + int(place) for each in own for place in (each.argmin(), each.argmax())
+            } | {first, end - 1}
     return sorted(kept)
 
 
 def command(assignments: Sequence[str]) -> str:
     """Return the command line that repeats the run."""
-    return shlex.join(["bristle-sim", "cue_and_impact", *(part for each in assignments for part in ("--set", each))])
+    return shlex.join(
+        [
+            "bristle-sim",
+            "cue_and_impact",
+            *(part for each in assignments for part in ("--set", each)),
+        ]
+    )
 
 
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
@@ -129,11 +161,18 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     try:
         values = pass_of.values_of(assignments)
         tool = build_parameters(Tool, values)
-        found = placed(tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction).bar
+        found = placed(
+            tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction
+        ).bar
     except (ValueError, ArithmeticError) as error:
         return {"error": " ".join(str(error).split())}
     assert found is not None
-    return {"assignments": {"bar_horizontal": f"{found.horizontal:.9g}", "bar_vertical": f"{found.vertical:.9g}"}}
+    return {
+        "assignments": {
+            "bar_horizontal": f"{found.horizontal:.9g}",
+            "bar_vertical": f"{found.vertical:.9g}",
+        }
+    }
 
 
 def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
@@ -165,12 +204,15 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str
                 command=command(assignments),
                 parameters=pass_of.parameter_rows(values),
             )
-        return path.read_text(encoding="utf-8"), "application/toml" if kind == "toml" else "text/html"
+        return path.read_text(
+            encoding="utf-8"
+        ), "application/toml" if kind == "toml" else "text/html"
 
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
     """Return the assignments that make a tool from the defaults."""
-    assignments, known = list[str](), pass_of.keys()
+    assignments = list[str]()
+    known = pass_of.keys()
     for part, keys in tool_keys().items() if tool is not None else ():
         owner = getattr(tool, part) if part else tool
         for key, (field, _) in keys.items() if owner is not None else ():

@@ -35,7 +35,9 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     from bristle_sim.cli.explore.server import serve
 
     address = serve(assignments_of(tool, main_scenario()))
-    return Html(f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>')
+    return Html(
+        f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>'
+    )
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -46,15 +48,21 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         OSError: if the port is taken.
     """
     parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on; by default this machine alone")
-    parser.add_argument("--port", type=_port, default=0, help="port to listen on; by default a free one")
+    parser.add_argument(
+        "--host", default="127.0.0.1", help="address to listen on; by default this machine alone"
+    )
+    parser.add_argument(
+        "--port", type=_port, default=0, help="port to listen on; by default a free one"
+    )
     options = parser.parse_args(arguments)
     start = [] if options.tool is None else pass_of.assignments_from(options.tool)[0]
     pass_of.values_of(start)
     try:
         from bristle_sim.cli.explore.server import server
     except ModuleNotFoundError as error:
-        raise ValueError(f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it") from error
+        raise ValueError(
+            f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it"
+        ) from error
     serving = server(start, host=options.host, port=options.port)
     print_line(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
     serving.serve_forever()

@@ -35,7 +35,8 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
         ValueError: for values that are refused.
     """
     app = Flask("bristle_sim.cli.explore", static_folder=None)
-    pass_of, workers = main_scenario(), Workers()
+    pass_of = main_scenario()
+    workers = Workers()
     page = explore_page(bench.knobs(pass_of, start))
 
     def typed() -> list[str]:
@@ -47,7 +48,11 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     def check_host() -> Response | None:
         if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
             return None
-        return Response("Host: must be the address that the command printed\n", status=421, mimetype="text/plain")
+        return Response(
+            "Host: must be the address that the command printed\n",
+            status=421,
+            mimetype="text/plain",
+        )
 
     @app.after_request
     def protect(response: Response) -> Response:
@@ -90,10 +95,13 @@ def meant_for(header: str, host: str, port: str) -> bool:
     """
     try:
         named = urlsplit(f"//{header}")
-        name, same_port = named.hostname or "", str(named.port or 80) == port
+        name = named.hostname or ""
+        same_port = str(named.port or 80) == port
     except ValueError:
         return False
-    return same_port and (name in (*NAMES, host.lower()) or (host in ("0.0.0.0", "::") and _is_address(name)))
+    return same_port and (
+        name in (*NAMES, host.lower()) or (host in ("0.0.0.0", "::") and _is_address(name))
+    )
 
 
 def _is_address(name: str) -> bool:
@@ -107,7 +115,9 @@ def _is_address(name: str) -> bool:
 def content_policy(page: str) -> str:
     """Return the policy by which a browser runs the page's own script and asks this server alone."""
     scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
-    digests = [base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts]
+    digests = [
+        base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts
+    ]
     own = " ".join(f"'sha256-{digest}'" for digest in digests)
     # A notebook on this machine shows the page in a frame.
     frames = "'self' http://localhost:* http://127.0.0.1:* vscode-webview:"
@@ -127,7 +137,9 @@ def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0)
     taken = io.StringIO()
     try:
         with contextlib.redirect_stderr(taken):
-            return make_server(host, port, application(start, host), threaded=True, request_handler=_Quiet)
+            return make_server(
+                host, port, application(start, host), threaded=True, request_handler=_Quiet
+            )
     except SystemExit:  # werkzeug's answer to a port that is taken
         raise OSError(f"--host {host} --port {port}: {taken.getvalue().splitlines()[0]}") from None
 

@@ -44,11 +44,14 @@ class Worker:
 
     def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
         """Return the answer to a job; ``error`` is the one line of a refusal, or of the worker's end."""
-        sent, received = self._process.stdin, self._process.stdout
+        sent = self._process.stdin
+        received = self._process.stdout
         assert sent is not None
         assert received is not None
         timer = threading.Timer(
-            TIME_LIMIT, self.end, [f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"]
+            TIME_LIMIT,
+            self.end,
+            [f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"],
         )
         timer.start()
         try:
@@ -63,7 +66,10 @@ class Worker:
             found: Answer = json.loads(line)
             return found
         status = self._process.wait()
-        return {"error": self.reason or f"the process that computed this ended with status {status}; try other values"}
+        return {
+            "error": self.reason
+            or f"the process that computed this ended with status {status}; try other values"
+        }
 
     @property
     def alive(self) -> bool:
@@ -130,7 +136,9 @@ class Workers:
 
 def work() -> None:
     """Answer jobs until standard input ends, then end at once, in the middle of a run too."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, and with it standard input
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl-C ends the server, and with it standard input
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # where anything printed goes
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()

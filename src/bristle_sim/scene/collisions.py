@@ -1,0 +1,146 @@
+"""Impacts at one instant, and the contacts that they leave; a part of :func:`bristle_sim.scene.decide.decide`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from bristle_sim.scene.contact import ActiveContact, Outcome
+from bristle_sim.scene.gaps import opening_rate
+from bristle_sim.scene.impact_error import propagate_error
+from bristle_sim.scene.impacts import ENERGETIC
+from bristle_sim.scene.motion import Motion
+from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.rigid import LEAST_SLIP
+from bristle_sim.scene.spring_phases import after_impact
+from bristle_sim.scene.system import System
+from bristle_sim.settings import StopReason
+from bristle_sim.trajectory import ContactRecord
+
+MOST_IMPACTS_AT_ONCE = (
+    64  # times the square of the number of contacts that pass them on; then links are wedged
+)
+
+
+class Contacts(NamedTuple):
+    """The contacts that a decision leaves: the active ones, and pairs that separate but whose gaps are not open yet."""
+
+    active: Sequence[ActiveContact] = ()
+    separating: Sequence[ContactPair] = ()
+
+
+def end_contacts(
+    system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
+) -> list[ActiveContact]:
+    """End some contacts and record them; return the others."""
+    system.scene.keep_closed(())
+    for contact in contacts:
+        if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
+            system.contact(record, contact.pair)
+    return [contact for contact in contacts if contact not in ending]
+
+
+def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
+    """Record the releases of contacts as events."""
+    for contact in contacts:
+        system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
+
+
+def given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
+    """Stop the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
+    if not system.recording.contacts:
+        raise error
+    system.stop(StopReason.UNRESOLVED, str(error))
+    return Contacts(motion.contacts, motion.separating)
+
+
+def jammed(system: System, contacts: Sequence[ActiveContact], pair: ContactPair) -> Contacts:
+    """Stop the run at an impact that jams a link."""
+    system.stop(StopReason.JAM)
+    system.event("jam", system.wires_of(pair))
+    return Contacts(contacts)
+
+
+def resolve_impacts(
+    system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
+) -> Contacts:
+    """Resolve an impact and those that follow it at the same instant; return the contacts after it."""
+    single_link = system.mechanism.single_link
+    contacts: Sequence[ActiveContact] = motion.contacts
+    known = [contact for contact in contacts if contact.pair is pair]
+    if known:
+        # Another piece of the same link takes over.
+        contacts = end_contacts(system, contacts, known, pair.name)
+    elif single_link:
+        contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
+        name_releases(system, motion.ordered)
+    left = _least_opening_rate(system, pair) if single_link else math.inf
+    system.scene.keep_closed(())
+    try:
+        record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
+    except ValueError as error:
+        return given_up(system, motion, error)
+    jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
+    if jams:
+        system.stop(StopReason.JAM)
+    system.event(name, system.wires_of(pair))
+    if jams:
+        return jammed(system, contacts, pair)
+    after = replace(motion, contacts=tuple(contacts))
+    if not single_link:
+        return _after_all_touches(system, after, pair)
+    springs = after_impact(system, after)
+    if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow:
+        return Contacts([*springs, ActiveContact(pair)])
+    return Contacts(springs, [pair])
+
+
+def _least_opening_rate(system: System, pair: ContactPair) -> float:
+    """Return the least opening rate of a single link between this pair and any other one that it touches."""
+    touch = system.gaps.closest(pair, system.state)
+    closed = [other for other in system.pairs if other is not pair and system.touches(other)]
+    rates = (opening_rate(touch, system.gaps.closest(other, system.state)) for other in closed)
+    return min(rates, default=math.inf)
+
+
+def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Contacts:
+    """Resolve other closed contacts that the impact drives together, the fastest approach first; return the contacts after it."""
+    lasting = {contact.pair: contact for contact in motion.ordered}
+    closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
+    for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
+        rates = {pair: system.approach(pair) for pair in closed}
+        fastest = min(rates, key=rates.__getitem__)
+        if rates[fastest] >= -system.slow:
+            break
+        if _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
+            return jammed(system, motion.contacts, fastest)
+    else:
+        return jammed(system, motion.contacts, fastest)
+    leaving = [pair for pair in closed if rates[pair] > system.slow]
+    released = [contact for pair, contact in lasting.items() if pair in leaving]
+    end_contacts(system, motion.contacts, released, touched.name)
+    name_releases(system, released)
+    for contact in lasting.values():
+        contact.slip = None
+    springs = after_impact(system, motion)
+    staying = [lasting.get(pair) or ActiveContact(pair) for pair in closed if pair not in leaving]
+    return Contacts([*staying, *springs], leaving)
+
+
+def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
+    """Resolve the impact by the pair's law, or by a law without restitution."""
+    before = system.state
+    touched = pair
+    law = system.law_of(pair)
+    if system.recording.lost is None:
+        law = law.known_to(system.recording.error)
+    if rests or -system.approach(pair) <= system.slow:
+        law = ENERGETIC
+        touched = replace(pair, restitution=0.0)
+    system.state, record = law.resolve(system.scene, before, touched)
+    propagate_error(system, pair, before, record)
+    system.contact(record, pair)
+    system.sample()
+    return record
