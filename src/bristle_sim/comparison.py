@@ -138,7 +138,7 @@ class Report:
         subject: the objects that pictures are drawn from.
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
         not_reached: the sentence on an accuracy that a run has not reached (``Trajectory.accuracy_not_reached``). It becomes the
-            last remark, and the answer begins with "Accuracy not reached".
+            last remark; where it begins with "accuracy not reached", the answer does so, too.
     """
 
     outcome: str | None = None
@@ -160,7 +160,8 @@ class Report:
         Values that nothing has changed confirm nothing.
         """
         if self.not_reached:
-            object.__setattr__(self, "answer", f"Accuracy not reached: {self.answer}")
+            if self.not_reached.startswith("accuracy not reached"):
+                object.__setattr__(self, "answer", f"Accuracy not reached: {self.answer}")
             object.__setattr__(self, "remarks", (*self.remarks, self.not_reached))
             object.__setattr__(self, "not_reached", "")
         if self.outcome == "no contact":

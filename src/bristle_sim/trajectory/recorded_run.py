@@ -79,7 +79,10 @@ class RecordedRun(Motion):
 
     @property
     def accuracy_not_reached(self) -> str:
-        """The sentence that the error estimate exceeds the requested accuracy a hundredfold, and the remedy; else empty."""
+        """The sentence that the error estimate exceeds the requested accuracy a hundredfold, and the remedy; else empty.
+
+        It begins with "accuracy not reached" unless chatter or a touch slower than the error has made the estimate a bound only.
+        """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
         if not estimate or not requested or estimate <= EXCESS_SAID * requested:
@@ -89,8 +92,9 @@ class RecordedRun(Motion):
             if estimate < 1e6 * requested
             else f"{estimate / requested:.0e}"
         )
+        start = "accuracy not reached: " if self.cost.holds_until is None else ""
         return (
-            f"accuracy not reached: error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
+            f"{start}error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
             " request a smaller accuracy"
         )
 
