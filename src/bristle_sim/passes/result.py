@@ -70,8 +70,8 @@ class Ensemble(EqualByValue):
     tangential_compressive_impulse: Array
     final_bristle_rate: Array
     error_estimate: Array
-    outcome: NDArray[np.str_]
-    reason: NDArray[np.object_]
+    outcome: NDArray[Any]
+    reason: NDArray[Any]
 
     @property
     def shape(self) -> tuple[int, ...]:
