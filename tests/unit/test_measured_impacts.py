@@ -146,12 +146,16 @@ def through_a_space(
 def test_the_ellipses_impacts_through_a_space_are_those_of_the_law_in_arrays(
     compliance: float,
 ) -> None:
-    """From the state before to the state after: within 1e-9 of the velocity before, in the norm of the kinetic energy."""
+    """From the state before to the state after: within 1e-9 of the velocity before, in the norm of the kinetic energy.
+
+    With a tangential spring every fifth impact is taken, as the law resolves thousands of phases there.
+    """
     ellipse = read_ellipse(str(FILE))
     hit = ellipse.predicted(energetic_impact, 0.187, 0.54, tangential_compliance=compliance)
     impulse = np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
     wanted = ellipse.before + np.einsum("kij,ki->kj", ellipse.jacobian, impulse) / INERTIA
-    states = [each.states for each in bounces()]
-    found = np.array([through_a_space(state, 0.187, 0.54, compliance) for state in states])
-    error = np.sqrt((found - wanted) ** 2 @ INERTIA / (ellipse.before**2 @ INERTIA))
+    taken = slice(None, None, 5 if compliance else 1)
+    states = [bounce.states for bounce in bounces()][taken]
+    after = np.array([through_a_space(state, 0.187, 0.54, compliance) for state in states])
+    error = np.sqrt((after - wanted[taken]) ** 2 @ INERTIA / (ellipse.before[taken] ** 2 @ INERTIA))
     assert error.max() < 1e-9
