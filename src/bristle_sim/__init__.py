@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from bristle_sim.scene.simulate import simulate, simulate_row
     from bristle_sim.scene.snapshots import ContactState, Snapshot, snapshots
     from bristle_sim.settings import Settings, StopReason
+    from bristle_sim.studies.design import Design, design
     from bristle_sim.studies.limits import limits
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
@@ -44,10 +45,10 @@ if TYPE_CHECKING:
     from bristle_sim.version import __version__
 
 __all__ = [
-    "Bar", "Belt", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost",
+    "Bar", "Belt", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost", "Design",
     "EnergeticContact", "Ensemble", "Event", "Html", "Hub", "Impact", "LocatedImpact", "Motion", "Settings",
     "Snapshot", "StopReason", "Surface", "Tool", "Trajectory", "WireMotion", "Workpart", "__version__",
-    "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "poisson_impact",
+    "design", "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "poisson_impact",
     "read_tool", "simulate", "simulate_reference", "simulate_row", "snapshots", "sweep", "write_tool",
 ]  # fmt: skip
 
@@ -56,6 +57,7 @@ _MODULES = {
     "ContactRecord": "trajectory",
     "ContactState": "scene.snapshots",
     "Cost": "trajectory",
+    "Design": "studies.design",
     "EnergeticContact": "contact_space.energetic_contact",
     "Ensemble": "passes.result",
     "Event": "trajectory",
@@ -69,6 +71,7 @@ _MODULES = {
     "Trajectory": "trajectory",
     "WireMotion": "trajectory",
     "__version__": "version",
+    "design": "studies.design",
     "energetic_impact": "theory.impact",
     "ensemble": "passes.ensemble",
     "explore": "cli.explore.entry",

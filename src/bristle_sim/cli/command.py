@@ -20,6 +20,7 @@ PROGRAM = "bristle-sim"
 
 COMMANDS = {
     "compare": "compare the passes of two tools: A.toml B.toml [--report FILE.html]",
+    "design": "find the tool that gives this: --want QUANTITY=VALUE... --vary KEY=FROM:TO... [--write-tool FILE.toml]",
     "limits": "find where the outcome of a pass changes: KEY=FROM:TO [--set KEY=VALUE]... [--json FILE|-]",
     "explore": "turn a tool's knobs in the browser and see its pass: [FILE.toml] [--port N]",
 }
@@ -73,10 +74,15 @@ def _complete(known: dict[str, Path]) -> None:
 
 def _command(name: str, given: Sequence[str]) -> int:
     """Run a command that serves the scenario of the whole pass; return the exit status."""
-    from bristle_sim.cli import compare, limits
+    from bristle_sim.cli import compare, design, limits
     from bristle_sim.cli.explore import entry
 
-    run_command = {"compare": compare.main, "explore": entry.main, "limits": limits.main}[name]
+    run_command = {
+        "compare": compare.main,
+        "design": design.main,
+        "explore": entry.main,
+        "limits": limits.main,
+    }[name]
     about = COMMANDS[name].partition(":")[0]
     program = f"{PROGRAM} {name}"
     parser = argparse.ArgumentParser(

@@ -196,3 +196,8 @@ def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
         part: {each.key: (name, each) for name, each in declarations(of).items()}
         for part, of in parts.items()
     }
+
+
+def key_unit(key: str) -> str:
+    """Return the unit of a tool's key."""
+    return next(keys[key][1].unit for keys in tool_keys().values() if key in keys)

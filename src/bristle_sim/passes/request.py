@@ -52,9 +52,7 @@ class Request:
 
     def at(self, numbers: Chosen) -> Values:
         """Return the values of all keys of the passes with these numbers, each of their shape."""
-        values = {
-            key: np.full(len(numbers), value) for key, value in _numbers_of(self.tool).items()
-        }
+        values = {key: np.full(len(numbers), value) for key, value in key_values(self.tool).items()}
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
@@ -118,7 +116,7 @@ def _array(declared: Range, value: Any) -> Array:
     return np.array(numbers, dtype=float).reshape(array.shape)
 
 
-def _numbers_of(tool: Tool) -> dict[str, float]:
+def key_values(tool: Tool) -> dict[str, float]:
     """Return the numbers of a tool by key; NaN for one that is left out or computed from others."""
     found = {}
     for part, keys in tool_keys().items():

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array, EqualByValue
-from bristle_sim.parameters import tool_keys
+from bristle_sim.parameters import key_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +28,9 @@ QUANTITIES = {
     "normal_compressive_impulse": "N s",
     "normal_final_impulse": "N s",
     "tangential_compressive_impulse": "N s",
+    "normal_compressive_work": "J",
+    "tangential_compressive_work": "J",
+    "entry_angle_at_contact": "rad",
     "final_bristle_rate": "rad/s",
     "error_estimate": "1",
 }
@@ -50,6 +53,8 @@ class Ensemble(EqualByValue):
         relative_speed_at_contact: of the wire relative to the hub, rad/s.
         tip_speed_at_contact: m/s.
         normal_compressive_impulse, normal_final_impulse, tangential_compressive_impulse: on the tip, N s.
+        normal_compressive_work, tangential_compressive_work: of the impulse on the tip up to the end of compression, J.
+        entry_angle_at_contact: between the surface and the path on which the tip comes down, rad.
         final_bristle_rate: the wire's absolute rate after the strike, rad/s.
         error_estimate: of angle and rate at the strike over the motion's size; 1 where a change
             within the accuracy gives another course, by one touch more or less, or outcome.
@@ -68,6 +73,9 @@ class Ensemble(EqualByValue):
     normal_compressive_impulse: Array
     normal_final_impulse: Array
     tangential_compressive_impulse: Array
+    normal_compressive_work: Array
+    tangential_compressive_work: Array
+    entry_angle_at_contact: Array
     final_bristle_rate: Array
     error_estimate: Array
     outcome: NDArray[Any]
@@ -133,10 +141,7 @@ class Ensemble(EqualByValue):
         return import_module(DRAWN_BY).sweep_figure(data, names)
 
     def _units(self) -> dict[str, str]:
-        declared = {
-            key: each.unit for keys in tool_keys().values() for key, (_, each) in keys.items()
-        }
-        return {key: declared[key] for key in self.keys} | QUANTITIES
+        return {key: key_unit(key) for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
         """Return a name for each axis: that of the key that alone varies along it, and along no other."""

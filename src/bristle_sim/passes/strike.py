@@ -69,6 +69,7 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
         + np.cos(turn) * spin**2
         + np.sin(turn) * acceleration
     )
+    work = blow.impact.compressive_work
     uncertain = (normal**2 < 2.0 * bend * accuracy) | (beside.outcome != blow.outcome)
     return {
         "contact_time": (passes.hub_angle - passes.start) / speed,
@@ -78,6 +79,9 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
         "normal_compressive_impulse": blow.impact.compressive_impulse_normal,
         "normal_final_impulse": blow.impact.impulse_normal,
         "tangential_compressive_impulse": blow.impact.compressive_impulse_tangential,
+        "normal_compressive_work": work[0],
+        "tangential_compressive_work": work[1],
+        "entry_angle_at_contact": np.arctan2(-blow.normal, np.abs(blow.tangential)),
         "final_bristle_rate": speed * spin + blow.gain,
         "error_estimate": np.where(uncertain, 1.0, np.minimum(error, 1.0)),
         "outcome": blow.outcome,

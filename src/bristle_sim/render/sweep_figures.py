@@ -12,9 +12,12 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
+from bristle_sim.parameters import key_unit
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
+from bristle_sim.studies.design import Design
 from bristle_sim.studies.tolerances import Study
+from bristle_sim.studies.whole_pass import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,12 +64,9 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
 
 def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
     """Return values in a readable unit, and their label with that unit."""
-    values = found[name].values
     about = found[name].attrs
-    unit, size = readable_unit(str(about.get("units", "1")), values.ravel().tolist())
-    unit = {"1": "", "deg": "°"}.get(unit, unit)
     label = str(about.get("long_name", name.removesuffix("_deg").replace("_", " ")))
-    return values * (1.0 / size), label + (f" ({unit})" if unit else "")
+    return _readable(found[name].values, label, str(about.get("units", "1")))[:2]
 
 
 MOST = 6  # inputs shown for each output
@@ -114,3 +114,41 @@ def tolerance_figure(study: Study) -> Figure:
         axes.set_xlabel("Sobol index", labelpad=1.0)
     style.write_key(figure, KEY, ncols=3)
     return figure
+
+
+KEY_HEIGHT = 3.0  # of a key's panel, cm
+
+
+@style.styled()
+def trade_off_figure(found: Design) -> Figure:
+    """Draw the best compromises of two conflicting wants, with the wanted point and the nearest one, and the keys along them."""
+    across, *rows = [*found.conflict, *found.varied]
+    height = 0.7 + KEY_HEIGHT * (len(rows) + 1)
+    figure = style.blank_figure(16.0, height)
+    x, x_label, x_size = _readable(found.trade_off[across], *QUANTITIES[across])
+    points: dict[str, dict[str, float | None]] = {
+        "wanted": {each.name: each.wanted for each in found.wants},
+        "nearest": {**{each.name: each.reached for each in found.wants}, **found.varied},
+    }
+    for number, name in enumerate(rows):
+        label, unit = QUANTITIES[name] if name in QUANTITIES else (name, key_unit(name))
+        y, y_label, y_size = _readable(found.trade_off[name], label, unit)
+        tall = KEY_HEIGHT * (2 if number == 0 else 1) - 1.0
+        axes = style.axes_at(figure, 2.2, 1.2 + KEY_HEIGHT * (len(rows) - 1 - number), 13.2, tall)
+        axes.plot(x, y, color=BLUE, label="best compromises")
+        for (words, point), mark in zip(points.items(), "*o", strict=True):
+            place = (point.get(across), point.get(name))
+            if place[0] is not None and place[1] is not None:
+                axes.plot(place[0] / x_size, place[1] / y_size, mark, color=VERMILION, label=words)
+        axes.set_ylabel(textwrap.fill(y_label, 22))
+        if number == 0:
+            axes.legend(fontsize=7.0)
+    axes.set_xlabel(x_label)
+    return figure
+
+
+def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
+    """Return values in a readable unit, their label with it, and its size."""
+    shown, size = readable_unit(unit, values.ravel().tolist())
+    shown = {"1": "", "deg": "°"}.get(shown, shown)
+    return values / size, label + (f" ({shown})" if shown else ""), size

@@ -98,10 +98,10 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         reference = simulate_reference(
             tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after=end
         )
-        referred = _measured(tool, reference)
+        referred = measures_of(tool, reference)
         within = _tolerances(tool, settings, referred)
 
-    measured = _measured(tool, run)
+    measured = measures_of(tool, run)
     found = rows(
         QUANTITIES,
         measured,
@@ -193,7 +193,7 @@ def _why_not(tool: Tool, run: Trajectory) -> str:
     return f"The bristle does not strike the workpart: {reason}."
 
 
-def _measured(tool: Tool, run: Trajectory) -> Values:
+def measures_of(tool: Tool, run: Trajectory) -> Values:
     """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf

@@ -1,0 +1,275 @@
+"""Search of the ranges of some keys for the tool whose pass has wanted quantities, by arrays of passes.
+
+Every key runs from 0 to 1 in its range. Differential evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997)
+341-359) with an exact penalty on the wants comes near; least squares and sequential quadratic programming finish.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import differential_evolution, least_squares, minimize
+from scipy.stats.qmc import Sobol
+
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import Tool
+from bristle_sim.passes.request import key_values
+from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
+
+SEED = 1
+FIRST = 1024  # passes that look over the ranges; with fewer a call costs the same
+POPULATION = 256
+GENERATIONS = 30
+STARTS = 4  # best points of a population from which the search is finished
+DIFFERENCE = (
+    1e-5  # of a fraction, for derivatives: their error is some 1e-10, as is that of the passes
+)
+ACCURACY = 1e-10  # of the passes
+PENALTY = 30.0  # of a want that is missed by its spread over the ranges; a goal changes by some spreads at most
+NO_STRIKE = 1e6  # merit of a pass without the quantities
+MET = 1e-6  # miss of a want, over its spread, that counts as none
+
+MOST_STEPS = 60  # of a search next to a start
+
+Function = Callable[[Array], Array]
+"""Returns values at fractions of the ranges, shape (keys, points)."""
+
+
+class NoSolutionError(ValueError):
+    """No tool in the ranges has a pass with the quantities."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Wanted values and upper limits of quantities, the ranges of the varied keys, and what is minimised besides.
+
+    Attributes:
+        tool: has the values of the other keys.
+        vary: the two ends of each key's range.
+        want, at_most: values and upper limits, by quantity.
+        goal: quantity that is minimised; without one, and where the wants leave a choice, the change of the keys is.
+        sense: -1 to maximise the goal.
+        spread: standard deviation of each quantity over the ranges, to which misses are related.
+    """
+
+    tool: Tool
+    vary: dict[str, tuple[float, float]]
+    want: dict[str, float]
+    at_most: dict[str, float]
+    goal: str = ""
+    sense: float = 1.0
+    spread: dict[str, float] = field(default_factory=dict)
+
+    def keys_at(self, fractions: Array) -> dict[str, Array]:
+        """Return the values of the varied keys at fractions of their ranges, shape (keys, points)."""
+        pairs = zip(self.vary.items(), fractions, strict=True)
+        return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
+
+    def passes(self, fractions: Array) -> dict[str, Array]:
+        """Return the quantities of the passes at fractions of the ranges."""
+        return pass_quantities(self.tool, ACCURACY, **self.keys_at(fractions))
+
+    def present(self) -> Array:
+        """Return the fractions of the tool's own values, within the ranges."""
+        own = key_values(self.tool)
+        found = [(own[key] - low) / (high - low) for key, (low, high) in self.vary.items()]
+        return np.asarray(np.nan_to_num(np.clip(found, 0.0, 1.0), nan=0.5))
+
+    def misses(self, fractions: Array, wants: Collection[str]) -> Array:
+        """Return misses of wants and excesses of limits over their spreads, shape (wants and limits, points)."""
+        found = self.passes(fractions)
+        missed = [(found[name] - self.want[name]) / self.spread[name] for name in wants]
+        over = [(found[name] - most) / self.spread[name] for name, most in self.at_most.items()]
+        both = [*missed, *np.maximum(over, 0.0)]
+        return np.array(both) if both else np.zeros((0, fractions.shape[1]))
+
+    def costs(self, fractions: Array) -> Array:
+        """Return the goal, the misses of the wants and the excesses of the limits, negative ones too."""
+        found = self.passes(fractions)
+        goal = np.sum((fractions - self.present()[:, np.newaxis]) ** 2, axis=0)
+        if self.goal:
+            goal = self.sense * found[self.goal] / self.spread[self.goal]
+        limits = self.want | self.at_most
+        return np.array(
+            [goal, *((found[name] - value) / self.spread[name] for name, value in limits.items())]
+        )
+
+
+def look_over(question: Question) -> Array:
+    """Fill in the spreads of the quantities, and return fractions at which passes have them all, shape (keys, points).
+
+    Raises NoSolutionError if there is no such pass, or a wanted quantity does not depend on the keys.
+    """
+    fractions = Sobol(len(question.vary), seed=SEED).random(FIRST).T
+    found = question.passes(fractions)
+    names = {*question.want, *question.at_most, *filter(None, (question.goal,))}
+    known = np.all([np.isfinite(found[name]) for name in names], axis=0)
+    if not known.any():
+        words, numbers = np.unique(found[OUTCOME], return_counts=True)
+        reason = found[REASON][found[OUTCOME] == words[numbers.argmax()]][0]
+        raise NoSolutionError(
+            f"no tool in these ranges has such a pass: it {words[numbers.argmax()]}; {reason}"
+        )
+    for name in names:
+        values = found[name][known]
+        question.spread[name] = float(values.std())
+        if question.spread[name] <= 1e-9 * np.abs(values).max():
+            raise NoSolutionError(
+                f"{name}: does not depend on {', '.join(question.vary)}; vary another key"
+            )
+    return np.asarray(fractions[:, known])
+
+
+def met(question: Question, start: Array, wants: Collection[str]) -> tuple[Array, float]:
+    """Return the fractions next to a start at which wants and limits are met best, and the largest miss."""
+    missed = functools.partial(question.misses, wants=wants)
+    found = _least_squares(missed, start) if wants or question.at_most else start
+    return found, float(np.abs(missed(found[:, np.newaxis])).max(initial=0.0))
+
+
+def _least_squares(function: Function, start: Array) -> Array:
+    """Return the fractions at which the sum of the squares of a function's values is least."""
+    at = with_derivatives(function)
+    inside = np.clip(start, 1e-6, 1.0 - 1e-6)
+    if not np.isfinite(at(inside)[0]).all():
+        return start
+    found = least_squares(
+        lambda place: at(place)[0],
+        inside,
+        lambda place: at(place)[1],
+        bounds=(0.0, 1.0),
+        xtol=1e-13,
+        ftol=1e-13,
+        gtol=1e-13,
+        max_nfev=MOST_STEPS,
+    )
+    return np.asarray(found.x)
+
+
+def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array]]:
+    """Return a function that returns the values, shape (values,), and derivatives, (values, keys), at a place, in one call.
+
+    The derivatives are differences within the ranges; one that is unknown is 0.
+    """
+
+    @functools.lru_cache(maxsize=2)
+    def at(text: bytes) -> tuple[Array, Array]:
+        place = np.frombuffer(text)[:, np.newaxis]
+        steps = DIFFERENCE * np.eye(len(place))
+        high = np.minimum(place + steps, 1.0)
+        low = np.maximum(place - steps, 0.0)
+        values = function(np.concatenate([place, low, high], axis=1))
+        lows, highs = np.split(values[:, 1:], 2, axis=1)
+        return values[:, 0], np.nan_to_num((highs - lows) / np.diagonal(high - low))
+
+    return lambda place: at(place.tobytes())
+
+
+def evolved(merit: Function, first: Array) -> Array:
+    """Return fractions with small merits, best first, shape (keys, STARTS), evolved from a first population."""
+    order = np.argsort(merit(first))[:POPULATION]
+    population = first[:, order].T
+    if len(population) < POPULATION:
+        random = np.random.default_rng(SEED).random((POPULATION - len(population), len(first)))
+        population = np.concatenate([population, random])
+    found = differential_evolution(
+        merit,
+        [(0.0, 1.0)] * len(first),
+        init=population,
+        maxiter=GENERATIONS,
+        polish=False,
+        seed=SEED,
+        vectorized=True,
+        updating="deferred",
+    )
+    best = np.argsort(found.population_energies)[:STARTS]
+    return np.asarray(found.population[best].T)
+
+
+def solution(question: Question, first: Array) -> Array | None:
+    """Return the fractions at which all wants and limits are met and the goal is least; None if they cannot all be met."""
+    wants = len(question.want)
+
+    def merit(fractions: Array) -> Array:
+        goal, *rest = question.costs(fractions)
+        missed = np.abs(rest[:wants]).sum(axis=0) + np.maximum(rest[wants:], 0.0).sum(axis=0)
+        return np.asarray(np.nan_to_num(goal + PENALTY * missed, nan=NO_STRIKE))
+
+    best: tuple[float, Array] | None = None
+    for start in evolved(merit, first).T:
+        place, miss = met(question, start, question.want)
+        if miss > MET:
+            continue
+        if question.goal or len(question.vary) > wants:
+            place, miss = met(question, _least_goal(question, place), question.want)
+        value = float(question.costs(place[:, np.newaxis])[0, 0])
+        if miss <= MET and (best is None or value < best[0]):
+            best = value, place
+    return None if best is None else best[1]
+
+
+def _least_goal(question: Question, start: Array) -> Array:
+    """Return the fractions next to a start at which the goal is least and the wants and limits are met."""
+    wants = slice(1, 1 + len(question.want))
+    limits = slice(1 + len(question.want), None)
+
+    at = with_derivatives(lambda place: np.nan_to_num(question.costs(place), nan=NO_STRIKE))
+    constraints = [
+        {
+            "type": kind,
+            "fun": lambda place, part=part, sign=sign: sign * at(place)[0][part],
+            "jac": lambda place, part=part, sign=sign: sign * at(place)[1][part],
+        }
+        for kind, part, sign in (("eq", wants, 1.0), ("ineq", limits, -1.0))
+    ]
+    found = minimize(
+        lambda place: at(place)[0][0],
+        start,
+        jac=lambda place: at(place)[1][0],
+        bounds=[(0.0, 1.0)] * start.size,
+        constraints=constraints,
+        method="SLSQP",
+        options={"ftol": 1e-12, "maxiter": MOST_STEPS},
+    )
+    return np.asarray(np.clip(found.x, 0.0, 1.0))
+
+
+def nearest(question: Question, first: Array, wants: Collection[str]) -> tuple[Array, float]:
+    """Return the fractions at which wants and limits are missed least, and the largest miss."""
+
+    def merit(fractions: Array) -> Array:
+        squares = (question.misses(fractions, wants) ** 2).sum(axis=0)
+        return np.asarray(np.nan_to_num(squares, nan=NO_STRIKE))
+
+    starts = first[:, np.argsort(merit(first))[:STARTS]]
+    found = [met(question, start, wants) for start in starts.T]
+    sums = [merit(place[:, np.newaxis])[0] for place, _ in found]
+    return found[int(np.argmin(sums))]
+
+
+CURVE_POINTS = 25
+STIFFNESS = 1e3  # weight of the want that a point of the curve meets; its miss is then some 1e-6 of its spread
+
+
+def trade_off(question: Question, start: Array, pair: tuple[str, str]) -> Array:
+    """Return fractions along the curve of best compromises, from the first want met to the second one met."""
+    limits = [STIFFNESS] * len(question.at_most)
+    held = question.want[pair[0]]
+    spread = question.spread[pair[0]]
+
+    def best(place: Array, value: float, weights: tuple[float, float]) -> Array:
+        """Return the best compromise next to a place, with a value of the first quantity as its want."""
+        factors = np.array([*weights, *limits])[:, np.newaxis]
+        shift = np.array([held - value, *[0.0] * (len(limits) + 1)])[:, np.newaxis] / spread
+        return _least_squares(lambda each: (question.misses(each, pair) + shift) * factors, place)
+
+    place = best(start, held, (1.0, STIFFNESS))
+    end = float(question.passes(place[:, np.newaxis])[pair[0]][0])
+    curve = [place]
+    for value in np.linspace(end, held, CURVE_POINTS)[1:]:
+        place = best(place, value, (STIFFNESS, 1.0))
+        curve.append(place)
+    return np.array(curve[::-1]).T

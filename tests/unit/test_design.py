@@ -1,0 +1,134 @@
+"""Design: found tools against closed forms, the reference and dense maps, and bad input in one line."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import bristle_sim as bs
+from bristle_sim.cli import command
+
+FREE = bs.Tool(bar=None)
+REACH = FREE.hub.radius + FREE.bristle.length
+CUED: dict[str, Any] = {
+    "vary": {"hub_speed": ("2000 rpm", "3000 rpm"), "bar_horizontal": ("47 mm", "54 mm")}
+}
+
+
+def test_a_tip_speed_without_bar_needs_the_hub_speed_of_the_closed_form():
+    """A radial wire's tip moves at omega (r_h + L). The tolerance is that of the search, a millionth of the spread."""
+    found = bs.design(FREE, want={"tip_speed_at_contact": "20 m/s"}, vary={"hub_speed": (100, 500)})
+    assert found.varied["hub_speed"] == pytest.approx(20.0 / REACH, rel=1e-7)
+    assert found.wants[0].reached == pytest.approx(20.0, rel=1e-7)
+    assert not found.conflict
+    # 1 % of the speed is 1 % of the hub's; the ends are those of 64 equal parts of the part of a part that is kept.
+    assert found.kept["hub_speed"] == pytest.approx(
+        (0.99 * 20 / REACH, 1.01 * 20 / REACH), rel=1e-3
+    )
+    slope = found.sensitivity["hub_speed"]["tip_speed_at_contact"]
+    assert slope == pytest.approx(REACH, rel=1e-6)
+
+
+def test_a_goal_ends_at_the_limit_of_the_impulse_which_is_proportional_to_the_speed():
+    one = bs.ensemble(FREE, hub_speed=100.0).normal_final_impulse
+    limit = 2.5 * float(one)
+    found = bs.design(
+        FREE,
+        vary={"hub_speed": (100, 500)},
+        at_most={"normal_final_impulse": limit},
+        maximize="tip_speed_at_contact",
+    )
+    assert found.varied["hub_speed"] == pytest.approx(250.0, rel=1e-6)
+
+
+def test_the_keys_change_least_where_the_wants_leave_a_choice():
+    """Lagrange: the changes over the squares of their ranges are proportional to the slopes of omega (r_h + L)."""
+    ranges = {"hub_speed": (150.0, 450.0), "hub_radius": (0.02, 0.05)}
+    found = bs.design(FREE, want={"tip_speed_at_contact": 18.0}, vary=ranges)
+    speed, radius = found.varied["hub_speed"], found.varied["hub_radius"]
+    assert speed * (radius + FREE.bristle.length) == pytest.approx(18.0, rel=1e-7)
+    by_speed = (speed - FREE.hub.speed) / 300.0**2 / (radius + FREE.bristle.length)
+    by_radius = (radius - FREE.hub.radius) / 0.03**2 / speed
+    assert by_speed == pytest.approx(
+        by_radius, rel=1e-3
+    )  # a minimum: quadratic in the misplacement
+
+
+def test_a_fast_and_radial_strike_is_found_and_confirmed_by_the_reference():
+    found = bs.design(want={"tip_speed_at_contact": "36 m/s", "lag_deg_at_contact": 0}, **CUED)
+    strike = bs.simulate_reference(found.tool, accuracy=1e-9, stop_after="strike").first_contact(
+        "workpart"
+    )
+    assert math.hypot(*strike.velocity_before) == pytest.approx(36.0, rel=1e-7)
+    turned = found.tool.start_hub_angle + found.tool.hub.speed * strike.time
+    assert turned == pytest.approx(strike.angles[0], abs=1e-7)
+    assert found.check.difference < 1e-6
+    assert found.check.apart == 0
+
+
+def test_wants_that_conflict_are_named_with_the_best_compromises():
+    """No tool of a dense map over both keys has less lag at as fast a tip than the curve, but for the map's steps."""
+    wants = {"tip_speed_at_contact": 42.0, "lag_deg_at_contact": 0.0}
+    found = bs.design(want=wants, **CUED)
+    assert found.conflict == tuple(wants)
+    tip, lag = (found.trade_off[name] for name in wants)
+    assert tip[0] == pytest.approx(42.0, abs=1e-3)
+    assert lag[-1] == pytest.approx(0.0, abs=1e-3)
+    assert (np.diff(tip) < 0.0).all()
+    many = bs.ensemble(
+        hub_speed=np.linspace(209.4396, 314.159, 60),
+        bar_horizontal=np.linspace(0.047, 0.054, 60)[:, np.newaxis],
+    )
+    best = np.interp(many.tip_speed_at_contact, tip[::-1], lag[::-1], right=np.nan)
+    lags = np.abs(np.degrees(many.lag_at_contact))
+    assert not (lags < best - 0.02).any()
+    with pytest.raises(ValueError, match="two conflicting wants"):
+        bs.design(FREE, want={"tip_speed_at_contact": 20}, vary={"hub_speed": (100, 500)}).plot()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"want": {"tip_sped_at_contact": 1}, "vary": {"hub_speed": (1, 2)}}, "did you mean tip_"),
+        ({"want": {"tip_speed_at_contact": "1 kg"}, "vary": {"hub_speed": (1, 2)}}, "kg"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {"hub_sped": (1, 2)}}, "did you mean hub"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {"hub_speed": (2, 2)}}, "two different"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {"wire_links": (1, 2)}}, "continuous"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {}}, "at least one key"),
+        ({"vary": {"hub_speed": (100, 200)}}, "must be given"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {"friction": (0.1, 0.2)}}, "depend"),
+        ({"want": {"tip_speed_at_contact": 9}, "vary": {"penetration": (-0.03, -0.02)}}, "no tool"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(given: dict[str, Any], words: str):
+    with pytest.raises(ValueError, match=words) as caught:
+        bs.design(**given)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_command_prints_and_writes_the_tool(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    file = tmp_path / "tool.toml"
+    ask = ["design", "--want", "tip_speed_at_contact=39m/s", "--vary", "hub_speed=2000rpm:3000rpm"]
+    assert command.main([*ask, "--write-tool", str(file), "--json", "-"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["scenario"] == "design"
+    assert found["wants"][0]["reached"] == pytest.approx(39.0, rel=1e-7)
+    assert bs.read_tool(file).hub.speed == found["tool"]["hub_speed"]
+    assert found["answer"].count(". ") == 0
+    assert {"hub_speed", "bar_horizontal", "friction"} <= found["tool"].keys()
+    quantities = {each["name"]: each["simulated"] for each in found["quantities"]}
+    assert quantities["tip_speed_at_contact"] == pytest.approx(39.0, rel=1e-7)
+    assert "tip_speed_at_contact" in found["sensitivity"]["hub_speed"]
+    assert (
+        command.main([*ask, "--want", "lag_deg_at_contact=0", "--plot", str(tmp_path / "a.png")])
+        == 1
+    )
+    assert (tmp_path / "a.png").stat().st_size > 1000
+    assert (
+        command.main(["design", "--want", "tip_speed_at_contact", "--vary", "hub_speed=1:2"]) == 2
+    )
