@@ -40,8 +40,10 @@ LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as i
 PLAIN_ACCURACY = 1e-4  # of plain steps in the rigid limit: below their errors, above the rounding of a penetration
 
 SAMPLES_OF_A_COURSE = 24
-SAMPLES_OF_AN_OUTCOME = 5
-"""Least number of intervals: of a contact of given duration, whose history is recorded, and of one whose outcome matters."""
+SAMPLES_OF_AN_OUTCOME = 8
+SAMPLES_OF_A_SWING = 5
+"""Least number of intervals: of a contact of given duration, of one whose outcome matters, and of half a swing of a tangential
+spring."""
 
 
 @dataclass(eq=False)
@@ -106,7 +108,7 @@ class CompliantLaw(ContactLaw):
         if compliance and tangential:
             rigid = energetic_at(pair, space, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
-            longest = min(longest, math.pi / (SAMPLES_OF_AN_OUTCOME * rate))
+            longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(
@@ -185,8 +187,8 @@ def rigid_stiffness(
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
-    """In stick and in slip at rest update K from the bodies' positions, except in the rigid-body limit, where K is constant."""
-    if spring.expected.moves and (spring.at_rest or not spring.slip):
+    """In stick and in slip at rest update K from the bodies' positions."""
+    if spring.at_rest or not spring.slip:
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
 
 

@@ -125,5 +125,5 @@ class ActiveContact:
             velocity_before=before,
             velocity_after=after,
             phases=course.phase_names(self.impulse[0], jams=outcome == Outcome.JAM),
-            history=self.spring.history(),
+            history=course.history(),
         )

@@ -23,7 +23,6 @@ from bristle_sim.scene.load import Load
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
-from bristle_sim.trajectory import ContactHistory
 
 NO_SLIP_TO_STOP = 1e-14
 """Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
@@ -78,12 +77,6 @@ class Spring:
     stick_force: float = 0.0
     foot: float = 0.0
     course: ContactCourse = field(default_factory=ContactCourse)
-
-    def history(self) -> ContactHistory:
-        """Return the samples, with others between them in the rigid-body limit of a contact that is rigid along the surface."""
-        return self.course.history(
-            None if self.expected.moves or self.elastic else self.inverse_mass
-        )
 
     @property
     def loading(self) -> bool:
