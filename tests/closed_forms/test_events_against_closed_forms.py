@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.benchmarks.hard_cases.motion import TIP, with_bar_at
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene.simulate import simulate, simulate_in_steps
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 

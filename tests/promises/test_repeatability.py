@@ -19,9 +19,10 @@ import numpy as np
 import pymunk
 import pytest
 
+from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
-from bristle_sim.scene.simulate import simulate, simulate_in_steps
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.impacts import EnergeticLaw
-from bristle_sim.scene.simulate import simulate, simulate_in_steps
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 
 TOOL = Tool()

@@ -118,13 +118,6 @@ class Scene:
         """From now on, solve for these sustained contacts in every engine step."""
         self.engine.keep_closed(contacts)
 
-    def correct_joints(self, *, completely: bool) -> None:
-        """Choose whether every step closes the joints or leaves them alone."""
-        if self.effects.hinges:
-            self.engine.joint_solver.correct = completely
-        for joint in self.joints:
-            joint.error_bias = 0.0 if completely else 1.0
-
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
     """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""

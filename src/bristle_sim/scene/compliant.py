@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene, damped_interval
-from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
@@ -37,8 +37,6 @@ LEAST_DEPTH = 1e-13  # penetration times e* below which rounding decides when a 
 
 LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as it loads
 
-PLAIN_ACCURACY = 1e-4  # of plain steps in the rigid limit: below their errors, above the rounding of a penetration
-
 SAMPLES_OF_A_COURSE = 24
 SAMPLES_OF_AN_OUTCOME = 8
 SAMPLES_OF_A_SWING = 5
@@ -54,7 +52,6 @@ class CompliantLaw(ContactLaw):
         duration: duration of the first contact in engine units, for a contact rigid along the surface; for a wire that bends,
             for a rigid wire without friction. With None every contact is short enough for the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
-        plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only an
             estimate.
         tangential_compliance: eta^2.
@@ -62,7 +59,6 @@ class CompliantLaw(ContactLaw):
 
     duration: float | None
     accuracy: float
-    plain_steps: int | None = None
     stiffness: float | None = None
     tangential_compliance: float = 0.0
     name = "compliant"
@@ -111,9 +107,7 @@ class CompliantLaw(ContactLaw):
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
-        stepper = self._stepper(
-            duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading)
-        )
+        stepper = self._stepper(longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
         expected = Expectation(
             duration, longest, rigid.outcome_name, self.duration is not None, stepper
         )
@@ -130,10 +124,8 @@ class CompliantLaw(ContactLaw):
             0.1 * self.accuracy / max(fastest, damping),
         )
 
-    def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
-        """Return the integrator of a contact of this duration, no more accurate than its rounding, ``least``, permits."""
-        if self.plain_steps is not None:
-            return PlainSteps(duration / self.plain_steps)
+    def _stepper(self, longest: float, fastest: float, least: float) -> Extrapolation:
+        """Return the integrator of a contact, no more accurate than its rounding, ``least``, permits."""
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(
             tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest

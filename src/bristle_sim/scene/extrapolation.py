@@ -1,4 +1,4 @@
-"""Integrators for an interval without events, by engine steps extrapolated to zero step or by plain ones.
+"""The integrator of an interval without events, by engine steps extrapolated to zero step.
 
 The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
 events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
@@ -24,9 +24,6 @@ PLACING_COST = (
 )
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
 LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
-LEAST_CORRECTED_STEP = (
-    1e-6  # shorter steps, in time units, open joints by less than rounding matters
-)
 
 
 class IntervalResult(NamedTuple):
@@ -153,7 +150,8 @@ class Extrapolation:
 
     Attributes:
         noise: the error that an interval may have.
-        interpolation_error: 0, as a link's tip deviates from the cubic through an interval's ends only by the cubic's own error.
+        interpolation_error: bound of the distance of a link's tip from the cubic through an interval's ends, beside the cubic's own
+            error, over the interval's length and the change of the rates.
     """
 
     interpolation_error = 0.0
@@ -269,63 +267,6 @@ class Extrapolation:
     def halves(self, scene: Scene, load: Load | None) -> bool:
         """Whether the state in the middle of an interval is known too."""
         return scene.engine.take_symmetric is None and load is None
-
-
-class PlainSteps:
-    """Plain engine steps of a fixed length: first order, without an error estimate.
-
-    In flight the engine corrects the joints, which keeps the energy of the motion. The correction adds velocities, which a load
-    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
-
-    ``interpolation_error`` times the length and the changes of the rates bounds the distance of a link's tip from the cubic through an
-    interval's ends: twice that of a straight line, as the engine goes straight on at the old rates.
-    """
-
-    interpolation_error = 0.3
-
-    def __init__(self, step: float) -> None:
-        """Take steps of a length."""
-        self.step = self.noise = step
-        self._left: tuple[State | None, object, int] = (None, None, 0)
-
-    def propose(self, remaining: float) -> float:
-        """Return the length of one step, or the remaining time if that is shorter."""
-        return min(self.step, remaining)
-
-    def advance(
-        self, scene: Scene, state: State, duration: float, load: Load | None = None
-    ) -> IntervalResult:
-        """Take one engine step, in flight from where the bodies are if they were left there.
-
-        The correction divides a joint's opening by the step. A shortened step therefore starts from closed joints, and a very
-        short one is not corrected.
-        """
-        end, placed, steps = self._left
-        left_here = end is state and placed is scene.placed and steps == scene.engine.steps
-        if load is not None or not left_here or duration < self.step:
-            scene.place(state)
-        scene.correct_joints(completely=load is None and duration > LEAST_CORRECTED_STEP)
-        act = None if load is None else load.begin(duration)
-        values = scene.step(duration, 1, act) + ([] if load is None else load.totals())
-        scene.correct_joints(completely=False)
-        failed = load is not None and load.fails(values[3 * len(scene.links) :])
-        result = IntervalResult.of(scene, state.time + duration, values, 0.0, failed, {})
-        self._left = result.state, scene.placed, scene.engine.steps
-        return result
-
-    def accepts(self, result: IntervalResult, duration: float) -> bool:
-        """Accept every interval: return True."""
-        del result, duration
-        return True
-
-    def halves(self, scene: Scene, load: Load | None) -> bool:
-        """Return False: a step has no middle."""
-        del scene, load
-        return False
-
-
-Stepper = Extrapolation | PlainSteps
-"""An integrator over intervals."""
 
 
 LONGEST_PROBE = 0.3

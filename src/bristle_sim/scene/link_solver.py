@@ -37,7 +37,7 @@ class LinkVelocity:
     """
 
     reversible = False  # its steps are not symmetric in time
-    symmetric = correct = False
+    symmetric = False
 
     def __init__(
         self,

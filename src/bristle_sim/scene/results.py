@@ -13,27 +13,24 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Effects, Scene, motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.system import Recording
+from bristle_sim.scene.system import Recording, System
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory, WireMotion
 
 
 def trajectories_in_si(
-    recording: Recording,
-    scene: Scene,
+    system: System,
     units: Units,
     parameters: dict[str, Any],
     cost: tuple[float, float, int],
-    *,
-    with_estimate: bool,
 ) -> tuple[Trajectory, ...]:
-    """Return a trajectory of each wire in SI units, from the recording of a run."""
+    """Return a trajectory of each wire in SI units, from a system that has run."""
+    recording = system.recording
+    scene = system.scene
     estimate = recording.error / motion_scale(scene, recording.states[0])
     lost = recording.lost
-    errors = (
-        (estimate, None if lost is None else lost * units.time) if with_estimate else (None, None)
-    )
+    errors = (estimate, None if lost is None else lost * units.time)
     found = []
     size = scene.mechanism.wire_links
     forces = np.array(recording.forces) * units.force

@@ -7,40 +7,18 @@ zero; the instant of release is located too. Several contacts may be sustained a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from bristle_sim.scene.build import Scene
 from bristle_sim.scene.collisions import end_contacts
 from bristle_sim.scene.decide import decide, first_motion
-from bristle_sim.scene.extrapolation import Stepper
 from bristle_sim.scene.happening import Happening, Kind
-from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
-from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
-from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.system import Plan, Recording, System
+from bristle_sim.scene.system import Recording, System
 from bristle_sim.settings import StopReason
 
 
-def run(
-    scene: Scene,
-    start: State,
-    stepper: Stepper,
-    plan: Plan,
-    pairs: Sequence[ContactPair] | None = None,
-    law: ContactLaw = ENERGETIC,
-) -> Recording:
-    """Run a scene from a state to the plan's end.
-
-    Args:
-        scene: the scene.
-        start: its state at the start.
-        stepper: integrator of motion without springs.
-        plan: of the run.
-        pairs: the pairs that can touch, those of the scene by default.
-        law: impact law of the workpart.
-    """
-    system = System(scene, start, stepper, plan, pairs, law)
+def run(system: System) -> Recording:
+    """Run a system from its present state to the plan's end."""
     for _ in run_by_intervals(system):
         pass
     return system.recording

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import time as clock
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import (
@@ -18,12 +18,11 @@ from bristle_sim.scene.build import (
     time_scale,
 )
 from bristle_sim.scene.compliant import contact_law
-from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
-from bristle_sim.scene.impacts import ContactLaw
+from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
-from bristle_sim.scene.run import run
-from bristle_sim.scene.system import Plan
+from bristle_sim.scene.run import run as run_to_end
+from bristle_sim.scene.system import Plan, System
 from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
@@ -85,29 +84,7 @@ def simulate(
             or a contact cannot be resolved in time.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = _simulated(tool, settings, begin, ONE_BRISTLE, stop_after)
-    return run
-
-
-def simulate_in_steps(
-    tool: Tool,
-    step: float,
-    settings: Settings | None = None,
-    *,
-    start_hub_angle: float | None = None,
-    start_relative_angle: float = 0.0,
-    stop_after: str | None = None,
-) -> Trajectory:
-    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, for comparison.
-
-    The method is of first order in the step and estimates no error.
-
-    Raises:
-        ValueError: also if the step is too long for this tool.
-    """
-    (run,) = _simulated(
-        tool, settings, (start_hub_angle, start_relative_angle, 0.0), ONE_BRISTLE, stop_after, step
-    )
+    (run,) = run_in_si(tool, *prepare(tool, settings, begin, stop_after=stop_after))
     return run
 
 
@@ -143,59 +120,36 @@ def simulate_row(
         ValueError: as for ``simulate``, and if bristles overlap at the start.
     """
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
-    return _simulated(tool, settings, (start_hub_angle, 0.0, 0.0), row, stop_after)
+    begin = (start_hub_angle, 0.0, 0.0)
+    return run_in_si(tool, *prepare(tool, settings, begin, row, stop_after=stop_after))
 
 
-def _simulated(
-    tool: Tool,
-    settings: Settings | None,
-    begin: tuple[float | None, float, float],
-    row: Row,
-    stop_after: str | None,
-    step: float | None = None,
+def run_in_si(
+    tool: Tool, system: System, units: Units, parameters: dict[str, Any]
 ) -> tuple[Trajectory, ...]:
-    """Return the run of each bristle, all of which begin at the same angle and rate relative to their roots."""
-    prepared = prepare(tool, settings, begin, row, stop_after, step)
-    engine = prepared.scene.engine
+    """Run a prepared system; return the trajectory of each wire in SI units."""
+    engine = system.scene.engine
     wall = clock.perf_counter()
     cpu = clock.process_time()
     steps = engine.steps
-    recording = run(
-        prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law
-    )
+    run_to_end(system)
     cost = (clock.perf_counter() - wall, clock.process_time() - cpu, engine.steps - steps)
-    runs = trajectories_in_si(
-        recording,
-        prepared.scene,
-        prepared.units,
-        prepared.parameters,
-        cost,
-        with_estimate=step is None,
-    )
-    return tuple([each.with_places(tool) for each in runs])
-
-
-class Prepared(NamedTuple):
-    """The objects that a run needs, and the description of the run in plain numbers and strings."""
-
-    scene: Scene
-    units: Units
-    start: State
-    stepper: Stepper
-    plan: Plan
-    law: ContactLaw
-    parameters: dict[str, Any]
+    runs = trajectories_in_si(system, units, parameters, cost)
+    return tuple([run.with_places(tool) for run in runs])
 
 
 def prepare(
     tool: Tool,
     settings: Settings | None,
     begin: tuple[float | None, float, float],
-    row: Row,
+    row: Row = ONE_BRISTLE,
+    *,
     stop_after: str | None,
-    step: float | None = None,
-) -> Prepared:
-    """Check the input of a run and build its scene, its plan and its integrator."""
+) -> tuple[System, Units, dict[str, Any]]:
+    """Check the input of a run; return its system, its units, and its description in plain numbers and strings.
+
+    ``begin`` are the hub's angle, and the angle and rate of every wire relative to its root.
+    """
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     if not isinstance(settings, Settings | None):
@@ -214,11 +168,7 @@ def prepare(
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
     plan = _plan(scene, settings, stop_after)
-    stepper: Stepper
-    if step is None:
-        stepper = stepper_for(scene, settings, start, plan)
-    else:
-        stepper = plain_steps_for(scene, settings, step, units.time)
+    stepper = stepper_for(scene, settings, start, plan)
     law = contact_law(tool.contact, settings.accuracy, units.time)
     parameters = {
         "method": METHOD if row is ONE_BRISTLE else ROW_METHOD,
@@ -229,7 +179,7 @@ def prepare(
     }
     if row is not ONE_BRISTLE:
         parameters["row"] = dataclasses.asdict(row)
-    return Prepared(scene, units, start, stepper, plan, law, parameters)
+    return System(scene, start, stepper, plan, law=law), units, parameters
 
 
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
@@ -250,10 +200,6 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
 
 
 DAMPED_STEPS = 27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
-
-LARGEST_STEP = 1.0
-"""Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
-unstable, and its damping has half the right value."""
 
 LOCAL_FRACTION = 0.05
 SOME_INTERVALS = 50.0
@@ -291,17 +237,6 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     return Extrapolation(
         fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step
     )
-
-
-def plain_steps_for(scene: Scene, settings: Settings, step: float, unit: float) -> PlainSteps:
-    """Return plain steps of a length, s, in a scene with that unit of time. Raises ValueError if they are too long."""
-    fastest = max(1.0 / time_scale(scene), damping_rate(scene))
-    largest = min(2.0 * math.pi / settings.samples, LARGEST_STEP) / fastest * unit
-    if not 0.0 < step <= largest:
-        raise ValueError(
-            f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)"
-        )
-    return PlainSteps(step / unit)
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

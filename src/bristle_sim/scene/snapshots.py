@@ -13,7 +13,7 @@ from bristle_sim.scene.results import contacts_in_si
 from bristle_sim.scene.run import run_by_intervals
 from bristle_sim.scene.simulate import prepare
 from bristle_sim.scene.system import System
-from bristle_sim.scene.tool import ONE_BRISTLE, Units
+from bristle_sim.scene.tool import Units
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -113,17 +113,9 @@ def snapshots(
     Raises:
         ValueError: as ``simulate``; bad input is refused at once, a contact that cannot be resolved when the run comes to it.
     """
-    prepared = prepare(
-        tool,
-        settings,
-        (start_hub_angle, start_relative_angle, start_relative_rate),
-        ONE_BRISTLE,
-        stop_after,
-    )
-    system = System(
-        prepared.scene, prepared.start, prepared.stepper, prepared.plan, law=prepared.law
-    )
-    return _snapshots(system, prepared.units)
+    begin = (start_hub_angle, start_relative_angle, start_relative_rate)
+    system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)
+    return _snapshots(system, units)
 
 
 def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:

@@ -105,15 +105,13 @@ class _Chains:
         self.rates = numbers[:, 5]
         self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
 
-    def close(self, time: float, *, correct: bool) -> None:
+    def close(self, time: float) -> None:
         """Set the velocities to the nearest ones that obey the joints, with the damping acting for a time."""
         wires = self.wires
         self.turn = turn = np.exp(1j * self._angles)
         back = turn.conj()
         places = wires.roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
-        if correct:
-            carried = carried - (self._places - places - self.each(turn, wires.arms)) / time
         self.matrix = matrix = (back[:, None] * wires.products * turn).real
         momenta = (
             back * self.each(self.velocities - carried, wires.moments)
@@ -173,7 +171,6 @@ class WireVelocities:
     """The velocities of all links of a mechanism after an engine step.
 
     Attributes:
-        correct: whether joints that are open are closed by the end of the step, as the engine's own correction does.
         symmetric: whether steps are symmetric in time.
         contacts: sustained contacts that act.
         impulses: normal and tangential impulse of each of them in the last step, and its slip.
@@ -189,7 +186,7 @@ class WireVelocities:
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
     ) -> None:
-        self.symmetric = self.correct = False
+        self.symmetric = False
         self.contacts: Sequence[ClosedPair] = ()
         self.impulses: list[tuple[float, float, float]] = []
         self._springs = [
@@ -225,7 +222,7 @@ class WireVelocities:
         if self.symmetric:
             velocities += old
             velocities *= 0.5
-        self._chains.close(0.5 * step if self.symmetric else step, correct=self.correct)
+        self._chains.close(0.5 * step if self.symmetric else step)
         if self.contacts:
             self._push()
         if self.symmetric:

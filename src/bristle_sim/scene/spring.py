@@ -18,7 +18,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.course import ContactCourse
 from bristle_sim.scene.engine import point_calls, pusher
-from bristle_sim.scene.extrapolation import Stepper
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.load import Load
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import WorkpartPair
@@ -45,7 +45,7 @@ class Expectation(NamedTuple):
     longest: float
     outcome: str
     moves: bool
-    stepper: Stepper
+    stepper: Extrapolation
 
 
 @dataclass(slots=True, eq=False)

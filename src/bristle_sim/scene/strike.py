@@ -21,7 +21,7 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.run import run
-from bristle_sim.scene.system import SLOW_FRACTION, Plan
+from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 from bristle_sim.scene.tool import Units, build_tool
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -197,7 +197,7 @@ def struck(
         maximum_steps=settings.maximum_steps,
         single_contact=True,
     )
-    recording = run(scene, start, Extrapolation(settings.accuracy), plan, [pair], law)
+    recording = run(System(scene, start, Extrapolation(settings.accuracy), plan, [pair], law))
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
@@ -272,7 +272,7 @@ def strike_wire(
         end = after.time + flight / units.time
         budget = settings.maximum_steps // 10
         plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
-        states += run(scene, after, stepper, plan, []).states[1:]
+        states += run(System(scene, after, stepper, plan, [])).states[1:]
     time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
     return WireStrike(
         contact=contact_in_si(record, units),

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.extrapolation import Stepper
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.gaps import AT_JOINT, GAP_ROUNDING, Gaps
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
@@ -104,12 +104,21 @@ class System:
         self,
         scene: Scene,
         start: State,
-        flight: Stepper,
+        flight: Extrapolation,
         plan: Plan,
         pairs: Sequence[ContactPair] | None = None,
         law: ContactLaw = ENERGETIC,
     ) -> None:
-        """Begin a run at its initial state; ``pairs`` are those of the scene by default."""
+        """Begin a run at its initial state.
+
+        Args:
+            scene: the scene.
+            start: its state at the start.
+            flight: integrator of motion without springs.
+            plan: of the run.
+            pairs: the pairs that can touch, those of the scene by default.
+            law: impact law of the workpart.
+        """
         self.scene = scene
         self.mechanism = scene.mechanism
         self.plan = plan

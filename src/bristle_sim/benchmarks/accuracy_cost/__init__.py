@@ -1,6 +1,6 @@
 """The cost of accuracy: error against CPU time of this project's methods and of other packages on the same cases.
 
-``cases`` has the cases with their exact answers. ``own_methods``, ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the
+``cases`` has the cases with their exact answers. ``own_methods`` (with ``plain_steps`` of the bare engine), ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the
 attempts at each case. ``measure`` takes errors and times in separate passes. ``study`` runs them and writes the report.
 """
 

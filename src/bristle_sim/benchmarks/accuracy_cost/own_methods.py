@@ -7,10 +7,11 @@ from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
+from bristle_sim.benchmarks.accuracy_cost.plain_steps import correct_joints, simulate_in_steps
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.simulate import simulate, simulate_in_steps
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
@@ -49,9 +50,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
         """Carry the scene in equal steps of the engine, which corrects its joints itself."""
         before = scene.engine.steps
         scene.place(start)
-        scene.correct_joints(completely=True)
+        correct_joints(scene, completely=True)
         scene.step(end / count, count)
-        scene.correct_joints(completely=False)
+        correct_joints(scene, completely=False)
         return flown(scene.angles()[0], scene.rates()[0], before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
