@@ -6,6 +6,7 @@ import difflib
 import functools
 import math
 import re
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,65 @@ TYPICAL_UNITS = (
     *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
 )  # fmt: skip
 """Units that a mistyped one is compared with."""
+
+DISPLAY = {
+    "m": ("mm", 1e-3),
+    "kg": ("mg", 1e-6),
+    "s": ("ms", 1e-3),
+    "rad/s": ("rpm", math.pi / 30.0),
+    "rad": ("deg", math.pi / 180.0),
+    "Pa": ("MPa", 1e6),
+    "1/s": ("Hz", 1.0),
+}
+"""Units that a person types and reads, and their size, by the unit in which a parameter is declared."""
+
+DISPLAY_OF_KEY = {
+    "wire_modulus": ("GPa", 1e9),
+    "rod_mass": ("g", 1e-3),
+    "rate": ("rad/s", 1.0),
+    "rate_1": ("rad/s", 1.0),
+    "rate_2": ("rad/s", 1.0),
+}
+"""The same for keys whose sizes differ from those of other keys."""
+
+
+def display_unit(key: str, unit: str) -> tuple[str, float]:
+    """Return the unit in which a person types and reads a key, and the number of its declared units in one of them.
+
+    >>> display_unit("bristle_length", "m")
+    ('mm', 0.001)
+    """
+    return DISPLAY_OF_KEY.get(key) or DISPLAY.get(unit, ("" if unit == "1" else unit, 1.0))
+
+
+def plain_number(value: float, digits: int) -> str:
+    """Return a rounded number without an exponent, if it is 0 or from 1e-4 up to 1e7: ``1030`` instead of ``1.03e+03``."""
+    text = f"{value:.{digits}g}"
+    return f"{Decimal(text):f}" if 1e-4 <= abs(float(text)) < 1e7 else text
+
+
+def scaled(number: float, size: float) -> float:
+    """Return a number times the size of its unit, correctly rounded where a whole number of it makes the declared unit."""
+    parts = round(1.0 / size) if size < 1.0 else 0
+    return (
+        number / parts
+        if parts and math.isclose(parts * size, 1.0, rel_tol=1e-12)
+        else number * size
+    )
+
+
+def exact_text(value: float, key: str, unit: str) -> str:
+    """Return the shortest text with a unit that is read as exactly this number: ``27 mm``, ``261.8 rad/s``.
+
+    The unit is the displayed one, or the declared one where its text is shorter or the only exact one.
+    """
+    own = f"{value!r} {'' if unit == '1' else unit}".rstrip()
+    shown, size = display_unit(key, unit)
+    for digits in range(1, 18):
+        number = f"{value / size:.{digits}g}"
+        if scaled(float(number), size) == value:
+            return min(f"{plain_number(float(number), digits)} {shown}".rstrip(), own, key=len)
+    return own
 
 
 def conversion(unit: str, to: str) -> float | None:

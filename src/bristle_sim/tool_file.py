@@ -1,6 +1,6 @@
 """A tool in a TOML file: the keys of ``--set``, each with its unit, meaning and source in a comment.
 
-A number is in the unit that ``--list-keys`` shows, a text such as ``"27 mm"`` carries its own. A part that is absent is
+A text such as ``"27 mm"`` carries its unit, a bare number is in SI units or in degrees where the key ends in ``_deg``. A part that is absent is
 ``bar = false``; a key that a file leaves out has its default. The keys of a part may also stand in a table of its name.
 """
 
@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.conversion import exact_text
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.units import Choice, Computed, Range, likely_key, shown
@@ -104,7 +105,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     lines = [
-        '# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".'
+        '# A tool of bristle_sim. A text carries its unit: "27 mm"; a bare number is in SI units, or in degrees in keys with _deg.'
     ]
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool
@@ -120,8 +121,11 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 
 def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
     """Return a key's comment and its line; the line of a key without a value is a comment too."""
-    unit = f"; {declared.unit}" if isinstance(declared, Range) and declared.unit != "1" else ""
-    words = f"{declared.meaning}{unit} (default: {declared.source})"
+    words = f"{declared.meaning} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
     absent = value is None or isinstance(value, Computed)
-    return [*comment, f"# {key} = none" if absent else f"{key} = {json.dumps(value)}"]
+    if absent:
+        return [*comment, f"# {key} = none"]
+    if isinstance(declared, Range) and declared.unit != "1":
+        value = exact_text(value, key, declared.unit)
+    return [*comment, f"{key} = {json.dumps(value)}"]

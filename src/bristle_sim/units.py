@@ -20,10 +20,21 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
-from bristle_sim.conversion import TYPED, TYPICAL_UNITS, conversion, likely_unit
+from bristle_sim.conversion import (
+    TYPED,
+    TYPICAL_UNITS,
+    conversion,
+    display_unit,
+    likely_unit,
+    plain_number,
+    scaled,
+)
 
 ANY = (0.0, math.inf)
 """Usual sizes of a number, such as an accuracy, whose default says nothing about likely values."""
+
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
+"""A number whose thousands are grouped by commas, as in 3,000 rpm."""
 
 FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
@@ -64,6 +75,17 @@ class Range:
             f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
         )
 
+    @property
+    def display(self) -> tuple[str, float]:
+        """The unit in which a person types and reads the number, "" for a pure one, and its size in the declared unit."""
+        return display_unit(self.key, self.unit)
+
+    def with_display_unit(self, text: str) -> str:
+        """Return a typed text for :meth:`parse`, in which a bare number has the displayed unit: ``30`` becomes ``30 mm``."""
+        typed = TYPED.fullmatch(text.strip())
+        bare = typed is not None and not typed["unit"]
+        return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
+
     def parse(self, text: str) -> float:
         """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
 
@@ -71,15 +93,15 @@ class Range:
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
-        meant = text.strip().replace(",", ".")
-        if typed is None and TYPED.fullmatch(meant):  # a decimal comma
+        meant = text.strip().replace(",", "" if GROUPED.match(text.strip()) else ".")
+        if typed is None and TYPED.fullmatch(meant):  # a comma for thousands, or a decimal one
             raise self.refusal(text, f"; did you mean {meant}?")
         if typed is not None and typed["unit"]:
             factor = conversion(typed["unit"], self.unit)
             if factor is None:
                 why = f", to which {typed['unit']} cannot be converted{likely_unit(typed['unit'], self.unit)}"
                 raise self.refusal(text, why)
-            number *= factor
+            number = scaled(number, factor)
         return self.check(number, text)
 
     def check(self, value: Any, typed: str | None = None) -> float:
@@ -97,8 +119,18 @@ class Range:
             and math.isfinite(number)
             and (not self.whole or number.is_integer())
         ):
-            raise self.refusal(number if typed is None else typed)
+            raise self.refusal(
+                number if typed is None else typed, self._likely_display_unit(number, typed)
+            )
         return int(number) if self.whole else number + 0.0
+
+    def _likely_display_unit(self, number: float, typed: str | None) -> str:
+        """Suggest the displayed unit for a refused bare number that is in the range with it: 27 m may be meant in mm."""
+        size = self.display[1]
+        bare = typed or f"{number:g}"
+        fits = size < 1.0 and self.lowest <= scaled(number, size) <= self.highest
+        meant = self.with_display_unit(bare)
+        return f"; did you mean {meant}?" if fits and meant != bare else ""
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
         """Return the error for a value that is refused; ``why`` may repeat a typed number with its unit."""
@@ -107,6 +139,24 @@ class Range:
         return ValueError(
             f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})"
         )
+
+
+def displayed(declared: Any, value: Any) -> str:
+    """Return a key's value as a person reads it, a number with five digits and the displayed unit: ``27 mm``."""
+    if value is None or isinstance(value, str) or declared.whole:
+        return "none" if value is None else str(value)
+    unit, size = declared.display
+    return f"{plain_number(value / size, 5)} {unit}".rstrip()
+
+
+def displayed_range(declared: Any) -> str:
+    """Return the range of a key in the displayed unit, for listings, or the words that it must be one of."""
+    if not isinstance(declared, Range) or declared.whole:
+        return str(declared.allowed)
+    low, high = (
+        plain_number(end / declared.display[1], 5) for end in (declared.lowest, declared.highest)
+    )
+    return f"{low} {'<=' if declared.lowest_allowed else '<'} {declared.key} <= {high}"
 
 
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
@@ -200,7 +250,7 @@ def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
 
 
 RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
-"""A declared range, unit, meaning and source: ``0 <= hub_radius <= 1e3 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
+"""A declared range, unit, meaning and source: ``0 <= hub_radius <= 10 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
 
 
 def quantity(

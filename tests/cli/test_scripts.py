@@ -25,6 +25,7 @@ import pytest
 
 from bristle_sim.cli import Scenario, main
 from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.conversion import conversion
 from bristle_sim.units import Choice, Range, shown
 
 ROOT = Path(__file__).parents[2]
@@ -285,15 +286,22 @@ def test_declared_names_and_keys(name: str, capsys: pytest.CaptureFixture[str]):
     for key, (found, default) in declared.keys().items():
         assert (default is None and found.optional) or found.check(default) == default
         assert default == of_class[key][0] or found.source != of_class[key][1], key
-        shown = (
-            default if isinstance(default, str) else "none" if default is None else f"{default:.9g}"
-        )
         unit = "" if found.unit in ("1", "word") else found.unit
+        if isinstance(found, Range) and not found.whole:
+            row = re.match(rf"{key} (\S+) (.*?) ?(\S+) <=? {key} <= (\S+)", listed[key])
+            assert row is not None
+            given, unit, low, high = row.groups()
+            size = conversion(unit, found.unit) if unit else 1.0
+            assert size is not None
+            pairs = [(low, found.lowest), (high, found.highest)]
+            pairs += [] if default is None else [(given, default)]
+            for text, number in pairs:
+                assert float(text) * size == pytest.approx(number, rel=5.1e-5)  # five digits
+        elif default is not None:
+            assert listed[key].split()[1] == str(default)
         needs = f"only with {found.needs}" if found.needs else ""
         for expected in (
-            shown,
             unit,
-            found.allowed,
             found.meaning,
             needs,
             f"(default: {found.source})",

@@ -15,6 +15,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
+from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.conversion import conversion, exact_text, plain_number
+from bristle_sim.parameters import Bristle
 from bristle_sim.units import (
     ANY,
     Choice,
@@ -23,6 +26,8 @@ from bristle_sim.units import (
     UnusualValueWarning,
     choice,
     count,
+    declarations,
+    displayed,
     quantity,
 )
 from bristle_sim.units import unusual_value as unusual
@@ -226,3 +231,51 @@ def test_a_part_checks_the_fields_it_declares():
     with pytest.raises(ValueError, match="word") as refusal:
         Choice("word", ("one",), "a source").parse("x" * 100_000)
     assert len(str(refusal.value)) < 150
+
+
+@pytest.mark.parametrize("name", sorted(script_paths()))
+def test_every_displayed_unit_has_the_size_of_its_name(name: str):
+    """The table of displayed units against the unit library; a bare number in that unit is the typed one with it."""
+    for declared, default in load_scenario(script_paths()[name]).keys().values():
+        if isinstance(declared, Range) and declared.unit != "1":
+            unit, size = declared.display
+            assert conversion(unit, declared.unit) == pytest.approx(size, rel=1e-15)
+            shown = displayed(declared, default)
+            if default is not None and not declared.whole:
+                assert shown.endswith(f" {unit}")
+                assert declared.parse(shown) == pytest.approx(default, rel=5.1e-5)
+                assert declared.with_display_unit(shown.removesuffix(f" {unit}")) == shown
+
+
+@given(st.floats(1e-9, 10.0))
+def test_a_written_number_with_a_unit_is_read_as_the_same_number(value: float):
+    declared = declarations(Bristle)["length"]
+    assert isinstance(declared, Range)
+    assert declared.parse(exact_text(value, declared.key, declared.unit)) == value
+
+
+@pytest.mark.parametrize(
+    ("value", "key", "unit", "text"),
+    [
+        (0.027, "bristle_length", "m", "27 mm"),
+        (5e-05, "compression_time", "s", "0.05 ms"),
+        (0.0045, "penetration", "m", "4.5 mm"),
+        (100.0 * math.pi, "hub_speed", "rad/s", "3000 rpm"),
+        (261.8, "hub_speed", "rad/s", "261.8 rad/s"),
+        (2e11, "wire_modulus", "Pa", "200 GPa"),
+        (-0.1, "rate_1", "rad/s", "-0.1 rad/s"),
+        (-12.5, "knee_angle_deg", "deg", "-12.5 deg"),
+    ],
+)
+def test_a_number_is_written_as_an_engineer_writes_it(value: float, key: str, unit: str, text: str):
+    assert exact_text(value, key, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("number", "digits", "text"),
+    [(1034.0, 3, "1030"), (27.94, 3, "27.9"), (0.0, 3, "0"), (1.5e-6, 3, "1.5e-06"), (2.5e9, 5, "2.5e+09"), (-999.6, 3, "-1000")],
+)  # fmt: skip
+def test_a_rounded_number_has_no_exponent_where_it_is_readable(
+    number: float, digits: int, text: str
+):
+    assert plain_number(number, digits) == text

@@ -34,11 +34,11 @@ def test_a_tool_comes_back_as_it_was_written(tmp_path: Path, tool: Tool):
     assert read_tool(tmp_path / "tool.toml") == tool
 
 
-def test_a_comment_tells_meaning_unit_and_source(tmp_path: Path):
+def test_a_comment_states_meaning_and_source_and_the_value_its_unit(tmp_path: Path):
     write_tool(Tool(), tmp_path / "tool.toml")
     text = (tmp_path / "tool.toml").read_text()
     assert (
-        "# speed of the hub's rotation; rad/s (default: Zhang 2020, eq. 2.2)\nhub_speed = 261.8\n"
+        '# speed of the hub\'s rotation (default: Zhang 2020, eq. 2.2)\nhub_speed = "261.8 rad/s"\n'
         in text
     )
     assert "# restitution_friction = none" in text

@@ -12,7 +12,15 @@ from typing import Any, get_type_hints
 from bristle_sim.comparison import WIDTH, Report
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
-from bristle_sim.units import Choice, Range, declared_fields, likely_key, unusual_value
+from bristle_sim.units import (
+    Choice,
+    Range,
+    declared_fields,
+    displayed,
+    displayed_range,
+    likely_key,
+    unusual_value,
+)
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Any]
@@ -188,24 +196,13 @@ class Scenario:
         """Return two lines or more for each key, 100 columns wide: default, unit and range, then meaning and source."""
         rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
-            shown = (
-                "none"
-                if default is None
-                else default
-                if isinstance(default, str)
-                else f"{default:.9g}"
-            )
+            unit = "" if declared.unit == "word" else declared.unit
+            if isinstance(declared, Range):
+                unit = declared.display[0]
+            default_shown = displayed(declared, default).removesuffix(f" {unit}")
             only = f"; only with {declared.needs}" if declared.needs else ""
             note = f"{declared.meaning}{only} (default: {declared.source})"
-            rows.append(
-                (
-                    key,
-                    shown,
-                    "" if declared.unit in ("1", "word") else declared.unit,
-                    declared.allowed,
-                    note,
-                )
-            )
+            rows.append((key, default_shown, unit, displayed_range(declared), note))
         widths = [max(len(row[column]) for row in rows) for column in range(3)]
         lines = []
         for *cells, allowed, note in rows:

@@ -86,7 +86,7 @@ class SinglePendulum(Declared):
         8.387e-5, "1e-30 <= rod_mass <= 1e6 kg: mass of the rod [the bristle's: Zhang 2020, 2.4.1]"
     )
     length: float = quantity(
-        0.027, "1e-9 <= rod_length <= 1e3 m: length of the rod [the bristle's: Zhang 2020, 2.4.1]"
+        0.027, "1e-9 <= rod_length <= 10 m: length of the rod [the bristle's: Zhang 2020, 2.4.1]"
     )
     impact_angle_deg: float = impact_angle_at_strike(
         "Zhang 2020, fig. 2.25: rod to the normal",
@@ -110,7 +110,7 @@ class DoublePendulum(Declared):
         usual=ANY,
     )
     length: float = quantity(
-        1.0, "1e-9 <= rod_length <= 1e3 m: length of each rod [Zhang 2020, sec. 2.4.2: both rods]"
+        1.0, "1e-9 <= rod_length <= 10 m: length of each rod [Zhang 2020, sec. 2.4.2: both rods]"
     )
     angle_1_deg: float = _rod_angle(20.0, "first", 1)
     angle_2_deg: float = _rod_angle(30.0, "second", 2)
@@ -169,7 +169,7 @@ class MapGrid(Declared):
     points: int = count(25, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
     half_width: float = quantity(
         0.008,
-        "0 < map_half_width <= 1e3 m: half-width of the maps about the bar's position [chosen]",
+        "0 < map_half_width <= 10 m: half-width of the maps about the bar's position [chosen]",
     )
     workers: int = count(1, "1 <= workers <= 64: processes for the maps [chosen]")
 

@@ -54,7 +54,7 @@ class Hub(Declared):
     )
     radius: float = quantity(
         0.0275,
-        "0 <= hub_radius <= 1e3 m: distance of the bristle's root from the hub's centre"
+        "0 <= hub_radius <= 10 m: distance of the bristle's root from the hub's centre"
         " [Zhang 2020, eq. 2.2: root circle]",
     )
 
@@ -92,7 +92,7 @@ class Bristle(Declared):
 
     length: float = quantity(
         PRINTED_LENGTH,
-        "1e-9 <= bristle_length <= 1e3 m: length of the wire from root to tip, along its centre line"
+        "1e-9 <= bristle_length <= 10 m: length of the wire from root to tip, along its centre line"
         " [Zhang 2020, eq. 2.2]",
     )
     mass: float = quantity(
@@ -103,7 +103,7 @@ class Bristle(Declared):
     )
     wire_diameter: float = quantity(
         PRINTED_DIAMETER,
-        "0 <= wire_diameter <= 100 m: thickness of the wire, half of which touches the bar"
+        "0 <= wire_diameter <= 10 m: thickness of the wire, half of which touches the bar"
         " [Zhang 2020, sec. 4.1: tip ellipse]",
     )
     knee_position: float = quantity(
@@ -218,17 +218,17 @@ class Bar(Declared):
 
     radius: float = quantity(
         _bar_radius(),
-        "0 < bar_radius <= 1e3 m: radius of the accelerator bar"
+        "0 < bar_radius <= 10 m: radius of the accelerator bar"
         " [from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg]",
     )
     horizontal: float = quantity(
         0.05037,
-        "0 <= bar_horizontal <= 1e3 m: distance of the bar's centre from the hub's, along the workpart, on the"
+        "0 <= bar_horizontal <= 10 m: distance of the bar's centre from the hub's, along the workpart, on the"
         " incoming side [Zhang 2020, eq. 2.3: S_H]",
     )
     vertical: float = quantity(
         0.0225,
-        "-1000 <= bar_vertical <= 1e3 m: distance of the bar's centre below the hub's [Zhang 2020, eq. 2.3: S_V]",
+        "-10 <= bar_vertical <= 10 m: distance of the bar's centre below the hub's [Zhang 2020, eq. 2.3: S_V]",
     )
     friction: float = quantity(
         0.0,
@@ -279,7 +279,7 @@ class Workpart(Surface):
 
     penetration: float = quantity(
         0.0045,
-        "-1000 <= penetration <= 1e3 m: depth by which the workpart cuts into the circle of undeflected tips, Delta"
+        "-10 <= penetration <= 10 m: depth by which the workpart cuts into the circle of undeflected tips, Delta"
         " [Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre]",
     )
 
