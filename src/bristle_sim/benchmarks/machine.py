@@ -1,4 +1,4 @@
-"""The machine of a measurement: processor, system, load and the versions of the packages."""
+"""Description of the machine of a measurement: processor, system, load and package versions."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "heyoka")
 
 
 def installed() -> set[str]:
-    """Return those of the packages that can be imported."""
+    """Return the names of the measured packages that can be imported."""
     return {name for name in PACKAGES if importlib.util.find_spec(name) is not None}
 
 
 def surroundings() -> dict[str, Any]:
-    """Return processor, system, load and versions."""
+    """Return the processor, its cores, the system, the load average and the package versions, by
+    key.
+    """
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
@@ -39,7 +41,9 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """Return the processor's name where the system states it."""
+    """Return the name of the processor, or of the machine's architecture where the system gives
+    none.
+    """
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

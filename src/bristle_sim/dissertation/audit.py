@@ -1,11 +1,14 @@
-"""The audit: every printed number and decidable statement of the dissertation's chapters 2 to 4, recomputed.
+"""The audit: every printed number and decidable statement of chapters 2 to 4, recomputed.
 
-Three rows are from chapters 1 and 5, which print the same quantities.
+Three rows are from chapters 1 and 5, which print the same quantities. The rows are those of
+``printed.toml``; the modules
+``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures.
 
-The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures. A number
-counts as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was
-itself worked out from rounded ones, an allowance adds the effect of their rounding, and ``why`` says so. A statement in words has a
-computed figure that decides whether it holds.
+A number counts as reproduced if the computed value lies within half a unit of the last printed
+digit. A printed number may itself come from
+rounded ones; an allowance then adds the effect of their rounding, and ``why`` says so. A statement
+in words has a computed
+figure that decides whether it holds.
 """
 
 from __future__ import annotations
@@ -28,20 +31,30 @@ DIFFERS = "differs"
 NOT_COMPUTABLE = "not computable"
 
 SLACK = 1e-9
-"""Allowance for rounding where a value lies exactly half a unit away, as a fraction of the printed number."""
+"""Allowance for rounding of a value exactly half a unit away, as a fraction of the printed
+number."""
 
 PRINTED = 22
 COMPUTED = 12
 UNIT = 9
-"""Columns of the table's narrow cells; the status is the last and the place takes the rest."""
+"""Widths of three columns of the table, in characters.
+
+The status is as wide as its longest word, and the place takes the rest."""
 
 
 @dataclass(frozen=True, slots=True)
 class AuditRow:
-    """A printed number, or statement in words, at its place in the dissertation, and the figure of the equations, if any.
+    """The verdict of the audit on one printed number or statement.
 
-    ``why`` is for ``differs`` the likeliest reason, with figures; else a remark, or empty. The tolerance is the largest difference
-    that counts as reproduced; None for statements.
+    Attributes:
+        where: its place in the dissertation.
+        printed: the number, or the statement in words.
+        unit: unit of the printed and of the computed number.
+        computed: the figure by the equations; None if it cannot be computed.
+        status: ``reproduced``, ``differs`` or ``not computable``.
+        why: the likeliest reason of a difference, with figures; otherwise a remark, or empty.
+        tolerance: largest difference that counts as reproduced; None for statements and without a
+            computed figure.
     """
 
     where: str
@@ -55,7 +68,7 @@ class AuditRow:
 
 @dataclass(frozen=True, slots=True)
 class AuditView(Declared):
-    """Which rows the table shows; the JSON always has them all."""
+    """The choice of rows that the table shows; the JSON always has all rows."""
 
     show: str = choice(
         "show: which rows the table shows; the JSON has all [chosen: rows of the table on the terminal]",
@@ -64,7 +77,7 @@ class AuditView(Declared):
 
 
 def audit_rows() -> tuple[AuditRow, ...]:
-    """Return all rows of the audit; numbers are finite, places unique."""
+    """Return all rows of the audit; every number is finite, and every place occurs once."""
     from bristle_sim.dissertation import audit_chapter_2 as impact
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 
@@ -80,7 +93,8 @@ def audit_rows() -> tuple[AuditRow, ...]:
 
 
 def audit_row(row: Printed, figure: Figure) -> AuditRow:
-    """Return the verdict on a printed number or statement by its figure.
+    """Return the verdict on a printed number or statement, by the figure that the equations give
+    for it.
 
     Raises:
         ArithmeticError: if the figure is not finite.
@@ -116,7 +130,7 @@ def half_unit(printed: str) -> float:
 
 
 def audit_report(view: AuditView) -> Report:
-    """Recompute every printed number."""
+    """Recompute every printed number and return the report of the audit."""
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)
@@ -140,7 +154,9 @@ def audit_report(view: AuditView) -> Report:
 
 
 def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
-    """Return how many rows are reproduced, and the printed number whose figure is relatively farthest off."""
+    """Return the sentence with the counts of rows and the number that differs most from its print,
+    relatively.
+    """
     _, where, printed, computed = max(
         (
             abs(row.computed / row.printed - 1.0),
@@ -159,16 +175,19 @@ def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
 
 
 def shown_number(value: float | str | None) -> str:
-    """Return the text of a cell: a statement as it is, a number with up to seven digits, a dash for nothing."""
+    """Return the text of a cell: a statement unchanged, a number with up to seven digits, a dash
+    for None.
+    """
     return "-" if value is None else value if isinstance(value, str) else f"{value:.7g}"
 
 
 def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
-    """Return rows under each other: place, printed, computed, unit and status, and below them the reason, indented."""
+    """Return a text table of the rows; the remark of a row stands indented below it."""
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
     widths = (width - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
 
     def line(*cells: str) -> list[str]:
+        """Return the text lines of one row of cells, each cell wrapped to its column."""
         return side_by_side(
             [textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2)
         )

@@ -1,4 +1,7 @@
-"""Figures of the printed numbers and statements of chapter 2, and of chapters 1, 4 and 5 where they print its quantities (Zhang 2020)."""
+"""Figures for the audit of chapter 2 (Zhang 2020).
+
+The audit of chapters 1, 4 and 5 uses them where these print quantities of chapter 2.
+"""
 
 from __future__ import annotations
 
@@ -47,12 +50,15 @@ natural_rate = float(cueing.natural_rate(tool.belt.stiffness, inertia))
 
 
 class SimulatedPass(NamedTuple):
-    """Results of the reference pass.
+    """Results of the reference pass at the operating point.
 
     Attributes:
-        lag, largest_retraction, release_retraction: lag at the strike, and retractions, deg.
-        rate: of the bristle at the strike, relative to the hub, rad/s.
-        second_contact: time from the strike to the next impact on the workpart, ms; 0 without one.
+        lag: angle of the bristle behind the hub at the strike, deg.
+        largest_retraction: largest retraction before the strike, deg.
+        release_retraction: retraction at the release from the bar, deg.
+        rate: rate of the bristle relative to the hub at the strike, rad/s.
+        second_contact: time from the strike to the next impact on the workpart, ms; 0 if there is
+            none.
     """
 
     lag: float
@@ -64,7 +70,9 @@ class SimulatedPass(NamedTuple):
 
 @cache
 def simulated_pass() -> SimulatedPass:
-    """Simulate the pass at the operating point, sampled so that angles are read off to 1e-4 deg."""
+    """Simulate the pass at the operating point, with samples dense enough to read angles to 1e-4
+    deg.
+    """
     run = simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
     hits = [each for each in run.contacts if each.obstacle == "workpart"]
     struck = run.event_time("strike") or 0.0
@@ -80,7 +88,10 @@ def simulated_pass() -> SimulatedPass:
 
 
 def damping_ratio(fraction: float) -> float:
-    """Return zeta for which the highest speed is this fraction, 1/e to 1, of the undamped one."""
+    """Return the damping ratio at which the highest speed is a fraction of the undamped one.
+
+    The fraction must be between 1/e and 1.
+    """
     return float(
         brentq(
             lambda zeta: cueing.damped_highest_speed(1.0, 1.0, zeta) - fraction,
@@ -97,9 +108,8 @@ def cue_figures() -> Figures:
     stiff = cueing.stiffened_cue(tool)
     soft = dataclasses.replace(tool, belt=Belt(stiffness=PRINTED_BELT_STIFFNESS))
     centrifugal = cueing.field_stiffness(tool)
-    turn = (
-        PRINTED_DIRECTION - plain.tip_lag - plain.impact_angle
-    )  # that the printed position leaves to the cue
+    # Turn of the hub from the printed position of the bar to the strike, rad.
+    turn = PRINTED_DIRECTION - plain.tip_lag - plain.impact_angle
     placed_stiffness = inertia * (0.5 * math.pi * tool.hub.speed / turn) ** 2
     needed_stiffness = inertia * (PRINTED_RATE / RETRACTION_AT_RELEASE) ** 2
     filmed_stiffness = (2.0 * math.pi * 254.0) ** 2 * inertia
@@ -176,7 +186,7 @@ BELOW_STICTION = np.linspace(0.0, 0.42, 22)
 def strike(
     friction: Any = None, impact_angle: Any = IMPACT_ANGLE, **other: Any
 ) -> MonofilamentImpact:
-    """Return the monofilament's impact at the operating point, with the given arguments changed."""
+    """Return the monofilament's impact at the operating point, except for the given arguments."""
     workpart = tool.workpart
     assert workpart is not None
     given: dict[str, Any] = {
@@ -196,7 +206,10 @@ def strike(
 
 
 def resultant_impulse(friction: float) -> float:
-    """Return p_c = sqrt(p_cx^2 + p_cy^2) at gamma = 23.4 deg, N s (3.1)."""
+    """Return the resultant compressive impulse, N s, at an impact angle of 23.4 deg (eq. 3.1).
+
+    It is p_c = sqrt(p_cx^2 + p_cy^2).
+    """
     hit = strike(friction)
     return float(np.hypot(hit.normal_compressive_impulse, hit.tangential_compressive_impulse))
 
@@ -257,7 +270,10 @@ def compression_figures() -> Figures:
 
 
 def restitution_figures() -> Figures:
-    """Return the figures of the bristle's restitution, section 2.3, where p_fy is the normal final impulse."""
+    """Return the figures of the bristle's restitution, section 2.3.
+
+    The normal final impulse is p_fy.
+    """
     stiction = float(stiction_friction(IMPACT_ANGLE))
     nearly_stuck = strike(0.31, restitution_friction=stiction * (1 - 1e-08)).normal_final_impulse
     equal = strike(BELOW_STICTION)
@@ -283,14 +299,17 @@ def restitution_figures() -> Figures:
 
 
 def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
-    """Return the impact of the double pendulum of figures 2.28 and 2.29."""
+    """Return the impact of the double pendulum of figures 2.28 and 2.29 at a mass ratio."""
     return pendulums.double_pendulum_impact(
         5.0, mass_ratio, 1.0, math.pi / 9.0, math.pi / 6.0, -0.1, -0.2, 0.5, 0.5
     )
 
 
 def pendulum_figures() -> Figures:
-    """Return the figures of Stronge's pendulums, section 2.4, and of the general impact law at the operating point."""
+    """Return the figures of Stronge's pendulums, section 2.4.
+
+    They include the general impact law at the operating point.
+    """
     angles = np.radians([20.0, 40.0, 60.0, 80.0])
     bristle = monofilament_impact(1.0, 1.0, 0.0, 1.0, 1.0, angles, 0.31, 0.42).rebound_ratio
     stronge = [

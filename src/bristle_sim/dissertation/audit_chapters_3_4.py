@@ -1,4 +1,4 @@
-"""Figures of the printed numbers and statements on force history and crater, chapters 3 and 4 (Zhang 2020)."""
+"""Figures for the audit of chapters 3 and 4: force history and crater (Zhang 2020)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific
 
 BALL_TIME = printed_number("eq. 3.6: time of the largest force")
 BRISTLE_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
-IMPULSE_ROUNDING = 0.5e-6 / BRISTLE_IMPULSE  # of the printed p_c, relative
+IMPULSE_ROUNDING = 0.5e-6 / BRISTLE_IMPULSE  # rounding of the printed p_c, as a fraction of it
 
 exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
@@ -44,7 +44,7 @@ def force_history_figures() -> Figures:
     """Return the figures of the force history, chapter 3."""
     printed = np.array(printed_segments(), dtype=float)
     step = 0.1 * COMPRESSION_TIME
-    # (3.3) through the forces of table 3.1, impulse over time at the middle of each segment, with F* = 60 N.
+    # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
     middles = step * (np.arange(10) + 0.5)
     known = {"duration": BRISTLE.duration, "peak_force": 2.0 * BRISTLE.swing}
     table_fit = fit_force_history(middles, 1e-4 * printed / step, start=0.0, **known)
@@ -104,7 +104,7 @@ def force_history_figures() -> Figures:
 
 
 def motion_figures() -> Figures:
-    """Return the figures of motion and width of the cut, section 4.1."""
+    """Return the figures of the motion and the width of the cut, section 4.1."""
     drawn = PRINTED_KINEMATICS
     face = PRINTED_FACE
     reached = 1e6 * float(drawn.tip_displacement(COMPRESSION_TIME))
@@ -143,7 +143,7 @@ def motion_figures() -> Figures:
 
 
 def plies_figures() -> Figures:
-    """Return the figures of the depth by plies, section 4.2."""
+    """Return the figures of the crater depth by plies, section 4.2."""
     angles = oblique_angles(0.5, IMPACT_ANGLE)
     buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     rake, beta, eta = (
@@ -202,7 +202,7 @@ def plies_figures() -> Figures:
 
 
 def energy_figures() -> Figures:
-    """Return the figures of the depth by work and energy, section 4.3."""
+    """Return the figures of the crater depth by work and energy, section 4.3."""
     printed = energy_coefficients()
     unrounded = energy_coefficients(exact)
     initial = kinetic_energy(0, unrounded)

@@ -1,4 +1,6 @@
-"""Figures 4.2-4.19: motion during compression, cutting width and crater depth (Zhang 2020, chapter 4)."""
+"""Figures 4.2-4.19: motion during compression, width of the cut and crater depth (Zhang 2020,
+chapter 4).
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,7 @@ STRESS = Axis("shear yield stress", "MPa", 1e-6)
 WHOLE_PLIES = np.unique(np.geomspace(1, 1e5, 81).astype(int))
 FEW_PLIES = np.array([1, 3, 10, 30, 100, 300, 1000, 10000, 100000])
 ANGLES = (10.0, 15.0, 20.0, 23.4)
-"""Impact angles of families, degrees."""
+"""Impact angles of the families of curves, deg."""
 
 MEASURED_LEVEL = Level(MEASURED, "measured")
 OWN = Crater()
@@ -68,11 +70,18 @@ FAMILIES: dict[str, Family] = {
         ANGLES,
     ),
 }
-"""By figure: the varied quantity, its axis, its field of Crater and range; and the field and values of the family."""
+"""Families of crater depths, by figure.
+
+An entry has the varied quantity in words, its axis, its field of ``Crater`` and its range; then the
+field of ``Crater`` that
+varies from curve to curve and its values."""
 
 
 def map_figure() -> Redrawn:
-    """Figure 4.2: force and motion during compression, beside a contact of the operating point's speed."""
+    """Return figure 4.2: force and motion during compression, printed and simulated.
+
+    The simulated contact has the operating point's speed.
+    """
     k = PRINTED_KINEMATICS
     contact = bristle_contact(impulse=False)
     h = contact.history
@@ -96,7 +105,7 @@ def map_figure() -> Redrawn:
 
 
 def displacement_figure() -> Redrawn:
-    """Figure 4.3: the tip's path."""
+    """Return figure 4.3: the path of the tip."""
     motion = PRINTED_KINEMATICS.tip_displacement
     panel = _over_time(PATH, "$S$ (4.4a)", motion, bristle_contact(impulse=False).path)
     end = float(motion(COMPRESSION_TIME))
@@ -107,7 +116,7 @@ def displacement_figure() -> Redrawn:
 
 
 def width_figure() -> Redrawn:
-    """Figure 4.6: width of the cut."""
+    """Return figure 4.6: the width of the cut."""
     at = COMPRESSION_TIME * np.linspace(0.0, 1.0, 11)[1:]
     printed = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2)
     grid = COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2
@@ -122,7 +131,7 @@ def width_figure() -> Redrawn:
 
 
 def plies_figure() -> Redrawn:
-    """Figure 4.13: depth over the number of plies, with exact and rounded angles."""
+    """Return figure 4.13: crater depth over the number of plies, by exact and by rounded angles."""
     exact, rounded = (partial(_depths, angles) for angles in (None, PRINTED_ANGLES))
     course = [
         float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
@@ -145,7 +154,11 @@ def _depths(angles: CuttingAngles | None, plies: Array) -> Array:
 
 
 def depth_figure(number: str) -> Redrawn:
-    """Figures 4.14, 4.15 and 4.17: depth over friction, impact angle and shear yield stress; points by the printed sum."""
+    """Return figure 4.14, 4.15 or 4.17: crater depth over friction, impact angle or shear yield
+    stress.
+
+    The points are values of the printed sum.
+    """
     words, axis, along, ends, family, values = FAMILIES[number]
     bases = (dataclasses.replace(OWN, **{family: value}) for value in values)  # type: ignore[arg-type]
     curves = tuple(_depth_curve(base, family, along, np.linspace(*ends, 101)) for base in bases)
@@ -156,7 +169,7 @@ def depth_figure(number: str) -> Redrawn:
 
 
 def constant_depth_figure() -> Redrawn:
-    """Figure 4.16: friction over the impact angle at constant depth."""
+    """Return figure 4.16: friction over the impact angle at constant crater depth."""
     curves = []
     for depth in (1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4):
         angles = np.array(
@@ -172,7 +185,10 @@ def constant_depth_figure() -> Redrawn:
 
 
 def energy_figure() -> Redrawn:
-    """Figure 4.19: depth by work and energy over the number of plies, in both readings."""
+    """Return figure 4.19: crater depth by work and energy over the number of plies.
+
+    Its curves are the two readings of the equation: a sum of quotients, and a ratio of two sums.
+    """
     course = [
         float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
     ]
@@ -210,7 +226,7 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 def _over_time(
     axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array
 ) -> Panel:
-    """Return a panel with a printed course of the compression and the simulated one."""
+    """Return a panel over the time of the compression, with a printed curve and simulated points."""
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
     kept = time <= COMPRESSION_TIME
     grid = np.linspace(0.0, COMPRESSION_TIME, 101)
@@ -222,6 +238,7 @@ def _over_time(
 
 
 def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
+    """Return one crater depth curve of a family, with points by the printed sum."""
     at = np.linspace(float(x[0]), float(x[-1]), 8)
     course = [
         merchant_depth_course(dataclasses.replace(base, **{along: each}))[-1]
@@ -239,7 +256,9 @@ def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
 
 
 def _friction(depth: float, angle_deg: float) -> float:
-    """Return the friction >= tan gamma that gives a crater depth, m; NaN if none does."""
+    """Return the friction of at least tan(gamma) that gives a crater depth (m); NaN if there is
+    none.
+    """
     try:
         return float(friction_for_crater_depth(depth, math.radians(angle_deg)))
     except ValueError:
@@ -247,7 +266,10 @@ def _friction(depth: float, angle_deg: float) -> float:
 
 
 def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
-    """Return the friction at which the printed sum (4.57), which grows with friction, gives a depth, m."""
+    """Return the friction at which the printed sum (4.57) gives a crater depth, m.
+
+    The sum grows with friction, so there is one root.
+    """
 
     def excess(logarithm: float) -> float:
         crater = dataclasses.replace(OWN, friction=math.exp(logarithm), impact_angle_deg=angle_deg)

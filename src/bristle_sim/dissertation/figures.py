@@ -1,4 +1,4 @@
-"""Every computed figure of the dissertation and table 3.1: their data by number, and how far points are from curves."""
+"""All computed figures of the dissertation and table 3.1, and the distances of points from curves."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ NUMBERS = tuple(_BUILDERS)
 
 
 def redrawn(number: str) -> Redrawn:
-    """Return one figure's data; impacts are simulated on the way."""
+    """Return the data of one figure; this simulates the impacts in it."""
     return _BUILDERS[number]()
 
 
 @dataclass(frozen=True, slots=True)
 class Selection(Declared):
-    """Which figures to redraw."""
+    """The choice of figures to redraw."""
 
     only: str = choice(
         "only: figure or table that is redrawn [chosen: one figure alone]", "all", *NUMBERS
@@ -45,17 +45,17 @@ class Selection(Declared):
 
 
 def figures_report(selection: Selection) -> Report:
-    """Compute curves and points of the requested figures.
+    """Compute the curves and points of the requested figures.
 
     Raises:
-        Unfinished: with a report of the figures computed so far, if the user interrupts.
+        Unfinished: if the user interrupts; it has a report of the figures computed so far.
     """
     begin = clock.perf_counter()
     numbers = NUMBERS if selection.only == "all" else (selection.only,)
     figures: list[Redrawn] = []
 
     def report() -> Report:
-        """Return how far the points of the figures are from their curves."""
+        """Return the report of the distances between the points and their curves."""
         apart = [
             (each, law, value)
             for each in figures
@@ -95,7 +95,9 @@ def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
 
 
 def _answer(quantities: Sequence[Quantity]) -> str:
-    """Return whether all points lie on their curves, and those that are farthest off."""
+    """Return the sentence that says whether the points lie on their curves, and which are farthest
+    off.
+    """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each.label for each in judged if not each.ok]
     if missed:

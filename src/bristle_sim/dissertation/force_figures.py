@@ -19,7 +19,9 @@ from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 NOISE = 5.0
 POINTS = 61
 SEED = 1
-"""Noise (N) and number of the points that stand in for the measured ones, and the seed of the noise."""
+"""Standard deviation of the noise (N), number of points and seed of the noise.
+
+The points replace the measured ones of figure 3.1, which are not in print."""
 
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
 MICROSECONDS = Axis("time since first touch", "µs", 1e6)
@@ -30,7 +32,7 @@ PRINTED_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
 
 
 def points_figure() -> Redrawn:
-    """Figure 3.1: points of the ball's impact."""
+    """Return figure 3.1: points of the ball's impact, and a curve fitted to them."""
     time = np.linspace(0.0, BALL.duration, POINTS)
     force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
     fit = fit_force_history(
@@ -46,7 +48,7 @@ def points_figure() -> Redrawn:
 
 
 def fit_figure() -> Redrawn:
-    """Figure 3.2: the fitted curve, its inflection point and its largest force."""
+    """Return figure 3.2: the fitted curve, its inflection point and its largest force."""
     at = np.linspace(0.0, 5e-3, 11)
     printed = (
         1.3935
@@ -68,7 +70,11 @@ def fit_figure() -> Redrawn:
 
 
 def bristle_figure() -> Redrawn:
-    """Figure 3.3: the bristle's force curve, the segments of table 3.1, and a simulated contact of its impulse."""
+    """Return figure 3.3: the bristle's force curve, the segments of table 3.1 and a simulated
+    contact.
+
+    The simulated contact has the impulse of the curve.
+    """
     step = BRISTLE.peak_time() / SEGMENTS
     middles = step * (np.arange(SEGMENTS) + 0.5)
     mean = 1e-4 * np.array([float(each) for each in TABLE_3_1]) / step
@@ -90,7 +96,10 @@ def bristle_figure() -> Redrawn:
 
 
 def table() -> Redrawn:
-    """Table 3.1: ten segments of the compression by print, by (3.15), by (3.19) and simulated."""
+    """Return table 3.1: impulses of the ten segments of compression.
+
+    Its columns are the print, eq. (3.15), eq. (3.19) and the simulated contact.
+    """
     contact = bristle_contact(impulse=True)
     edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1).tolist()
     columns = (
@@ -122,7 +131,11 @@ def table() -> Redrawn:
 
 @functools.cache
 def bristle_contact(*, impulse: bool) -> TimedContact:
-    """The bristle's contact with (3.19)'s compression time and impulse, or with the operating point's speed instead."""
+    """Return the bristle's contact with the compression time of eq. (3.19).
+
+    Its impulse is that of (3.19) if ``impulse`` is true; otherwise its speed is that of the
+    operating point.
+    """
     peak = BRISTLE.peak_time()
     return timed_contact(
         Hub(),

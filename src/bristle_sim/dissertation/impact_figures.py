@@ -1,7 +1,9 @@
-"""Figures 2.7-2.26: impulses, works and rebound of the radial bristle and of Stronge's single pendulum (Zhang 2020, chapter 2).
+"""Figures 2.7-2.26: impulses, works and rebound of the radial bristle and of Stronge's single
+pendulum.
 
-The curves are the dissertation's formulas; the points go through the pymunk scene, one strike each, with the contact law
-they are named after.
+The curves are the dissertation's formulas (Zhang 2020, chapter 2). Each point is one strike in the
+pymunk scene, by the
+contact law that gives the points their name.
 """
 
 from __future__ import annotations
@@ -26,16 +28,18 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 
 Impact = Callable[[float], tuple[Chain, Surface]]
-"""A function that returns the rods and the surface for a value of x."""
+"""Function that returns the rods and the surface of an impact for a value of x."""
 
 GRID = 401  # points on a curve
 
-# simulated impacts on a curve by law: at ends and steps, and between them
+# Number of simulated impacts on a curve: energetic ones from end to end, compliant ones in between.
 ENERGETIC = 6
 COMPLIANT = 5
 
 NEAREST = 0.9
-"""Fraction of the stiction friction up to which impacts are simulated where p_fy has no bound; curves end at 0.9999 of it."""
+"""Largest friction of simulated impacts, as a fraction of the stiction friction.
+
+Towards the stiction friction p_fy has no bound; the curves end at 0.9999 of it."""
 
 FINAL = "normal_final_impulse"
 NORMAL = "normal_compressive_work"
@@ -45,7 +49,10 @@ TOTAL = "total_compressive_work"
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Arguments of ``monofilament_impact`` for one strike, in SI units and rad; by default those of the operating point."""
+    """Arguments of ``monofilament_impact`` for one strike, in SI units and rad.
+
+    The defaults are those of the operating point.
+    """
 
     mass: float = Bristle().mass
     friction: float = Surface().friction
@@ -58,7 +65,7 @@ class Case:
     speed_ratio: float = Strike().speed_ratio
 
     def impact(self) -> tuple[Chain, Surface]:
-        """Return the rod that strikes and the surface that is struck."""
+        """Return the rod that strikes and the surface."""
         angle = -self.impact_angle
         rate = self.speed_ratio * self.hub_speed
         rod = Chain(
@@ -72,9 +79,12 @@ OPERATING_POINT = Case()
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """A family of strikes: ``along`` varies on a curve from ``low`` to ``high``, ``family`` from curve to curve.
+    """A family of curves of strikes.
 
-    Both are fields of Case. A curve may end, instead of at ``high``, where the friction that varies reaches tan gamma.
+    The field ``along`` of ``Case`` varies on a curve, from ``low`` to ``high``. The field
+    ``family`` varies from curve to curve.
+    With ``until_stiction`` a curve ends where its friction reaches tan(gamma), if this is below
+    ``high``.
     """
 
     along: str
@@ -86,7 +96,7 @@ class Sweep:
     base: Case = OPERATING_POINT
 
     def cases(self) -> list[Case]:
-        """The curve's fixed part, one for each value of the family."""
+        """Return the fixed parameters of each curve of the family."""
         return [dataclasses.replace(self.base, **{self.family: value}) for value in self.values]
 
 
@@ -155,7 +165,7 @@ FIGURES: dict[str, tuple[str, Sweep, str]] = {
     "2.23": (FINAL, RESTITUTION, "over friction, by restitution"),
     "2.24": ("rebound_ratio", REBOUND, "over the impact angle"),
 }
-"""Quantity, sweep, and the end of the title, which begins with the quantity."""
+"""Quantity, sweep and end of the title, by figure; a title begins with the quantity."""
 
 NOTES = {
     "2.13": "grows without bound towards tan $\\gamma$ = 0.433 (dashed), from where on the tip does not rebound",
@@ -167,14 +177,14 @@ NOTES = {
 
 
 def impact_figure(number: str) -> Redrawn:
-    """Return one of figures 2.7-2.24."""
+    """Return the data of one of figures 2.7 to 2.24."""
     quantity, sweep, title = FIGURES[number]
     title = f"{quantity.replace('_', ' ')} {title}"
     return Redrawn(number, title, (_panel(quantity, sweep),), NOTES.get(number, ""))
 
 
 def single_pendulum_figure() -> Redrawn:
-    """Return figure 2.26: the bristle's rebound ratio with a hub of no radius."""
+    """Return figure 2.26: rebound ratio of the bristle on a hub of zero radius."""
     panel = _panel(
         "rebound_ratio",
         dataclasses.replace(REBOUND, base=dataclasses.replace(OPERATING_POINT, hub_radius=0.0)),
@@ -184,7 +194,11 @@ def single_pendulum_figure() -> Redrawn:
 
 
 def _panel(quantity: str, sweep: Sweep) -> Panel:
-    """Return a quantity over a sweep: closed form, simulated impacts, the operating point and where stiction begins."""
+    """Return the panel of a quantity over a sweep.
+
+    It has the closed form, simulated impacts, the operating point, and a line where stiction
+    begins.
+    """
     curves = tuple(_curve(quantity, sweep, case) for case in sweep.cases())
     own = getattr(OPERATING_POINT, sweep.along)
     at = OPERATING_POINT.friction if own is None else own
@@ -203,7 +217,12 @@ def _panel(quantity: str, sweep: Sweep) -> Panel:
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
-    """Return a curve, sampled more densely where it grows without bound, and points by law at ends, steps and middles."""
+    """Return one curve of a sweep with points of simulated impacts.
+
+    The grid gets denser where the quantity grows without bound. Energetic impacts lie from end to
+    end, compliant ones at the
+    middles of equal parts.
+    """
     low = sweep.low
     high = sweep.high
     simulated = sweep.high
@@ -229,13 +248,16 @@ def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
 
 
 def _value(quantity: str, get: Callable[[str], Any]) -> Any:
-    """Return a quantity by name, the total work as the sum of both; None where it is not known."""
+    """Return a quantity by name; None if it is unknown.
+
+    The total work is the sum of the normal and the tangential work.
+    """
     values = [get(name) for name in ((NORMAL, TANGENTIAL) if quantity == TOTAL else (quantity,))]
     return None if any(value is None for value in values) else sum(values)
 
 
 def closed_form(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
-    """Return the closed form as a function of one field of the case."""
+    """Return a quantity by the closed form, as a function of one field of the case."""
 
     def value(x: Array) -> Array:
         found = monofilament_impact(**dataclasses.asdict(case) | {along: x})
@@ -252,9 +274,17 @@ def impact_curve(
     read: Callable[[ContactRecord], float | None],
     places: Mapping[str, Array],
 ) -> Curve:
-    """Return a closed form over x, with points at some places that are read from simulated impacts of each law.
+    """Return a closed form over x, with points from simulated impacts of each contact law.
 
-    An impact without an end, or without the quantity, is left out.
+    Args:
+        name: label of the curve.
+        formula: closed form as a function of x.
+        x: grid of the curve.
+        impact: function that returns the rods and the surface for a value of x.
+        read: function that reads the quantity from a contact.
+        places: values of x of the simulated impacts, by contact law.
+
+    An impact that does not end, or that lacks the quantity, is left out.
     """
     points: dict[str, Any] = {}
     for law, at in places.items():
@@ -270,7 +300,7 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord | None:
-    """Return the contact of a strike through the scene; None if it does not end."""
+    """Return the contact of a strike in the scene; None if the contact does not end."""
     try:
         return strike(chain, surface, Contact(law), Settings()).contact
     except ValueError:

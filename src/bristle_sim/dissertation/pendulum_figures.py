@@ -1,4 +1,8 @@
-"""Figures 2.28-2.30: Stronge's double pendulum, over the ratio of its masses and as a bristle on a heavy rod (Zhang 2020)."""
+"""Figures 2.28-2.30: Stronge's double pendulum (Zhang 2020, sec. 2.4.2).
+
+Figures 2.28 and 2.29 vary its mass ratio. In figure 2.30 its second rod is the bristle and its
+first a heavy rod.
+"""
 
 from __future__ import annotations
 
@@ -28,11 +32,14 @@ from bristle_sim.trajectory import ContactRecord
 HEAVY_ROD = Chain(
     (700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6)
 )
-"""The bristle as the second rod of a double pendulum whose first is 700 times as heavy (Zhang 2020, fig. 2.30)."""
+"""Double pendulum of figure 2.30 (Zhang 2020): the bristle on a rod 700 times as heavy."""
 
 
 def double_pendulum_figure(number: str) -> Redrawn:
-    """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
+    """Return figure 2.28 or 2.29: rate of a rod after the impact over the mass ratio.
+
+    At some frictions the tip's slip reverses, at others the tip sticks.
+    """
     rod, name = {"2.28": (2, "rod BC"), "2.29": (1, "rod OB")}[number]
     chain = double_chain(DoublePendulum())
     surface = Surface(0.5, None, 0.5)
@@ -55,7 +62,10 @@ def double_pendulum_figure(number: str) -> Redrawn:
 
 
 def heavy_rod_figure() -> Redrawn:
-    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum, and the monofilament's."""
+    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum.
+
+    The closed form of the monofilament is drawn for comparison.
+    """
     stiction = math.tan(-HEAVY_ROD.angles[1])
     at = OPERATING_POINT.friction
     surface = Surface(restitution=0.42)
@@ -89,7 +99,10 @@ def heavy_rod_figure() -> Redrawn:
 def _impact(
     chain: Chain, surface: Surface, mass_ratio: float, friction: float
 ) -> tuple[Chain, Surface]:
-    """Return a double pendulum with another ratio of its first rod's mass to its second's, and the struck surface."""
+    """Return a double pendulum with another mass ratio, and the surface with another friction.
+
+    The mass ratio is that of the first rod to the second.
+    """
     masses = (mass_ratio * chain.masses[1], chain.masses[1])
     return dataclasses.replace(chain, masses=masses), dataclasses.replace(
         surface, friction=friction
@@ -98,7 +111,9 @@ def _impact(
 
 @cache
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
-    """Return the double pendulum's closed form, its rates signed as in the dissertation."""
+    """Return the double pendulum's impact by the closed form, with rates signed as in the
+    dissertation.
+    """
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]
     coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
@@ -110,7 +125,11 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
 def _curve(
     name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]
 ) -> Curve:
-    """Return p_f, N s, or the rate of a rod, rad/s, negative approaching, over x, and of simulated impacts by law."""
+    """Return a quantity over x by the closed form, with points of simulated impacts by contact law.
+
+    The quantity is the normal final impulse, N s, or the rate of a rod, rad/s, which is negative in
+    approach.
+    """
 
     def formula(grid: Array) -> list[float]:
         return [getattr(_closed_form(*impact(each)), quantity) for each in grid.tolist()]

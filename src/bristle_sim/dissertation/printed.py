@@ -1,4 +1,7 @@
-"""All printed numbers and decidable statements of the dissertation, with their digits and places, from ``printed.toml``."""
+"""All printed numbers and decidable statements of the dissertation, with digits and places.
+
+They are stored in ``printed.toml``.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,15 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """A number as printed, or a statement in words; where it stands, its unit, and why a computed figure may differ.
+    """A number as printed, or a statement in words.
 
-    ``why`` has places for the figure, such as ``{figure:.2f}``, and for further figures, such as ``{0:.2f}``.
+    Attributes:
+        where: its place in the dissertation.
+        printed: the number with its printed digits; empty for a statement.
+        statement: the statement; empty for a number.
+        unit: unit of the number.
+        why: why a computed figure may differ. It has places for the figure, as ``{figure:.2f}``,
+            and for further figures, as ``{0:.2f}``.
     """
 
     where: str
@@ -28,7 +37,7 @@ class Printed:
 
 @cache
 def printed_rows() -> dict[str, Printed]:
-    """Return all rows by their places, in order."""
+    """Return all rows by their places, in the order of the file."""
     rows = tomllib.loads(Path(__file__).with_name("printed.toml").read_text(encoding="utf-8"))[
         "row"
     ]
@@ -36,12 +45,17 @@ def printed_rows() -> dict[str, Printed]:
 
 
 def printed_number(where: str) -> float:
-    """Return a printed number in its printed unit."""
+    """Return a printed number in the unit of its row."""
     return float(printed_rows()[where].printed)
 
 
 def printed_cue() -> dict[str, float]:
-    """Return the printed place of the bar, deg and m, and the bristle's speed relative to the hub, rad/s (eqs. 2.2 and 2.3)."""
+    """Return the printed position of the bar and speed of the bristle (eqs. 2.2 and 2.3).
+
+    Returns:
+        ``speed`` of the bristle relative to the hub, rad/s; ``direction`` of the bar, deg; and its
+        coordinates ``horizontal`` and ``vertical``, m.
+    """
     horizontal, vertical = (
         1e-3 * printed_number(f"eq. 2.3: bar position {name}") for name in ("S_H", "S_V")
     )
@@ -54,7 +68,7 @@ def printed_cue() -> dict[str, float]:
 
 
 def printed_segments() -> tuple[str, ...]:
-    """Return the ten-segment impulses of the bristle with their digits in print, 1e-4 N s (table 3.1)."""
+    """Return the printed impulses of the ten segments of table 3.1, in 1e-4 N s, with their digits."""
     return tuple(
         printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11)
     )
@@ -64,10 +78,11 @@ class Figure:
     """The figure that the equations give for a printed number or statement.
 
     Args:
-        value: the figure, or None where nothing can be computed.
+        value: the figure; None if it cannot be computed.
         further: figures for the places in the row's ``why``.
-        holds: whether the figure decides that a statement holds.
-        allowance: widens half a unit of the last printed digit, where a number was worked out from rounded ones.
+        holds: whether the statement holds by the figure.
+        allowance: addition to half a unit of the last printed digit, for a number that was computed
+            from rounded ones.
     """
 
     __slots__ = ("allowance", "further", "holds", "value")
@@ -82,24 +97,30 @@ class Figure:
 
 
 Figures = dict[str, Figure]
-"""Figures by the places of their rows."""
+"""Figures by the place of their row in the dissertation."""
 
 
 def within(value: Any, bound: float, *further: Any) -> Figure:
-    """Return the figure of a statement that holds where its magnitude is below a bound."""
+    """Return the figure of a statement that holds if the magnitude of the value is below a bound."""
     return Figure(value, *further, holds=abs(value) < bound)
 
 
 def above(value: Any, bound: float, *further: Any) -> Figure:
-    """Return the figure of a statement that holds where it is above a bound."""
+    """Return the figure of a statement that holds if the value is above a bound."""
     return Figure(value, *further, holds=value > bound)
 
 
 def grows(*families: Any) -> Figure:
-    """Return the least increase along the last axis, relative to the values' range; the statement is that all grow."""
+    """Return the figure of the statement that all families of values grow along their last axis.
+
+    The figure is the least increase between neighbours over the range of the values.
+    """
     return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
 
 
 def linear(values: Any) -> Figure:
-    """Return the largest second difference over the range, which is rounding for a straight line."""
+    """Return the figure of the statement that the values lie on a straight line, but for rounding.
+
+    The figure is the largest second difference over the range of the values.
+    """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -1,4 +1,6 @@
-"""Data of a redrawn figure or table: panels of curves, the points that check them, and the points' distances from them."""
+"""Data of a redrawn figure or table: panels of curves, and points with their distances from the
+curves.
+"""
 
 from __future__ import annotations
 
@@ -13,32 +15,38 @@ from bristle_sim.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The source of points in words, and their largest permitted relative distance from the curve."""
+    """Source of points, in words, and the largest permitted distance of such a point from its
+    curve.
+
+    The distance is a fraction of the curve's largest value; None permits any distance.
+    """
 
     words: str
     tolerance: float | None
 
 
 SOURCES = {
-    # Law and closed form share their algebra up to rounding, which grows like 1/distance near the stiction friction.
+    # Law and closed form differ by rounding only, which grows like 1/distance near the stiction
+    # friction.
     "energetic": Source("scene, energetic law", 1e-9),
-    # As oblique_impact: a contact resolved in time reaches its rigid-body limit to a thousandth of this.
+    # As in oblique_impact: a contact resolved in time differs from its rigid-body limit by a
+    # thousandth of this.
     "compliant": Source("scene, contact resolved in time", 3e-3),
     "engine": Source("scene, engine's own contact", None),
     "contact": Source("scene, contact of 50 µs", None),
-    # The equation as it stands in print, number by number; the cancellation in it leaves 1e-12.
+    # The printed equation with its printed numbers; cancellation leaves an error of 1e-12.
     "printed": Source("printed equation, term by term", 1e-9),
-    # The coefficients of (4.59) are rounded, 0.00303 stands for 0.00302.
+    # The coefficients of (4.59) are rounded: 0.00303 is printed for 0.00302.
     "motion": Source("printed motion, summed", 5e-3),
     "table": Source("table 3.1, mean forces", None),
     "sampled": Source("drawn from (3.5), noise 5 N", None),
 }
-"""Sources of points; no largest distance where a difference is a finding or intended."""
+"""Sources of points; the tolerance is None where a difference is a finding or intended."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An axis shows SI values times ``factor`` in ``unit``; ``1`` for none."""
+    """An axis that shows SI values times ``factor`` in ``unit``; the unit ``1`` means none."""
 
     name: str
     unit: str = "1"
@@ -47,13 +55,16 @@ class Axis:
 
     @property
     def label(self) -> str:
-        """Name and unit."""
+        """Name of the quantity with its unit in parentheses."""
         return self.name if self.unit == "1" else f"{self.name} ({self.unit})"
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A labelled point, SI, its label to the ``right``, ``left`` or ``above``; without one it is the operating point."""
+    """A labelled point, SI; ``side`` is the side of its label: ``right``, ``left`` or ``above``.
+
+    A mark without a label is the operating point.
+    """
 
     x: float
     y: float
@@ -63,7 +74,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A labelled straight line at a value of y, or of x if ``upright``; SI."""
+    """A labelled straight line at a value of y, SI; at a value of x if ``upright``."""
 
     value: float
     label: str
@@ -72,7 +83,10 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A closed form over x, and points that check it, x and y by source; an impact that does not end is left out."""
+    """A closed form over x, with points that check it.
+
+    ``points`` holds the arrays x and y by source. An impact that does not end is left out.
+    """
 
     name: str
     x: Array
@@ -82,9 +96,16 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One pair of axes with a family of curves, distinguished by the varied quantity's symbol, with marked points and lines.
+    """One pair of axes with a family of curves, marked points and lines.
 
-    ``top`` is the largest y shown, SI, where curves grow without bound; None shows all of the curves.
+    Attributes:
+        x: horizontal axis.
+        y: vertical axis.
+        curves: the curves; each name is a value of the varied quantity.
+        family: symbol of the varied quantity.
+        marks: labelled points.
+        levels: labelled straight lines.
+        top: largest y shown, SI, where curves grow without bound; None shows the curves whole.
     """
 
     x: Axis
@@ -102,7 +123,9 @@ def curve_of(
     x: ArrayLike,
     points: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
 ) -> Curve:
-    """Return a curve on a grid that includes the x of all its points, so that each can be compared with the curve."""
+    """Return a curve on a grid that includes x of all points, so that each point has a value of the
+    curve.
+    """
     given = {
         law: (np.asarray(at, float), np.asarray(y, float))
         for law, (at, y) in (points or {}).items()
@@ -117,8 +140,12 @@ def curve_of(
 class Redrawn:
     """A figure or table of the dissertation with its own data.
 
-    The number is e.g. ``2.24`` or ``table_3.1``; the note is one line for the reader; the rows of a table, the head first,
-    are empty for a figure.
+    Attributes:
+        number: its number, as ``2.24`` or ``table_3.1``.
+        title: its title.
+        panels: panels of a figure.
+        note: one line for the reader.
+        table: rows of a table, with the head first; empty for a figure.
     """
 
     number: str
@@ -129,18 +156,21 @@ class Redrawn:
 
     @property
     def name(self) -> str:
-        """``figure_2.24`` or ``table_3.1``."""
+        """Name of the figure or table, as ``figure_2.24`` or ``table_3.1``."""
         return self.number if self.number.startswith("table") else f"figure_{self.number}"
 
     @property
     def heading(self) -> str:
-        """Number and title."""
+        """Number and title, as shown above the figure."""
         kind = self.number.replace("_", " ").capitalize() if self.table else f"Figure {self.number}"
         return f"{kind}: {self.title}"
 
 
 def largest_differences(figure: Redrawn) -> dict[str, float]:
-    """Return by source of points their largest distance from the curve, as a fraction of its largest value beside a point."""
+    """Return the largest distance of points from their curve, by source.
+
+    It is a fraction of the largest value of the curve at such points.
+    """
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):
         for source, (at, y) in curve.points.items():

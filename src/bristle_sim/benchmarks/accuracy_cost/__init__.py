@@ -1,7 +1,11 @@
-"""The cost of accuracy: error against CPU time of this project's methods and of other packages on the same cases.
+"""The cost of accuracy: error against CPU time, of this project's methods and of other packages.
 
-``cases`` has the cases with their exact answers. ``own_methods`` (with ``plain_steps`` of the bare engine), ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the
-attempts at each case. ``measure`` takes errors and times in separate passes. ``study`` runs them and writes the report.
+All methods solve the same cases. Modules: ``cases`` holds the cases with their exact answers.
+``own_methods`` (with
+``plain_steps`` of the bare engine), ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the
+attempts at each case.
+``measure`` measures errors and CPU times in separate passes. ``study`` runs the attempts and writes
+the report.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from bristle_sim.units import Declared, choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """The extent of the measurement."""
+    """Number of settings and repetitions of the measurement, and the packages that take part."""
 
     effort: str = choice(
         "effort: how many settings are timed and how often [chosen: quick measures too little to compare]",

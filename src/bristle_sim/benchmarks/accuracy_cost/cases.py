@@ -1,7 +1,8 @@
-"""The cases: each computed quantity with its exact answer and the source of that answer.
+"""The cases of the measurement: each quantity with its exact answer and the source of that answer.
 
-The answer of a case is a few numbers. Its error is the largest difference from the exact numbers, each relative to its own
-natural size. One definition thus serves closed forms and converged references.
+The answer of a case is a few numbers. The error of a case is the largest difference from the exact
+numbers, where each
+difference is divided by the natural size of its number.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
 REFERENCE_ACCURACY = 1e-12
-"""Accuracy of the whole pass's reference, at most a hundredth of that of any attempt."""
+"""Accuracy requested of the whole pass's reference: a hundredth of the finest in an attempt."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,13 +32,15 @@ class Case:
     """A problem with its exact answer.
 
     Attributes:
-        exact: the answer. A flight has the relative angle (rad) and rate (rad/s) at its end; a pass has the time (s),
-            relative angle and relative rate at the strike on the workpart; a strike has the rates of the rods after it
-            (rad/s).
-        scale: natural size of each of these numbers.
-        source: of the exact answer.
-        notes: remarks on how each package takes part, or why it cannot.
-        retraction, duration: of a flight from rest, rad and s.
+        exact: the answer. A flight has the relative angle (rad) and relative rate (rad/s) at its
+            end. A pass has the time (s), the relative angle (rad) and the relative rate (rad/s) at
+            the strike on the workpart. A strike has the rates of the rods after the impact (rad/s).
+        scale: natural size of each number of the answer, in the same units.
+        source: source of the exact answer.
+        notes: remarks on how packages take part, or why a package cannot.
+        tool: tool of a flight or of a pass.
+        retraction: retraction at the start of a flight, rad.
+        duration: duration of a flight, s.
     """
 
     name: str
@@ -51,14 +54,16 @@ class Case:
     duration: float = 0.0
 
     def error(self, values: Sequence[float]) -> float:
-        """Return the largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
+        """Return the largest difference from the exact answer over its scale; infinite if a value
+        is NaN.
+        """
         worst = float(np.max(np.abs(np.subtract(values, self.exact)) / self.scale))
         return math.inf if math.isnan(worst) else worst
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StrikeCase(Case):
-    """An impact by the energetic law."""
+    """An impact that obeys the energetic law of restitution."""
 
     chain: Chain
     surface: Surface
@@ -69,7 +74,10 @@ class StrikeCase(Case):
 
 
 def release_flight() -> Case:
-    """Return the undamped release on a turning hub, up to the radial direction, where the energy integral gives the speed."""
+    """Return the undamped release on a turning hub, up to the radial direction.
+
+    The energy integral gives the speed there.
+    """
     tool = Tool(bar=None, workpart=None)
     retraction = RETRACTION_AT_RELEASE
     bristle = tool.bristle
@@ -117,7 +125,10 @@ def strike() -> StrikeCase:
 
 
 def double_pendulum() -> StrikeCase:
-    """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
+    """Return the strike of Stronge's double pendulum (Zhang 2020, sec. 2.4.2).
+
+    The rods are identical and stand at 20 and 30 degrees to the normal.
+    """
     rods = DoublePendulum()
     surface = Surface(friction=0.5, restitution=0.5)
     chain = double_chain(rods)
@@ -139,7 +150,10 @@ def double_pendulum() -> StrikeCase:
 
 @functools.cache
 def whole_pass_case() -> Case:
-    """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
+    """Return the pass of the dissertation's tool from the start to the strike.
+
+    The bristle starts radial, 90 degrees before the workpart.
+    """
     exact = state_at_strike(
         simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike")
     )
@@ -157,7 +171,12 @@ def whole_pass_case() -> Case:
 
 
 def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
-    """Return time, relative angle and relative rate at the first contact with the workpart; NaN if there is none."""
+    """Return the state at the first contact with the workpart.
+
+    Returns:
+        Time (s), relative angle (rad) and relative rate (rad/s); NaN for each if there is no
+        contact.
+    """
     contact = run.first_contact("workpart")
     if contact is None:
         return math.nan, math.nan, math.nan

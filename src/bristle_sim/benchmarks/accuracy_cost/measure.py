@@ -1,8 +1,10 @@
-"""Error and time of attempts at a case, in separate passes.
+"""Measurement of the error and the CPU time of attempts at a case, in separate passes.
 
-Every attempt is first run once for its error, which also warms up caches. Then all attempts are timed in turn, round after
-round, so that other work on the machine disturbs all of them alike. The cost of an attempt is the least CPU time of the
-process in all rounds.
+Each attempt first runs once for its error; this run also warms up the caches. Then all attempts are
+timed in turn, round
+after round, so that other work on the machine disturbs all of them alike. The cost of an attempt is
+the least CPU time of
+the process in all rounds.
 """
 
 from __future__ import annotations
@@ -19,12 +21,15 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 
 OURS = "bristle_sim"
-"""This package among those that are measured."""
+"""Name of this package in the tables."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """An attempt's answer to a case, and its number of steps (or right-hand sides)."""
+    """The answer that an attempt found for a case, and the number of its steps.
+
+    For a method without fixed steps, ``steps`` counts the evaluations of the right-hand side.
+    """
 
     values: tuple[float, ...]
     steps: int
@@ -32,7 +37,10 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One method with one setting; ``run`` is the timed part, and ``method`` begins with the package's name."""
+    """One method with one setting.
+
+    ``run`` is the timed part. ``method`` begins with the name of the package.
+    """
 
     method: str
     setting: str
@@ -41,7 +49,10 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Error, CPU time (s) and steps of an attempt; a failed one has an infinite error and its reason in ``failure``."""
+    """Error, CPU time (s) and number of steps of an attempt.
+
+    A failed attempt has an infinite error, and ``failure`` states the reason.
+    """
 
     case: str
     method: str
@@ -55,17 +66,17 @@ class Point:
 def attempts(
     method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
 ) -> list[Attempt]:
-    """Return an attempt for each value of a method's setting, which go from coarse to fine."""
+    """Return one attempt for each value of a method's setting; the values go from coarse to fine."""
     return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
 
 def package_of(method: str) -> str:
-    """Return the package that a method belongs to."""
+    """Return the name of the package of a method."""
     return method.split(maxsplit=1)[0]
 
 
 def by_method(points: Iterable[Point]) -> list[list[Point]]:
-    """Return the points of each method."""
+    """Return the points grouped by method, one list for each method."""
     methods: dict[str, list[Point]] = {}
     for point in points:
         methods.setdefault(point.method, []).append(point)
@@ -73,7 +84,9 @@ def by_method(points: Iterable[Point]) -> list[list[Point]]:
 
 
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
-    """Measure the error of every attempt, then the CPU time of those that raise no exception."""
+    """Measure the error of every attempt, then the CPU time of each attempt that raised no
+    exception.
+    """
     points = list[Point]()
     working = list[Callable[[], Run]]()
     for attempt in tried:
@@ -97,11 +110,14 @@ def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
 
 
 BLOCK = 4e-3
-"""CPU time that one timing of an attempt should take at least, by repetition, s."""
+"""Least CPU time of one timing, s; a shorter action is repeated."""
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
-    """Return the least CPU time of each action, s, timed in turn over the rounds, with caches warm."""
+    """Return the least CPU time of each action, s.
+
+    The actions are timed in turn, with warm caches, in a number of rounds.
+    """
     timers = [timeit.Timer(action, timer=clock.process_time) for action in actions]
     counts = [math.ceil(BLOCK / max(timer.timeit(1), 1e-7)) for timer in timers]
     times = [math.inf] * len(actions)
@@ -114,10 +130,12 @@ def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
-    """Return the cheapest point within a target error whose method's next finer setting is within it too.
+    """Return the cheapest point that meets a target error, if the method's next finer setting does
+    too.
 
-    A setting that is accurate only because its error changes sign there does not count. Points of one method go from coarse
-    to fine.
+    Without this condition a setting would count that is accurate only because its error changes
+    sign there. The points of one
+    method must go from coarse to fine.
     """
     candidates = []
     for own in by_method(point for point in points if not point.failure):

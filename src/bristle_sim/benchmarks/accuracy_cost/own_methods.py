@@ -1,4 +1,4 @@
-"""This project's own methods at the cases, through the functions that a user calls and through its steppers."""
+"""Attempts of this project at the cases, by the public functions and by the steppers below them."""
 
 from __future__ import annotations
 
@@ -18,11 +18,16 @@ from bristle_sim.settings import Settings
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
-STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)  # s
+STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)
+"""Lengths of plain engine steps in a pass, s."""
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts by the public call, and by steppers on a scene built beforehand, as other packages compile a model."""
+    """Return attempts at a flight by the public function and by steppers on a scene.
+
+    The steppers share a scene that is built before the timing, as other packages compile their
+    models.
+    """
     scene, units = build_tool(case.tool, hub_start=0.0)
     start, end = (
         State(0.0, (-case.retraction,), (scene.mechanism.hub_speed,)),
@@ -30,12 +35,13 @@ def flight_attempts(case: Case) -> list[Attempt]:
     )
 
     def simulated(accuracy: float) -> Run:
+        """Simulate the flight by the public function at a requested accuracy."""
         settings = Settings(accuracy=accuracy, hub_turn=case.tool.hub.speed * case.duration)
         run = simulate(case.tool, settings, start_relative_angle=-case.retraction)
         return Run((float(run.relative_angle[-1]), float(run.relative_rate[-1])), run.cost.steps)
 
     def extrapolated(tolerance: float) -> Run:
-        """Carry the scene interval after interval, as long as the stepper proposes them."""
+        """Integrate the flight by intervals of the length that the extrapolation stepper proposes."""
         stepper = Extrapolation(tolerance)
         state = start
         before = scene.engine.steps
@@ -47,7 +53,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(state.angles[0], state.rates[0], before)
 
     def plain(count: int) -> Run:
-        """Carry the scene in equal steps of the engine, which corrects its joints itself."""
+        """Integrate the flight by equal engine steps, with the engine's own correction of the
+        joints.
+        """
         before = scene.engine.steps
         scene.place(start)
         correct_joints(scene, completely=True)
@@ -56,6 +64,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(scene.angles()[0], scene.rates()[0], before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
+        """Return the relative angle (rad), the relative rate (rad/s) and the steps since
+        ``before``.
+        """
         hub_angle = scene.mechanism.hub_angle(end)
         hub_speed = scene.mechanism.hub_speed
         return Run(
@@ -70,9 +81,11 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts by each contact law, with several accuracies of the compliant one."""
+    """Return attempts at a strike by each contact law; the compliant law has several accuracies."""
 
     def by_law(law: str) -> Callable[[float], Run]:
+        """Return the function that strikes by a contact law at a requested accuracy."""
+
         def run(accuracy: float) -> Run:
             found = strike(case.chain, case.surface, Contact(law), Settings(accuracy=accuracy))
             return Run(found.contact.rates_after, found.steps)
@@ -87,7 +100,9 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts by the public call, and by plain engine steps of a given length."""
+    """Return attempts at a pass by the public function, and by plain engine steps of a given
+    length.
+    """
 
     def passed(setting: Any, run: Callable[..., Any]) -> Run:
         found = run(case.tool, setting, stop_after="strike")

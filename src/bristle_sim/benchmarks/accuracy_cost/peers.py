@@ -1,8 +1,12 @@
-"""Other packages at the cases: heyoka and MuJoCo, each with its model made beforehand, MuJoCo's in the scene's units.
+"""Attempts of heyoka and MuJoCo at the cases; each model is built before the timing.
 
-In MuJoCo the hub is a hinge so heavy that nothing changes its speed, and the belt is a stiffness of the bristle's hinge.
-Contacts are soft: with impedance near 1 the contact point obeys a = -b v - k r, which becomes the inelastic bar as it gets
-stiffer. No setting returns the fraction e*^2 of the work of compression, so MuJoCo takes no part in the strikes.
+MuJoCo's model has the scene's units. Its hub is a hinge of so large an inertia that nothing changes
+its speed, and its belt
+is a stiffness of the bristle's hinge. Contacts in MuJoCo are soft: at an impedance near 1 the
+contact point obeys
+a = -b v - k r, which approaches the inelastic bar as k grows. No setting returns the fraction e*^2
+of the work of
+compression, so MuJoCo takes no part in the strikes.
 """
 
 from __future__ import annotations
@@ -22,7 +26,9 @@ HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
-    """Return attempts by Taylor series, with one compiled program for each tolerance of the remainder."""
+    """Return attempts by Taylor series, with one compiled program for each tolerance of the
+    remainder.
+    """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
     tool = case.tool
@@ -48,13 +54,14 @@ def heyoka_flight(case: Case) -> list[Attempt]:
 
 
 HUB_INERTIA = 1e12
-"""Inertia of the hub in scene units: its speed changes by 1e-13 of itself in a pass."""
+"""Inertia of the hub in scene units: a pass changes the hub's speed by a fraction of 1e-13."""
 
 HARD = 0.9999
-"""Impedance of a contact that dictates its point's acceleration, MuJoCo's largest."""
+"""Largest impedance of a contact in MuJoCo; the contact then prescribes its point's
+acceleration."""
 
 FREE = '<flag contact="disable" constraint="disable"/>'
-"""MuJoCo's options without the parts of the engine that a free motion does not need."""
+"""MuJoCo's options for a free motion: contacts and constraints are switched off."""
 
 FLIGHT_STEPS = (
     2,
@@ -81,11 +88,13 @@ FLIGHT_STEPS = (
 PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
 
 STEPS_IN_CONTACT = 2.0
-"""Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
+"""Time constant of the bar's critically damped spring, in steps; a stiffer spring is unstable."""
 
 HUB_START = -0.5 * math.pi
 HUB_TURN = 0.5 * math.pi
-"""Hub's start in a pass and its turn in the given number of steps, rad; the strike comes before the end of that turn."""
+"""Hub angle at the start of a pass, and turn of the hub in the given number of steps, rad.
+
+The strike comes before the end of that turn."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 
@@ -101,7 +110,7 @@ WIRE = """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="
 
 
 def mujoco_flight(case: Case) -> list[Attempt]:
-    """Return attempts with each of MuJoCo's integrators over step counts."""
+    """Return attempts at a flight with each of MuJoCo's integrators, over numbers of steps."""
     models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
         each
@@ -111,7 +120,10 @@ def mujoco_flight(case: Case) -> list[Attempt]:
 
 
 def mujoco_pass(case: Case) -> list[Attempt]:
-    """Return attempts up to the strike; the bar is a critically damped spring, stiffer as steps get shorter."""
+    """Return attempts at a pass with each of MuJoCo's integrators, over numbers of steps.
+
+    The bar is a critically damped spring, which gets stiffer as the steps get shorter.
+    """
     models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
         each for name in models for each in attempts(name, "steps={}", models[name].go, PASS_STEPS)
@@ -119,7 +131,11 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 
 
 class MujocoModel:
-    """MuJoCo's compiled hub, bristle and bar of a tool; a strike lies within the first step that ends below the workpart."""
+    """MuJoCo's compiled model of a tool: hub, bristle and bar.
+
+    The model has no workpart: the strike lies within the first step after which the tip is below
+    the workpart's surface.
+    """
 
     def __init__(self, tool: Tool, integrator: str) -> None:
         self.library: Any = importlib.import_module("mujoco")
@@ -152,13 +168,18 @@ class MujocoModel:
         self.data = self.library.MjData(self.model)
 
     def fly(self, case: Case, count: int) -> Run:
-        """Release the bristle and fly in a number of steps."""
+        """Release the bristle and integrate its flight in a number of steps."""
         self._start((0.0, -case.retraction), case.duration / self.units.time / count)
         self.library.mj_step(self.model, self.data, count)
         return Run((float(self.data.qpos[1]), float(self.data.qvel[1]) / self.units.time), count)
 
     def go(self, count: int) -> Run:
-        """Step in blocks, and step by step through the block in which the tip gets below the workpart."""
+        """Integrate the pass up to the strike; ``count`` steps take the hub through ``HUB_TURN``.
+
+        Blocks of steps come first. The block in which the tip gets below the workpart is repeated
+        step by step, and the state at
+        the strike is interpolated.
+        """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)
         self.model.geom("bar").solref = [-(rate**2), -2.0 * rate]
@@ -173,13 +194,15 @@ class MujocoModel:
         return Run((time * self.units.time, angle, rate / self.units.time), round(after[0] / step))
 
     def _start(self, angles: tuple[float, float], step: float) -> None:
-        """Return to time 0, at rest relative to the hub."""
+        """Reset to time 0 with the bristle at rest relative to the hub; angles in rad."""
         self.library.mj_resetData(self.model, self.data)
         self.model.opt.timestep = step
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Step a block at a time until the tip is below the workpart, and return the state before."""
+        """Step block by block until the tip is below the workpart, and return the state before that
+        block.
+        """
         while True:
             before = self._state()
             self.library.mj_step(self.model, self.data, block)

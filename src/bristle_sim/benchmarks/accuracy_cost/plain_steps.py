@@ -1,4 +1,4 @@
-"""A pass in plain engine steps of a fixed length, as a user of the bare engine would take them."""
+"""Passes in plain engine steps of a fixed length, as taken without an integrator around the engine."""
 
 from __future__ import annotations
 
@@ -16,25 +16,30 @@ from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
 LEAST_CORRECTED_STEP = 1e-6
-"""In the scene's time units; shorter steps open joints by less than rounding matters."""
+"""Shortest step with joint correction, in the scene's time units.
+
+A shorter step opens a joint by no more than rounding."""
 
 LARGEST_STEP = 1.0
-"""Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
-unstable, and its damping has half the right value."""
+"""Largest engine step times the highest natural frequency or damping rate, 1.
+
+From 2 on the engine's explicit springs are unstable, and its damping has half the right value."""
 
 
 class PlainSteps(Extrapolation):
     """Plain engine steps of a fixed length: first order, without an error estimate.
 
-    In flight the engine corrects the joints, which keeps the energy of the motion. The correction adds velocities, which a load
-    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
+    In flight the engine corrects the joints, which keeps the energy of the motion. The correction
+    adds velocities. A load, as of
+    a sustained contact, would take these velocities for the effect of a force. Each step under a
+    load therefore starts from closed joints, without the correction.
     """
 
     # Twice the deviation of a straight line from the cubic: the engine goes straight on at the old rates.
     interpolation_error = 0.3
 
     def __init__(self, step: float) -> None:
-        """Take steps of a length."""
+        """Take steps of the length ``step``, in the scene's time units."""
         super().__init__(step)
         self.step = step
         self._left: tuple[State | None, object, int] = (None, None, 0)
@@ -46,10 +51,11 @@ class PlainSteps(Extrapolation):
     def advance(
         self, scene: Scene, state: State, duration: float, load: Load | None = None
     ) -> IntervalResult:
-        """Take one engine step, in flight from where the bodies are if they were left there.
+        """Take one engine step; in flight it starts from the bodies as the step before left them.
 
-        The correction divides a joint's opening by the step. A shortened step therefore starts from closed joints, and a very
-        short one is not corrected.
+        The engine's correction divides a joint's opening by the step. A shortened step therefore
+        starts from closed joints, and the
+        joints of a very short step are not corrected.
         """
         end, placed, steps = self._left
         left_here = end is state and placed is scene.placed and steps == scene.engine.steps
@@ -65,12 +71,12 @@ class PlainSteps(Extrapolation):
         return result
 
     def accepts(self, result: IntervalResult, duration: float) -> bool:
-        """Accept every interval: return True."""
+        """Return True: without an error estimate every interval is accepted."""
         del result, duration
         return True
 
     def halves(self, scene: Scene, load: Load | None) -> bool:
-        """Return False: a step has no middle."""
+        """Return False: one engine step has no state at its middle."""
         del scene, load
         return False
 
@@ -90,10 +96,13 @@ def simulate_in_steps(
     start_relative_angle: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate a rigid bristle as :func:`bristle_sim.simulate` does, but in plain engine steps of a fixed length, s.
+    """Simulate a rigid bristle as :func:`bristle_sim.simulate` does, but by plain engine steps.
+
+    Args:
+        step: length of every engine step, s. The other arguments are those of ``simulate``.
 
     Raises:
-        ValueError: also if the step is too long for this tool.
+        ValueError: as ``simulate``, or if the step is too long for the tool.
     """
     settings = settings or Settings()
     begin = (start_hub_angle, start_relative_angle, 0.0)

@@ -1,4 +1,4 @@
-"""scipy's integrators at the cases, with right-hand sides as fast as Python can make them."""
+"""Attempts of SciPy's integrators at the cases, with right-hand sides as fast as Python allows."""
 
 from __future__ import annotations
 
@@ -22,13 +22,17 @@ COMPILED = {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
 METHODS = {
     each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")
 } | COMPILED
-"""Integrators of ``solve_ivp``, and those that ``ode`` steps in compiled code, with their names in tables."""
+"""Integrators of ``solve_ivp`` and of ``ode``, which steps in compiled code, with names in
+tables."""
 
 Slope = Callable[[float, Any], tuple[float, ...]]
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts by ``solve_ivp`` with its methods, and by ``ode``, whose loop over steps is compiled."""
+    """Return attempts at a flight by the methods of ``solve_ivp``, and by ``ode``.
+
+    The loop over steps of ``ode`` is compiled.
+    """
     slope = _flight(case)
     return [
         each
@@ -38,7 +42,10 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts by the independent reference, which searches all events on the integrator's dense output."""
+    """Return attempts at a pass by the independent reference.
+
+    The reference locates all events on the integrator's dense output.
+    """
 
     def passed(power: int) -> Run:
         run = simulate_reference(case.tool, accuracy=10.0**-power, stop_after="strike")
@@ -48,7 +55,10 @@ def pass_attempts(case: Case) -> list[Attempt]:
 
 
 def _flight(case: Case) -> Slope:
-    """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
+    """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha.
+
+    The angle is in units of the retraction, the rate in units of the highest rate.
+    """
     tool, (retraction, highest) = case.tool, case.scale
     stiffening = centrifugal_stiffness(
         tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed
@@ -65,15 +75,15 @@ def _flight(case: Case) -> Slope:
 
 
 def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
-    """Fly from the retraction, -1 in its own unit, at rest."""
+    """Integrate the flight from rest at the retraction, which is -1 in its own unit."""
     calls = itertools.count()
     start = (-1.0, 0.0)
 
     def counted(time: float, state: Any) -> list[float]:
+        """Return the right-hand side and count the call."""
         next(calls)
-        return list(
-            slope(time, state)
-        )  # before SciPy 1.17 compiled code takes a tuple for several results
+        # A list: before SciPy 1.17 the compiled code treats a tuple as several return values.
+        return list(slope(time, state))
 
     if method in COMPILED:
         solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)

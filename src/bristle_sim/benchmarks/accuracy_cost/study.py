@@ -1,4 +1,7 @@
-"""The whole study: every case by every method that is installed, the comparison with the cheapest peer, and the tables."""
+"""The study of accuracy and cost: every case by every installed method, with tables.
+
+It compares the cost of this project with that of the cheapest peer.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,7 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.double_pendulum, STRIKE),
     (cases.whole_pass_case, PASS),
 )
-"""Each case, with the function of each package that returns its attempts."""
+"""Functions that build the cases; for each, the functions of the packages that return attempts."""
 
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
@@ -55,7 +58,7 @@ TARGETS = {
 """Errors at which costs are compared."""
 
 NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine")
-"""Our impact laws that take no steps in time; they are not compared with integrators."""
+"""This project's impact laws without steps in time; they are not compared with integrators."""
 
 REQUESTED = {
     "release_flight": ("bristle_sim simulate", 1e-10),
@@ -63,31 +66,37 @@ REQUESTED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""Methods that take a requested accuracy, and the finest accuracy that is judged. Finer ones are limited by rounding, by
-the rounding of a short contact's penetrations, and by the accuracy of the pass's reference."""
+"""Methods that take a requested accuracy, and the finest accuracy at which their error is judged.
+
+At finer accuracies other errors prevail: rounding in the flight, rounding of the penetrations of a
+short contact, and the
+error of the pass's reference."""
 
 ROUNDS = {"full": 7, "quick": 2}
-"""Number of times that each attempt is timed."""
+"""Number of rounds of timing, by effort."""
 
 QUICK_SETTINGS = 2
-"""Settings of each method at quick effort, the coarsest among them."""
+"""Most settings of each method at quick effort; the coarsest is among them."""
 
 
 @dataclasses.dataclass(slots=True)
 class AccuracyCost:
-    """The cases, the measured points in order, and the packages that do not take part, with the reason."""
+    """The cases, the measured points in order, and the reason for each package that takes no part."""
 
     cases: tuple[Case, ...] = ()
     points: tuple[Point, ...] = ()
     missing: dict[str, str] = dataclasses.field(default_factory=dict)
 
     def of(self, case: str) -> list[Point]:
-        """Return the points of a case."""
+        """Return the measured points of a case."""
         return [point for point in self.points if point.case == case]
 
 
 class Comparison(NamedTuple):
-    """Our cheapest time-stepping point within a target error, and the cheapest peer's; None for a side without one."""
+    """The cheapest points at a target error: this project's in time steps, and the cheapest peer's.
+
+    A point is None if that side does not reach the target.
+    """
 
     case: str
     target: float
@@ -96,15 +105,16 @@ class Comparison(NamedTuple):
 
     @property
     def ratio(self) -> float | None:
-        """Ratio of our CPU time to the peer's."""
+        """Ratio of this project's CPU time to the peer's; None if either is missing."""
         return None if self.ours is None or self.peer is None else self.ours.cpu_s / self.peer.cpu_s
 
 
 def accuracy_cost(effort: Effort) -> Report:
-    """Measure everything and compare our cost with the cheapest peer's at the same error.
+    """Measure every case and compare this project's cost with the cheapest peer's at the same
+    error.
 
     Raises:
-        Unfinished: with the curves of the cases measured so far, if the user interrupts.
+        Unfinished: if the user interrupts; it has the curves of the cases measured so far.
     """
     begin = clock.perf_counter()
     measured = AccuracyCost()
@@ -162,7 +172,10 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
 def _offered(
     name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]
 ) -> list[Attempt]:
-    """Return a package's attempts at a case; an empty list for a peer that is installed but cannot be imported or set up."""
+    """Return a package's attempts at a case; an empty list if the package fails.
+
+    A peer may be installed and still fail at its import or at the construction of its model.
+    """
     try:
         return offer(case)
     except Exception as error:
@@ -173,7 +186,7 @@ def _offered(
 
 
 def comparisons(measured: AccuracyCost) -> list[Comparison]:
-    """Return our cost and the cheapest peer's for each case and target."""
+    """Return this project's cost and the cheapest peer's for each case and target error."""
     found = []
     for case in measured.cases:
         points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
@@ -189,7 +202,10 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
 
 
 def _rows(measured: AccuracyCost) -> list[Quantity]:
-    """Return our CPU time (simulated) with the cheapest peer's (reference), and errors over the requested accuracy."""
+    """Return the quantities of the report: CPU times, and errors over the requested accuracy.
+
+    In a row of CPU time this project is ``simulated`` and the cheapest peer is ``reference``.
+    """
     rows = []
     for each in comparisons(measured):
         ours, peer = (None if point is None else point.cpu_s for point in (each.ours, each.peer))
@@ -208,7 +224,7 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
 
 
 def _answer(measured: AccuracyCost) -> str:
-    """Return our CPU time to each case's finest target error, with the cheapest peer's."""
+    """Return the CPU time to each case's smallest target error, with the cheapest peer's."""
     costs = []
     for each in comparisons(measured):
         if each.ours is not None and each.target == min(TARGETS[each.case]):
@@ -227,7 +243,7 @@ def _answer(measured: AccuracyCost) -> str:
 
 
 DECADES = tuple(10.0**-power for power in range(1, 11))
-"""Errors in the head of a case's table."""
+"""Errors at the head of the columns of a case's table."""
 
 
 def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:

@@ -1,6 +1,7 @@
-"""Hard cases: tables of trials and promises, the measures that they share, and the report of the results.
+"""Hard cases: tables of trials and promises, their common measures, and the report of the results.
 
-Which cases are tried is declared here, so that the command line answers before an engine is loaded.
+The choice of cases is declared here, so that the command line can refuse input before it loads an
+engine.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ THEMES = (
     ),
     *("touching", "wires", "size", "budget"),
 )
-"""Kinds of hard cases, each the name of the function that yields its cases."""
+"""Kinds of hard cases; each is also the name of the function that yields the cases."""
 
 
 @dataclass(frozen=True, slots=True)
 class HardCaseChoice(Declared):
-    """The cases to try."""
+    """The choice of hard cases to try."""
 
     theme: str = choice(
         "theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES

@@ -1,4 +1,4 @@
-"""A hard case: a trial, its promise and its result."""
+"""A hard case, the result of its trial, and the functions that build both."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Result of one trial: a reproducible text, whether the promise was kept, and the number of engine steps."""
+    """Result of one trial.
+
+    Attributes:
+        reached: reproducible text of the result.
+        ok: whether the promise was kept.
+        steps: number of engine steps.
+    """
 
     reached: str
     ok: bool
@@ -21,13 +27,14 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class HardCase:
-    """One row of the tables.
+    """One trial with its promise; a row of the tables.
 
     Attributes:
-        name: of the trial, with the figures that make it hard.
-        promise: the rule that must hold, with its limit and the limit's origin.
-        measure: runs the case.
-        quick: whether it is tried at quick effort too.
+        theme: kind of the case.
+        name: name of the trial, with the figures that make it hard.
+        promise: rule that must hold, with its limit and the origin of the limit.
+        measure: function that runs the trial.
+        quick: whether the case is tried at quick effort too.
     """
 
     theme: str
@@ -37,7 +44,7 @@ class HardCase:
     quick: bool = True
 
     def run(self) -> Finding:
-        """Measure the case; an exception that was not promised breaks the promise."""
+        """Run the trial; an exception breaks the promise."""
         try:
             return self.measure()
         except Exception as error:
@@ -53,17 +60,20 @@ def row(
     quick: bool = True,
     **named: Any,
 ) -> HardCase:
-    """Return a case whose measure is called with the given arguments."""
+    """Return a case whose trial calls ``measure`` with the given arguments."""
     return HardCase(theme, name, promise, partial(measure, *given, **named), quick)
 
 
 def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
-    """Return whether a figure's magnitude is at most its limit; NaN never is."""
+    """Return the finding that the magnitude of a value is at most a limit; NaN breaks it."""
     return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
 
 
 def refusal(call: Callable[[], object], *words: str) -> Finding:
-    """Return whether a call raises ``ValueError`` in one line with all of the words: parameter, value, unit."""
+    """Return the finding that a call raises ``ValueError`` in one line that contains all the words.
+
+    The words are the parameter, the value or the unit.
+    """
     try:
         answer = call()
     except ValueError as error:
@@ -75,11 +85,11 @@ def refusal(call: Callable[[], object], *words: str) -> Finding:
 
 
 def all_of(*findings: Finding) -> Finding:
-    """Join several findings into one, which is kept if all of them are."""
+    """Join several findings into one; its promise is kept if all of them are."""
     words = "; ".join(each.reached for each in findings)
     return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
 
 
 def worst(values: Iterable[float]) -> float:
-    """Return the largest magnitude: 0 without values, NaN if any value is NaN."""
+    """Return the largest magnitude of the values; 0 without values, NaN if any value is NaN."""
     return float(np.max(np.abs([0.0, *values])))

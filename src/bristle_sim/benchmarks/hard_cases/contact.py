@@ -1,4 +1,4 @@
-"""Lasting contact where it is hard: taps that add up in finite time, and both obstacles at once."""
+"""Hard cases of lasting contact: infinitely many taps in finite time, and both obstacles at once."""
 
 from __future__ import annotations
 
@@ -33,13 +33,15 @@ SURFACE = 0.8
 """Angle, rad, at which a falling bristle meets the workpart."""
 
 SLOWEST = 1e-8
-"""Ratio to a motion's speed below which no tap is distinguished from rest."""
+"""Speed of a tap that counts as rest, as a fraction of the first tap's speed."""
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield taps on the bar by a wire on a stiff, damped belt, and falls on the workpart from a hinge.
+    """Yield taps on the bar by a wire on a stiff, damped belt, and falls of a hinged wire on the
+    workpart.
 
-    A tap with restitution e leaves the fraction e of the speed, so each hop lasts e times as long as the one before.
+    A tap with restitution e leaves the fraction e of the speed, so each hop lasts e times as long
+    as the hop before.
     """
     pressed = TOOL.replace(
         belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None
@@ -66,7 +68,11 @@ def chatter() -> Iterator[HardCase]:
 def _chatters(
     name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start
 ) -> HardCase:
-    """Return a case limited to twice the taps that reduce a speed to ``SLOWEST``; the factor covers the motion in between."""
+    """Return a case that must come to rest within twice the taps that reduce a speed to
+    ``SLOWEST``.
+
+    The factor 2 covers the motion between the taps.
+    """
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"
     return row("chatter", name, promise, _comes_to_rest, tool, obstacle, most, settings, start)
@@ -75,7 +81,9 @@ def _chatters(
 def _comes_to_rest(
     tool: Tool, obstacle: str, most: int, settings: Settings, start: Start
 ) -> Finding:
-    """Return whether 2 to ``most`` taps end in sustained contact, and none of them gains energy."""
+    """Return the finding that 2 to ``most`` taps end in sustained contact and that no tap gains
+    energy.
+    """
     run = simulate(tool, settings, **start)
     sustained = [
         each.time
@@ -96,17 +104,20 @@ def _comes_to_rest(
 
 
 WEDGE: Start = {"start_hub_angle": -0.9, "start_relative_angle": 1.2}
-"""Start of a bristle that leans ahead over the workpart, the bar before it."""
+"""Start of a bristle that leans forward over the workpart, with the bar ahead of it."""
 
 STARTS = {"workpart": (-0.4, -0.3), "bar": (-0.9, -0.4)}
-"""Hub angle and relative angle of bristles that start in contact, behind the radial direction, rad."""
+"""Hub angle and relative angle of a bristle that starts in contact, rad.
+
+The bristle starts behind the radial direction."""
 
 
 def touching() -> Iterator[HardCase]:
-    """Yield a strike while the bar is touched, a wedge, and starts in contact or overlapping."""
+    """Yield a strike while the bar is touched, a wedge, and starts in contact or in overlap."""
     case = partial(row, "touching")
     as_reference = AS_REFERENCE.format(ACCURACY)
-    # A near bar and a deep workpart: the bar lets the tip down on it, and in the end folds the bristle.
+    # A near bar and a deep workpart: the bar lowers the tip onto the workpart and at last folds the
+    # bristle.
     near = {
         "bar_radius": 0.0034,
         "bar_horizontal": 0.0413664,
@@ -160,9 +171,12 @@ def between(
     bar_gap: float | None = 0.0,
     gap: float | None = 0.0,
 ) -> Tool:
-    """Return a tool with bar and workpart at given gaps (m) from its bristle at an absolute angle (rad); None leaves one out.
+    """Return a tool with bar and workpart at given gaps (m) from its bristle.
 
-    The bar stands ahead of the wire, at the fraction ``at`` of its length. Neither obstacle has friction or restitution.
+    The bristle stands at the absolute angle ``angle``, the hub at ``hub_angle``, both in rad. The
+    bar stands ahead of the wire,
+    at the fraction ``at`` of its length. A gap of None leaves that obstacle out. Neither obstacle
+    has friction or restitution.
     """
     along = np.array([math.sin(angle), -math.cos(angle)])
     root = ROOT * np.array([math.sin(hub_angle), -math.cos(hub_angle)])
@@ -179,7 +193,15 @@ def between(
 
 
 def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start, float]:
-    """Return a tool with one obstacle at a gap, m, from the bristle; its start; and the lever of the contact force, m."""
+    """Return a tool with one obstacle beside the bristle.
+
+    Args:
+        obstacle: ``bar`` or ``workpart``.
+        gap: gap between the obstacle and the bristle at the start, m; negative for overlap.
+
+    Returns:
+        The tool, its start, and the lever of the contact force about the root, m.
+    """
     hub_angle, relative = STARTS[obstacle]
     start: Start = {"start_hub_angle": hub_angle, "start_relative_angle": relative}
     if obstacle == "bar":
@@ -189,11 +211,15 @@ def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start, float]
 
 
 def _jams(tool: Tool) -> Finding:
-    """Compare the end of a run with the instant at which a flank meets the bar while the tip is on the workpart."""
+    """Compare the end of a run with the instant of the jam, in units of the scene's time.
+
+    The wire jams when its flank meets the bar while the tip is on the workpart.
+    """
     assert tool.bar is not None
     begin, (bar_x, bar_y) = WEDGE["start_hub_angle"], tool.bar.centre
 
     def gap(hub_angle: float) -> float:
+        """Return the gap between the wire's flank and the bar, m, while the tip is on the workpart."""
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x, y = bar_x - ROOT * math.sin(hub_angle), bar_y + ROOT * math.cos(hub_angle)
         return x * math.cos(angle) + y * math.sin(angle) - tool.bar_reach
@@ -210,7 +236,10 @@ def _jams(tool: Tool) -> Finding:
 
 
 def _remains(tool: Tool, start: Start, lever: float = 0.0) -> Finding:
-    """Check that a bristle on a resting hub stays at rest and, given a lever (m), that the contact balances the belt."""
+    """Check that a bristle on a resting hub stays at rest.
+
+    With a lever (m), check too that the contact force balances the belt's torque.
+    """
     run = simulate(tool, **start)
     moved = within(float(np.ptp(run.angles)), 1e-12, "moved by", run.cost.steps)
     found = [moved, Finding(run.stop_reason, run.stop_reason is StopReason.END)]

@@ -1,4 +1,4 @@
-"""Comparisons of runs and strikes with the reference, closed forms and budgets, for cases of several themes."""
+"""Comparisons of runs and strikes with the reference, with closed forms and with step budgets."""
 
 from __future__ import annotations
 
@@ -20,25 +20,28 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 ACCURACY = Settings().accuracy
-"""Default requested accuracy; errors of results, relative to the motion's size, must be within it."""
+"""Default requested accuracy: largest permitted error, relative to the size of the motion."""
 
 MORE_ACCURATE = 1e-3
-"""Accuracy of the reference over that of the run which is compared with it."""
+"""Ratio of the reference's requested accuracy to that of the compared run."""
 
 AS_REFERENCE = "end and strike as in the reference to {:g}, the requested accuracy"
 SPENT = "says that its step budget is spent"
 
 ONE_INTERVAL = 100 * sum(CLOSE.counts)
-"""Most engine steps of one interval of smooth motion that ends at an event: a hundred attempts to locate it."""
+"""Most engine steps of one interval that ends at an event: a hundred attempts to locate the
+event."""
 
 IMPACT_LAWS = ("energetic", "compliant", "engine")
 
 STRIKE_ACCURACY = 1e-6
-"""Requested accuracy of contacts resolved in time; their outcome is the rigid-body limit to ten times that."""
+"""Requested accuracy of contacts resolved in time.
+
+Their rates must agree with the rigid-body law to ten times this."""
 
 
 class Start(TypedDict, total=False):
-    """Start of a run, in rad and rad/s; an absent entry has its default."""
+    """Start of a run, in rad and rad/s; an absent entry takes its default."""
 
     start_hub_angle: float
     start_relative_angle: float
@@ -49,12 +52,12 @@ RELEASED: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
 
 
 def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
-    """Return the impacts of a run on an obstacle."""
+    """Return the impacts of a run on an obstacle, in order of time."""
     return [each for each in run.contacts if each.law in IMPACT_LAWS and each.obstacle == obstacle]
 
 
 def is_finite(run: Trajectory) -> bool:
-    """Return whether every number of a run's samples, events and contacts is finite."""
+    """Return whether every number in the samples, events and contacts of a run is finite."""
     contacts = [
         (each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts
     ]
@@ -70,7 +73,10 @@ def agrees_with_reference(
     stop_after: str | None = None,
     hub_turn: float = 1.5 * math.pi,
 ) -> Finding:
-    """Compare a run, as accurate as the limit, with the reference: stop reason, last state and first strike."""
+    """Compare a run with the reference: stop reason, last state and first strike.
+
+    The accuracy requested of the run is ``limit``.
+    """
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
 
@@ -89,7 +95,10 @@ def agrees_with_reference(
 
 
 def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
-    """Return differences of time, angle, rates and impulse of the first strike; NaN where only one of the runs has one."""
+    """Return the relative differences of the first strike: time, angle, rates and impulse.
+
+    If only one of the runs has a strike, the list holds NaN.
+    """
     one, two = run.first_contact("workpart"), other.first_contact("workpart")
     if one is None or two is None:
         return [] if one is two else [math.nan]
@@ -105,7 +114,10 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
 
 
 def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Compare an undamped release from rest, its highest speed and the time of it, with the energy integral."""
+    """Compare an undamped release from rest with the energy integral.
+
+    Compared are the highest speed and its time.
+    """
     run = simulate(
         tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"
     )
@@ -118,7 +130,10 @@ def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
 def spends_budget(
     tool: Tool, budget: int, settings: Settings | None = None, start: Start | None = None
 ) -> Finding:
-    """Return whether a run stops within an interval of its step budget, gives that reason, and has finite numbers only."""
+    """Return the finding that a run stops for its step budget, at most one interval beyond it.
+
+    All numbers of the run must be finite.
+    """
     run = simulate(tool, replace(settings or Settings(), maximum_steps=budget), **(start or {}))
     excess = run.cost.steps - budget
     said = run.stop_reason is StopReason.STEP_BUDGET
@@ -134,7 +149,7 @@ def spends_budget(
 def struck(
     chain: Chain, friction: float, restitution: float, law: str = "energetic"
 ) -> ChainStrike:
-    """Return a chain's strike with equal friction in compression and restitution."""
+    """Return the strike of a chain on a surface with equal friction in compression and restitution."""
     return strike(
         chain,
         Surface(friction, None, restitution),
@@ -151,7 +166,9 @@ def _rate_difference(
 
 
 def agrees_in_time(chain: Chain, friction: float, restitution: float, limit: float) -> Finding:
-    """Compare a contact resolved in time with the rigid-body law: outcome, and rates to a limit."""
+    """Compare a contact resolved in time with the rigid-body law: the outcome, and the rates to a
+    limit.
+    """
     rigid = struck(chain, friction, restitution).contact
     timed = struck(chain, friction, restitution, "compliant")
     off = _rate_difference(timed.contact.rates_after, rigid.rates_after, rigid.rates_before)
@@ -160,7 +177,10 @@ def agrees_in_time(chain: Chain, friction: float, restitution: float, limit: flo
 
 
 def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
-    """Compare strikes of one or two rods, each with friction and restitution, with Zhang's closed forms (2020, ch. 2)."""
+    """Compare strikes of one or two rods with the closed forms (Zhang 2020, ch. 2).
+
+    Each strike is a chain with its friction and restitution.
+    """
     off = []
     alike = True
     for chain, friction, e in strikes:
@@ -180,7 +200,11 @@ def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: fl
 def _closed_form(
     chain: Chain, friction: float, restitution: float
 ) -> tuple[tuple[float, ...], float, str]:
-    """Return rates after the impact (rad/s), normal impulse (N s) and outcome."""
+    """Return the result of a strike of one or two rods by its closed form.
+
+    Returns:
+        Rates after the impact (rad/s), normal impulse (N s) and the name of the outcome.
+    """
     mass = chain.masses[-1]
     length = chain.lengths[0]
     if len(chain.masses) == 1:

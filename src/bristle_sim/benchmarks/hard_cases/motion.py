@@ -1,4 +1,8 @@
-"""Motion where it is hard: belts, damping, hub speeds, sizes, thin bars, long runs, small budgets, wires that bend."""
+"""Hard cases of motion: extreme belts, damping, hub speeds and sizes, thin bars, and wires that
+bend.
+
+Long runs and small step budgets are here too.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +32,14 @@ FREE = Tool(bar=None, workpart=None)
 STIFFNESS = Belt().stiffness
 
 FINE = 1e-9
-"""Accuracy of runs that are requested a thousand times more accurate."""
+"""Requested accuracy of the more accurate runs, a thousandth of the default."""
 
 BUDGET = 20_000
-"""Step budget that a run must exhaust."""
+"""Step budget, in engine steps, that the pass with the stiffest belt must exhaust."""
 
 
 def released(theme: str, name: str, accuracy: float, **changes: float) -> HardCase:
-    """Return the release of a changed tool, compared with the energy integral."""
+    """Return the case that compares the release of a changed tool with the energy integral."""
     promise = f"highest speed and its time as by the energy integral to {accuracy:g}, the requested accuracy"
     given = (FREE.replace(**changes), accuracy)
     return row(
@@ -48,14 +52,14 @@ def released(theme: str, name: str, accuracy: float, **changes: float) -> HardCa
 
 
 def whole(theme: str, name: str, **changes: float) -> HardCase:
-    """Return the pass of a changed tool, compared with the reference."""
+    """Return the case that compares the whole pass of a changed tool with the reference."""
     tool = TOOL.replace(**changes)
     promise = AS_REFERENCE.format(ACCURACY)
     return row(theme, f"{name}: whole pass", promise, agrees_with_reference, tool)
 
 
 def belt_stiffness() -> Iterator[HardCase]:
-    """Yield the release and the whole pass, over nine decades of stiffness."""
+    """Yield releases and whole passes over nine decades of belt stiffness."""
     for factor, accuracy in ((1e-3, ACCURACY), (1.0, ACCURACY), (1e6, FINE)):
         yield released(
             "belt_stiffness", f"belt x {factor:g}", accuracy, belt_stiffness=factor * STIFFNESS
@@ -67,7 +71,9 @@ def belt_stiffness() -> Iterator[HardCase]:
 
 
 def damping() -> Iterator[HardCase]:
-    """Yield decays, which end while the bristle still moves, and a whole pass, for ratios up to 100."""
+    """Yield decays at damping ratios up to 100, which end while the bristle still moves, and a
+    whole pass.
+    """
     promise = AS_REFERENCE.format(ACCURACY)
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
         free = FREE.replace(belt_damping_ratio=ratio)
@@ -79,7 +85,9 @@ def damping() -> Iterator[HardCase]:
 
 
 def hub_speed() -> Iterator[HardCase]:
-    """Yield the release on a hub at rest, and the whole pass up to 1e5 rad/s, with a belt and without."""
+    """Yield the release on a resting hub, and whole passes at up to 1e5 rad/s, with and without a
+    belt.
+    """
     yield released("hub_speed", "0 rad/s", FINE, hub_speed=0.0)
     for speed in (0.0, 1e3, 1e5):
         yield whole("hub_speed", f"{speed:g} rad/s", hub_speed=speed)
@@ -87,9 +95,11 @@ def hub_speed() -> Iterator[HardCase]:
 
 
 def size() -> Iterator[HardCase]:
-    """Yield passes of tools of any size, rigid and resolved in time.
+    """Yield passes of very large and very small tools, rigid and resolved in time.
 
-    Lengths, masses and times are multiplied by powers of two. This rounds nothing, so results must agree to the last bit.
+    Lengths, masses and times are multiplied by powers of two. Such a factor rounds nothing, so the
+    results must agree to the
+    last bit.
     """
     huge = (2.0**9, 2.0**24, 2.0**5)
     tiny = (2.0**-15, 2.0**-26, 2.0**-8)
@@ -102,7 +112,10 @@ def size() -> Iterator[HardCase]:
 
 
 def _scales(law: str, length: float, mass: float, time: float) -> Finding:
-    """Compare passes of two similar tools."""
+    """Compare the passes of two similar tools bit by bit.
+
+    The factors ``length``, ``mass`` and ``time`` make the second tool of the first.
+    """
     factors = {"m": length, "kg": mass, "rad/s": 1.0 / time, "m/s^2": length / time**2}
     factors["N m/rad"] = mass * (length / time) ** 2
     one = TOOL.replace(gravity=3e3, contact=law)
@@ -124,7 +137,9 @@ def _scales(law: str, length: float, mass: float, time: float) -> Finding:
 
 
 def budget() -> Iterator[HardCase]:
-    """Yield motions that exceed their step budget: in flight, in contact, and in a contact resolved in time."""
+    """Yield motions that exceed their step budget: in flight, in a pass, and in a contact resolved
+    in time.
+    """
     case = partial(row, "budget")
     promise = f"{SPENT}, within an interval of it"
     turns = Settings(hub_turn=1e4)
@@ -139,13 +154,14 @@ TIP = TOOL.hub.radius + TOOL.bristle.length
 """Radii of the circles of a radial bristle's root and tip, m."""
 
 THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
-"""Radius of the thinnest bar that an infinitely thin wire may meet, m."""
+"""Radius of the thinnest bar that may meet a wire of zero width, m."""
 
 
 def tunnelling() -> Iterator[HardCase]:
-    """Yield passes of every accuracy and speed, and passes at bars too thin to have a side.
+    """Yield passes at many accuracies and hub speeds, and at bars far thinner than a step.
 
-    A straight bristle without gravity remains radial until it touches something, so that the instant is plain geometry.
+    A straight bristle without gravity remains radial until it touches an obstacle, so geometry
+    gives the instant of the touch.
     """
     for accuracy in (0.1, 1e-6, 1e-11):
         name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
@@ -156,7 +172,10 @@ def tunnelling() -> Iterator[HardCase]:
 def with_bar_at(
     distance: float, radius: float, speed: float = TOOL.hub.speed, angle: float = 1.2
 ) -> Tool:
-    """Return a tool with a bar at a distance (m), ``angle`` (rad) before the workpart's direction; its wire has no width."""
+    """Return a tool with a bar at a distance (m) from the hub axis; its wire has no width.
+
+    The bar stands ``angle`` (rad) before the direction of the workpart.
+    """
     bar = Bar(
         radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle)
     )
@@ -164,7 +183,10 @@ def with_bar_at(
 
 
 def first_bar_touch(tool: Tool) -> float:
-    """Return when a radial bristle meets the bar, s: its end on the reach (law of cosines) or its flank (tangent)."""
+    """Return the instant at which a radial bristle meets the bar, s.
+
+    Either the wire's end meets the bar (law of cosines), or its flank does (tangent).
+    """
     assert tool.bar is not None
     distance = math.hypot(tool.bar.horizontal, tool.bar.vertical)
     reach = tool.bar_reach
@@ -208,7 +230,11 @@ def long_run() -> Iterator[HardCase]:
 
 
 def _swings(accuracy: float, turns: int) -> Finding:
-    """Compare Jacobi's integral of the rotating frame, I alpha'^2/2 + k alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha)."""
+    """Check that Jacobi's integral of the rotating frame is conserved.
+
+    It is I alpha'^2/2 + k alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). The limit is
+    ``accuracy`` a turn of the hub.
+    """
     settings = Settings(
         accuracy, maximum_steps=10**9, hub_turn=turns * math.tau, samples_per_period=6
     )
@@ -231,7 +257,7 @@ def _swings(accuracy: float, turns: int) -> Finding:
 
 
 WIRE_LIMIT = 1e-5
-"""Accuracy requested of a wire's pass, and its largest relative difference from the reference."""
+"""Requested accuracy of a wire's pass, and limit of its relative difference from the reference."""
 
 
 def wires() -> Iterator[HardCase]:

@@ -1,4 +1,4 @@
-"""Try every requested hard case, and report each promise with its result and the number of promises kept."""
+"""The report of hard cases: every promise with its result, and the number of promises kept."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ THEMES = (
         motion.budget,
     ),
 )
-"""Functions that yield the cases of a theme, which has the function's name."""
+"""Functions that yield the cases of the themes; a theme has the name of its function."""
 
 TABLES = {theme.__name__: theme for theme in THEMES}
 
@@ -38,7 +38,7 @@ Tried = Sequence[tuple[HardCase, Finding]]
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
-    """Return the cases of one theme, without those that take long unless ``full``."""
+    """Return the cases of one theme; without ``full``, only those at quick effort."""
     return tuple(case for case in TABLES[theme]() if full or case.quick)
 
 
@@ -46,7 +46,7 @@ def hard_cases(requested: HardCaseChoice) -> Report:
     """Try the requested cases, one after the other.
 
     Raises:
-        Unfinished: with a report of the cases tried so far, if the user interrupts.
+        Unfinished: if the user interrupts; it has a report of the cases tried so far.
     """
     begin = clock.perf_counter()
     themes = tuple(TABLES) if requested.theme == "all" else (requested.theme,)
@@ -64,7 +64,9 @@ def hard_cases(requested: HardCaseChoice) -> Report:
 
 
 def _report(tried: Tried, wall_s: float) -> Report:
-    """Compare the number of kept promises of each theme with the number of its cases."""
+    """Return the report, which compares the kept promises of each theme with the number of its
+    cases.
+    """
     kept = []
     for theme in dict.fromkeys(case.theme for case, _ in tried):
         verdicts = [finding.ok for case, finding in tried if case.theme == theme]
@@ -100,7 +102,7 @@ def _report(tried: Tried, wall_s: float) -> Report:
 
 
 def answer(tried: Tried) -> str:
-    """Return whether all cases keep their promise, or those that break it, with their results."""
+    """Return the sentence that all cases keep their promise, or that lists the broken ones."""
     broken = [f"{_named(case)} ({finding.reached})" for case, finding in tried if not finding.ok]
     if broken:
         return f"No: {len(broken)} of {len(tried)} hard cases break their promise: {'; '.join(broken)}."
@@ -112,7 +114,7 @@ def _named(case: HardCase) -> str:
 
 
 WIDTHS = (30, 30, 31, 3)
-"""Widths of the columns of the table, which fits a terminal of 100."""
+"""Widths of the columns of the table, in characters; the table fits a terminal of 100."""
 
 
 def _table(tried: Tried) -> list[str]:

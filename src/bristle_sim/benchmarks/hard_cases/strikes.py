@@ -1,4 +1,7 @@
-"""Strikes where they are hard: extreme mass ratios, the edge of the jam, grazing tips, ends of the coefficients' ranges."""
+"""Hard cases of strikes: extreme mass ratios, friction near the jam, and grazing tips.
+
+Coefficients at the ends of their ranges are here too.
+"""
 
 from __future__ import annotations
 
@@ -36,11 +39,13 @@ EPSILON = 2.0**-52
 
 RATE = 845.0
 RESTITUTION = 0.42
-"""A rod that strikes like the bristle; rad/s, 1."""
+"""Rate (rad/s) and restitution (1) of a rod that strikes like the bristle."""
 
 TWO_ROD_ROUNDING = 1e-12
-"""Limit of rates and impulses of two rods: rounding, some 1e-15, times 30 = 1/sin^2 of the 10 degrees between them, times 30
-more for the phases; and limit of energies."""
+"""Largest relative error of rates and impulses of two rods.
+
+It is a rounding of 1e-15, times 1/sin^2(10 deg) = 33 for the angle between the rods, times 30 for
+the phases."""
 
 ANGLES = (math.radians(-20.0), math.radians(-30.0))
 
@@ -49,11 +54,15 @@ MOTIONS = {
     "reverse slip": ((0.1, 0.2), 0.3),
     "stick": ((-1.0, 1.1), 5.0),
 }
-"""Rates and friction with which the tip slips, reverses or sticks; the second and third as soon as slip has stopped."""
+"""Rates (rad/s) of two rods and friction, by the motion of their tip.
+
+The tip slips to the end, or reverses or sticks as soon as its slip has stopped."""
 
 
 def mass_ratio() -> Iterator[HardCase]:
-    """Yield a double pendulum's impacts, its first rod 1e-9 to 1e12 times as heavy as its second, and strikes of wires."""
+    """Yield impacts of two rods with masses in a ratio of 1e-9 to 1e12, and a strike of unequal
+    rods.
+    """
     case = partial(row, "mass_ratio")
     promise = f"phases of the closed form, its rates and impulse to {TWO_ROD_ROUNDING:g}, e* of 0, 0.5 and 1"
     for ratio, motion in ((1e-9, "slip"), (1e-3, "reverse slip"), (1e12, "stick")):
@@ -81,7 +90,12 @@ def _two_rods(ratio: float, rates: tuple[float, float]) -> Chain:
 
 
 def _unequal(lengths: tuple[float, ...]) -> Finding:
-    """Strike with rods of masses in proportion to their lengths, and compare the works with the law and with 0."""
+    """Compare a strike of rods, of masses proportional to their lengths, with the law of
+    restitution.
+
+    The work of restitution must be e*^2 times that of compression, and all works together must gain
+    no energy.
+    """
     hit = struck(Chain(lengths, lengths, (-0.4, -0.7, -0.2, -0.5), (1.0, 0.5, 2.0, 1.0)), 0.3, 0.5)
     e = 0.5
     taken, rubbed = hit.contact.compressive_work or (math.nan, math.nan)
@@ -93,19 +107,28 @@ def _unequal(lengths: tuple[float, ...]) -> Finding:
 
 
 ROUNDINGS = 40
-"""Roundings of friction, sine, cosine, their products and K, here and in the closed form: an impulse may be off by this
-number of epsilons, divided near the jam by the distance from it."""
+"""Largest relative error of an impulse, in units of machine epsilon.
+
+It counts the roundings of friction, sine, cosine, their products and K, in the scene and in the
+closed form. Near the jam it
+is divided by the relative distance of friction from the jam."""
 
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
-"""Two rods whose slip drives the tip into the surface; it stops before restitution ends, so that little is magnified."""
+"""Two rods whose slip drives the tip into the surface.
+
+The slip stops before restitution ends, so that rounding is little magnified."""
 
 TWO_RODS_LIMIT = TWO_ROD_ROUNDING + 0.5 * ROUNDINGS * EPSILON * float(
     np.linalg.cond(contact_inverse_mass(TWO_RODS))
 )
-"""Ratio of the rods' speeds that their closed form takes for 0, and rounding times the condition of K."""
+"""Largest relative error of two rods near a critical friction.
+
+It is the fraction of a speed that the closed form treats as 0, plus rounding times the condition
+number of K."""
 
 LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration=0.0095))
-"""A bristle thrown forward from ``THROWN``, so that its tip is pushed over the workpart."""
+"""A bristle that starts at ``THROWN``, ahead of radial, so that its tip is pushed over the
+workpart."""
 
 THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
 
@@ -114,10 +137,12 @@ ROD_ANGLES = tuple(map(math.radians, (1.0, 23.4, 60.0, 89.0)))
 
 
 def jam() -> Iterator[HardCase]:
-    """Yield a rod that is pulled, two rods, and passes, with friction on both sides of an edge.
+    """Yield strikes of one rod and of two, and passes, with friction just below and above a
+    critical value.
 
-    At mu = tan gamma a rod that is pulled over the surface can no longer leave it (stiction), and one that is pushed over
-    it can no longer be stopped (jam). At each critical friction of two rods one motion gives way to another.
+    At mu = tan gamma a rod that is pulled over the surface can no longer leave it (stiction), and a
+    rod that is pushed can no
+    longer be stopped (jam). At each critical friction of two rods one motion gives way to another.
     """
     case = partial(row, "jam")
     for distance in (1e-3, 1e-9):
@@ -161,7 +186,10 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
-    """Compare passes on both sides of the jam, at the strike angle of a first run, which friction does not change."""
+    """Compare passes with friction on both sides of the jam with the reference.
+
+    A first run gives the angle of the strike, which friction does not change.
+    """
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
     rough = [tool.replace(friction=edge * (1.0 + side)) for side in (-distance, distance)]
@@ -173,17 +201,22 @@ def _passes_near_jam(tool: Tool, start: Start, distance: float) -> Finding:
 NAMES = {"bar": ("bar touch", "bar not touched"), "workpart": ("strike", "workpart not reached")}
 
 TOUCH_GAP = 1e-12
-"""Largest gap at a touch, as a fraction of the length: ten times the scene's own, since the path is exact."""
+"""Largest gap at a touch, as a fraction of the length: ten times the scene's own limit."""
 
 
 def grazing() -> Iterator[HardCase]:
-    """Yield strikes at extreme angles, tips that just reach an obstacle or just miss it, and three contacts at one instant."""
+    """Yield strikes at extreme angles, tips that just reach or just miss an obstacle, and a triple
+    contact.
+
+    In the triple contact three points meet their obstacles at one instant.
+    """
     case = partial(row, "grazing")
     for words, angle in (
         ("1e-12 rad", 1e-12),
         ("a right angle less 1e-09 rad", math.pi / 2 - 1e-9),
     ):
-        # None, half and twice the friction of the jam; half magnifies a rounding by (1 + 1/2)/(1 - 1/2).
+        # Frictions of 0, a half and twice that of the jam; a half magnifies rounding by (1 +
+        # 1/2)/(1 - 1/2).
         frictions = [mu for mu in (0.0, 0.5 * math.tan(angle), 2.0 * math.tan(angle)) if mu <= 1e9]
         limit = 3.0 * 16.0 * EPSILON
         promise = f"outcome of the monofilament's formulas, impulse and rate to {limit:.0e}"
@@ -199,10 +232,14 @@ def grazing() -> Iterator[HardCase]:
 
 
 def _dips(obstacle: str, depth: float) -> Finding:
-    """Move an obstacle until the tip's circle dips ``depth`` lengths into it; the gap there is known in closed form.
+    """Move an obstacle so that the tip's circle dips ``depth`` lengths into it, and check the gap
+    at the touch.
 
-    A path that dips d into an obstacle enters it at an angle of the order of the square root of d, so the instant keeps
-    half the digits and the gap keeps all of them.
+    A negative depth means that the tip misses the obstacle. The path is a circle, so the gap is
+    known in closed form. A path that dips by d into an
+    obstacle enters it at an angle of the order of the square root of d. The instant of the touch
+    therefore keeps half the digits, while the gap keeps
+    all of them.
     """
     tool = TOOL.replace(bar=None, penetration=depth * LENGTH)
     if obstacle == "bar" and TOOL.bar is not None:
@@ -231,12 +268,17 @@ def _dips(obstacle: str, depth: float) -> Finding:
 
 
 LATER = 1e-13
-"""Gap at the workpart when the bar is met, m. It counts as closed, but exceeds rounding, which would choose the first
-impact."""
+"""Gap at the workpart when the wire meets the bar, m.
+
+It counts as closed, but exceeds rounding; otherwise rounding would choose which impact comes
+first."""
 
 
 def _three_at_once() -> Finding:
-    """Run a radial wire whose two links meet the bar, which restores, at the instant at which its tip meets the workpart."""
+    """Compare a pass with three contacts at one instant with the reference.
+
+    Two links of a radial wire meet the bar, which has restitution, when the tip meets the workpart.
+    """
     cos = TOOL.workpart_depth / TIP
     reach = TOOL.bar_reach
     sin = math.sqrt(1.0 - cos**2)
