@@ -41,7 +41,7 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     part = WorkpartPair(0.9, 0.0, 0.0, 0.0, link=1)
     scene = Scene(upright, Effects(hinges=((5.0, 0.0),), pairs=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
-    scene.engine.joint_solver.contacts = (ClosedPair(part, None, None),)
+    scene.engine.joint_solver.set_contacts((ClosedPair(part, None, None),))
     scene.engine.joint_solver.solve(1.0)
     assert scene.engine.joint_solver.impulses == [(0.0, 0.0, 0.0)]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)

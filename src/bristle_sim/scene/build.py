@@ -18,11 +18,11 @@ import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.joints import Connected
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import SHAPE_MARGIN, ClosedPair, ContactPair
-from bristle_sim.scene.solver import SolvedSteps, WireVelocities
+from bristle_sim.scene.solver import WireVelocities
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,6 @@ class Scene:
         self.links, self.joints = _add_links(space, mechanism, self.hub)
         _add_springs(self, space)
         self.engine = _engine_steps(self, space)
-        self.engine.set_iterations(space.iterations)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
         self.step = self.engine.take
@@ -119,7 +118,7 @@ class Scene:
         self.engine.keep_closed(contacts)
 
 
-def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
+def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""
     mechanism = scene.mechanism
     effects = scene.effects
@@ -129,8 +128,9 @@ def _engine_steps(scene: Scene, space: pymunk.Space) -> SolvedSteps:
     solver: type[LinkVelocity | WireVelocities] = (
         LinkVelocity if mechanism.single_link else WireVelocities
     )
-    make = functools.partial(solver, space, mechanism, damping, scene.hub, scene.links)
-    return SolvedSteps(make, bool(effects.hinges), space, scene.hub, scene.links, scene.joints)
+    make = functools.partial(solver, mechanism, damping, scene.hub, scene.links)
+    bodies = (scene.hub, scene.links, scene.joints)
+    return EngineSteps(space, *bodies, make, bending=bool(effects.hinges))
 
 
 def _add_links(

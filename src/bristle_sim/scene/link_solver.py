@@ -37,11 +37,9 @@ class LinkVelocity:
     """
 
     reversible = False  # its steps are not symmetric in time
-    symmetric = False
 
     def __init__(
         self,
-        space: pymunk.Space,
         mechanism: Mechanism,
         damping: Sequence[float],
         hub: pymunk.Body | None,
@@ -49,12 +47,6 @@ class LinkVelocity:
     ) -> None:
         (link,) = links
         self._damping = damping[0]
-        self._springs: list[pymunk.DampedRotarySpring] = []
-        if self._damping:
-            self._springs = [
-                each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
-            ]
-        self._active = False
         self._link = mechanism.links[0]
         self._inertia = self._link.inertia_about_joint
         self._centre = self._link.centre
@@ -66,24 +58,11 @@ class LinkVelocity:
         self._ratio = 0.0
         self.impulses: list[tuple[float, float, float]] = []
 
-    def take_over(self, *, active: bool) -> None:
-        """Assign the damping to this solver or to the engine."""
-        if self._damping and active is not self._active:
-            self._active = active
-            for spring in self._springs:
-                spring.damping = 0.0 if active else self._damping
-
-    @property
-    def contacts(self) -> Sequence[ClosedPair]:
-        """The sustained contact that acts, if there is one."""
-        raise AttributeError("contacts are only set")
-
-    @contacts.setter
-    def contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        self._touch = None
-        for closed in contacts:
-            self._touch = _touch_of(closed, self._link)
-            self._ratio = -closed.pair.friction * (closed.slip or 0)
+    def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
+        """From now on keep this sustained contact closed."""
+        (closed,) = contacts
+        self._touch = _touch_of(closed, self._link)
+        self._ratio = -closed.pair.friction * (closed.slip or 0)
 
     def solve(self, step: float) -> None:
         """Make the link's rate after an engine step obey the contact, with implicit damping.

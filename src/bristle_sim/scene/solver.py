@@ -1,4 +1,4 @@
-"""Engine steps of several links, and the velocities that obey their joints and sustained contacts, by one linear solve a step.
+"""The velocities of several links that obey their joints and sustained contacts, by one linear solve a step.
 
 The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations. Whatever it has done adds
 M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic energy, are the same
@@ -12,7 +12,7 @@ step. In a symmetric one v is the mean of old and new velocities and s half a st
 With positions half a step ahead the error of an even number of such steps has even powers of the step alone (Hairer, Lubich
 and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
 
-ActiveContact contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
+Active contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
 Q those of the directions in which the impulses act, friction included,
 
     (R M^-1 Q^T) p = -R rates - drift,    rates change by M^-1 Q^T p.
@@ -21,10 +21,7 @@ Q those of the directions in which the impulses act, friction included,
 from __future__ import annotations
 
 import cmath
-import math
-from collections.abc import Callable, Sequence
-from functools import cached_property
-from operator import sub
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,12 +29,9 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.engine import EngineSteps, Placer
-from bristle_sim.scene.link_solver import LinkVelocity
+from bristle_sim.scene.engine import Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
-
-LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 
 DEPENDENT = 1e-12  # singular value over the largest below which a contact repeats joints or others
 
@@ -172,7 +166,6 @@ class WireVelocities:
 
     Attributes:
         symmetric: whether steps are symmetric in time.
-        contacts: sustained contacts that act.
         impulses: normal and tangential impulse of each of them in the last step, and its slip.
     """
 
@@ -180,20 +173,14 @@ class WireVelocities:
 
     def __init__(
         self,
-        space: pymunk.Space,
         mechanism: Mechanism,
         damping: Sequence[float],
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
     ) -> None:
         self.symmetric = False
-        self.contacts: Sequence[ClosedPair] = ()
         self.impulses: list[tuple[float, float, float]] = []
-        self._springs = [
-            (each, each.damping)
-            for each in space.constraints
-            if isinstance(each, pymunk.DampedRotarySpring)
-        ]
+        self._contacts: Sequence[ClosedPair] = ()
         has_hub = hub is not None
         self._bodies = Placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
@@ -203,10 +190,9 @@ class WireVelocities:
             mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:]
         )
 
-    def take_over(self, *, active: bool) -> None:
-        """Assign the damping to this solver or to the engine."""
-        for spring, damping in self._springs:
-            spring.damping = 0.0 if active else damping
+    def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
+        """From now on keep these sustained contacts closed."""
+        self._contacts = contacts
 
     def begin_symmetric(self) -> None:
         """From now on make the steps symmetric in time, beginning with the bodies' present velocities."""
@@ -223,7 +209,7 @@ class WireVelocities:
             velocities += old
             velocities *= 0.5
         self._chains.close(0.5 * step if self.symmetric else step)
-        if self.contacts:
+        if self._contacts:
             self._push()
         if self.symmetric:
             velocities *= 2.0
@@ -234,7 +220,7 @@ class WireVelocities:
     def _push(self) -> None:
         """Add the impulses of the contacts."""
         chains = self._chains
-        contacts = self.contacts
+        contacts = self._contacts
         touches = [chains.closest(each.pair, each.piece) for each in contacts]
         pairs = list(enumerate(zip(contacts, touches, strict=True)))
         across = [chains.row(each.pair, touch, touch.normal) for _, (each, touch) in pairs]
@@ -269,76 +255,3 @@ class WireVelocities:
         for at, (push, touch) in enumerate(zip(whole, touches, strict=False)):
             slip = float(touch.velocity[1] + along[at] @ change) if at in along else 0.0
             self.impulses.append((push, rubs.get(at, ratios[at] * push), slip))
-
-
-class SolvedSteps(EngineSteps):
-    """Engine steps, each followed by a solution for joints and contacts: for wires that bend always, for rigid links only in contact.
-
-    ``engine`` are the arguments of :class:`EngineSteps`; ``make`` makes the solver when it is first needed.
-    """
-
-    def __init__(
-        self, make: Callable[[], WireVelocities | LinkVelocity], bending: bool, *engine: Any
-    ) -> None:
-        super().__init__(*engine)
-        self._make = make
-        self._bending = bending
-        self._engine_step = self._step
-
-    @cached_property
-    def joint_solver(self) -> WireVelocities | LinkVelocity:
-        """The solver, made when it is first needed."""
-        return self._make()
-
-    @property
-    def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """The function that takes time-symmetric steps, while the joints are solved for; else None."""
-        solves = self._step is not self._engine_step and self.joint_solver.reversible
-        return self._take_symmetric if solves else None
-
-    def set_iterations(self, count: int) -> None:
-        """Set the engine's iterations per step; 1 leaves the joints of bending wires to the linear solve."""
-        super().set_iterations(count)
-        self._price = max(self._price, math.ceil(len(self._links) / LINKS_OF_A_STEP))
-        self._always = self._bending and count == 1
-        self.keep_closed(())
-        if self._bending:
-            self._last_length = 0.0
-
-    def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on, solve for these sustained contacts together with the joints; with none the steps are those of flight."""
-        active = bool(contacts) or self._always
-        self._step = self._step_and_solve if active else self._engine_step
-        if active or "joint_solver" in vars(self):
-            self.joint_solver.contacts = contacts
-            self.joint_solver.take_over(active=active)
-
-    def _step_and_solve(self, length: float) -> None:
-        self._engine_step(length)
-        self.joint_solver.solve(length)
-
-    def _take_symmetric(
-        self, length: float, count: int, act: Callable[[], None] | None = None
-    ) -> list[float]:
-        """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does."""
-        self.steps += count
-        self.work += count * self._price
-        solver = self.joint_solver
-        assert isinstance(solver, WireVelocities)
-        solver.begin_symmetric()
-        for left in range(count, 0, -1):
-            if left == 2:
-                before = self.rates()
-            if act is not None:
-                act()
-            self._step(length)
-        solver.symmetric = False
-        after = self.rates()
-        angles = [
-            angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)
-        ]
-        return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
-
-    def _start_cold(self, length: float) -> None:
-        if self.take_symmetric is None:
-            super()._start_cold(length)
