@@ -227,7 +227,7 @@ def time_scale(scene: Scene) -> float:
     links = len(wire.links)
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
-    mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
+    mass = wire.mass_matrix(np.ones(links, complex))
     return 1.0 / math.sqrt(
         max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
     )

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
 AT_JOINT = 1e-9  # fraction of a link within which a foot on it is at its end
@@ -56,15 +56,25 @@ NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 
 
 def contact_row(
     mechanism: Mechanism,
-    poses: Sequence[Pose],
+    turn: Complexes,
     pair: ContactPair,
     touch: ClosestApproach,
     direction: Vector,
 ) -> Array:
-    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
-    row = mechanism.row(poses, pair.link, touch.arm, direction)
-    if pair.partner is not None and touch.partner_arm is not None:
-        row -= mechanism.row(poses, pair.partner, touch.partner_arm, direction)
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,); ``turn`` is e^{i angle} of each link.
+
+    A link's rate moves the contact by the lever of the link's tip, for a link that carries the touching one, or of the contact itself.
+    """
+    row = np.zeros(len(turn))
+    for link, arm, sign in (
+        (pair.link, touch.arm, 1.0),
+        (pair.partner, touch.partner_arm, -1.0),
+    ):
+        if link is not None and arm is not None:
+            carriers = slice(link - link % mechanism.wire_links, link)
+            reaches = mechanism.constants.tips[carriers] * turn[carriers]
+            row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
+            row[link] += sign * cross(arm, direction)
     return row
 
 
@@ -84,19 +94,20 @@ def set_back(
     mechanism = gaps.mechanism
     for _ in range(NEWTON_ROUNDS):
         poses = mechanism.poses(state)
+        turn = np.exp(1j * np.array(state.angles))
         touches = [
             each.closest(poses, state.rates, piece)
             for each, piece in zip(pairs, pieces, strict=True)
         ]
         stuck = [index for index, each in enumerate(slips) if each == 0]
         across = [
-            contact_row(mechanism, poses, o, t, t.normal)
+            contact_row(mechanism, turn, o, t, t.normal)
             for o, t in zip(pairs, touches, strict=True)
         ]
         along = [
-            contact_row(mechanism, poses, pairs[i], touches[i], touches[i].tangent) for i in stuck
+            contact_row(mechanism, turn, pairs[i], touches[i], touches[i].tangent) for i in stuck
         ]
-        mass = mechanism.mass_matrix(poses)
+        mass = mechanism.mass_matrix(turn)
         angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
         speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
         rates = _nearest(mass, np.array([*across, *along]), speeds)

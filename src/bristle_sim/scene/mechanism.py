@@ -5,15 +5,18 @@ from __future__ import annotations
 import itertools
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
+Complexes = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,23 @@ class Pose(NamedTuple):
         return (self.joint, *self.knees, self.tip)
 
 
-@dataclass(slots=True)
+class ChainConstants(NamedTuple):
+    """Constants of identical wires; complex numbers stand for points in the plane.
+
+    Tips, centres and inertias are those of every link, from its joint and about its centre. ``arms`` are g_kj of one wire,
+    transposed: from the joint of link j to the next one (j < k) or to its centre (j = k). ``moments`` are their conjugates times
+    the masses; ``products`` is the mass matrix at the angles 0.
+    """
+
+    tips: Complexes
+    centres: Complexes
+    inertias: Array
+    arms: Complexes
+    moments: Complexes
+    products: Complexes
+
+
+@dataclass
 class Mechanism:
     """Links in order from the root; the root moves on a circle of ``hub_radius`` at ``hub_speed``, from ``hub_start``.
 
@@ -181,25 +200,22 @@ class Mechanism:
             bound += math.hypot(*link.tip) * abs(rate)
         return bound
 
-    def row(self, poses: Sequence[Pose], link: int, arm: Vector, direction: Vector) -> Array:
-        """Return d(velocity along a direction)/d(rates) of a link's point at ``arm`` from its joint, shape (links,)."""
-        row = np.zeros(len(self.links))
-        for each in range(link - link % self.wire_links, link):
-            joint = poses[each].joint
-            tip = poses[each].tip
-            row[each] = cross((tip[0] - joint[0], tip[1] - joint[1]), direction)
-        row[link] = cross(arm, direction)
-        return row
+    @cached_property
+    def constants(self) -> ChainConstants:
+        """The constants of the wires, computed when they are first needed."""
+        size = self.wire_links
+        tips, centres = np.array(
+            [(complex(*link.tip), complex(*link.centre)) for link in self.links]
+        ).T
+        inertias = np.array([link.inertia for link in self.links])
+        arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
+        moments = np.conj(arms).T * np.array([link.mass for link in self.links[:size]])
+        products = np.kron(np.eye(self.wires), moments @ arms + np.diag(inertias[:size]))
+        return ChainConstants(tips, centres, inertias, arms.T, moments.T, products)
 
-    def mass_matrix(self, poses: Sequence[Pose]) -> Array:
-        """Return the mass matrix in the links' absolute angles, shape (links, links)."""
-        matrix = np.diag([link.inertia for link in self.links])
-        for number, (link, pose) in enumerate(zip(self.links, poses, strict=True)):
-            arm = (pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1])
-            for direction in ((1.0, 0.0), (0.0, 1.0)):
-                row = self.row(poses, number, arm, direction)
-                matrix += link.mass * np.outer(row, row)
-        return matrix
+    def mass_matrix(self, turn: Complexes) -> Array:
+        """Return the mass matrix in the links' absolute angles, shape (links, links); ``turn`` is e^{i angle} of each link."""
+        return np.asarray((turn.conj()[:, None] * self.constants.products * turn).real)
 
 
 def cross(arm: Vector, direction: Vector) -> float:

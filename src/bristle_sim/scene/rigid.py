@@ -158,12 +158,13 @@ class RigidContacts:
             normal = lever * lever / inertia
             coupling = lever * along / inertia
         else:
+            turn = np.exp(1j * np.array(state.angles))
             directions = (touch.normal, touch.tangent)
             rows = np.array(
-                [contact_row(mechanism, poses, pair, touch, each) for each in directions]
+                [contact_row(mechanism, turn, pair, touch, each) for each in directions]
             )
             normal, coupling = (
-                rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])
+                rows @ np.linalg.solve(mechanism.mass_matrix(turn), rows[0])
             ).tolist()
         free = 0.0
         for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):

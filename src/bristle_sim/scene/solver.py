@@ -22,65 +22,24 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import Placer
-from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
+from bristle_sim.scene.gaps import contact_row
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
 DEPENDENT = 1e-12  # singular value over the largest below which a contact repeats joints or others
 
 
-class _Wires(NamedTuple):
-    """Constants of identical wires; complex numbers stand for points in the plane.
-
-    ``size`` counts the links of a wire. Tips, centres and inertias are those of every link, from its joint and about its centre.
-    ``arms`` and ``moments`` are g_kj of one wire, transposed, and their conjugates times the masses; ``products`` is the mass
-    matrix at the angles 0; ``damping`` is C, and ``belt`` the part of it that turns with the hub. Roots are at the hub's angle 0.
-    """
-
-    size: int
-    tips: NDArray[np.complex128]
-    centres: NDArray[np.complex128]
-    inertias: Array
-    arms: NDArray[np.complex128]
-    moments: NDArray[np.complex128]
-    products: NDArray[np.complex128]
-    damping: Array | None
-    belt: Array
-    roots: NDArray[np.complex128]
-
-
-def _wires(mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
-    """Return the constants of a mechanism's wires, whose joints have these damping coefficients, the root first."""
-    links = mechanism.links
-    size = mechanism.wire_links
-    wires = np.eye(mechanism.wires)
-    tips, centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
-    inertias = np.array([link.inertia for link in links])
-    arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
-    moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
-    twists = np.eye(size) - np.eye(size, k=-1)
-    lag = mechanism.pitch * (np.arange(len(links)) // size)
-    products = np.kron(wires, moments @ arms + np.diag(inertias[:size]))
-    damped = (
-        np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float))
-        if any(damping)
-        else None
-    )
-    belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
-    roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
-    return _Wires(size, tips, centres, inertias, arms.T, moments.T, products, damped, belt, roots)
-
-
 class _Chains:
     """The links of all wires, one wire after the other: their bodies' numbers, and the velocities that obey the joints.
 
+    ``_damping`` is C, and ``_belt`` the part of it that turns with the hub; ``_roots`` are those at the hub's angle 0.
     ``matrix``, with damping, and ``turn``, e^{i angle} of each link, are those of the last solution.
     """
 
@@ -90,8 +49,19 @@ class _Chains:
         from scipy.linalg.lapack import dposv  # imported where it is needed only
 
         self.solve = dposv
-        self.wires = _wires(mechanism, damping)
-        self._links = mechanism.links
+        size = mechanism.wire_links
+        links = mechanism.links
+        self.mechanism = mechanism
+        self.constants = mechanism.constants
+        self._links = links
+        self._damping = None
+        if any(damping):
+            twists = np.eye(size) - np.eye(size, k=-1)
+            of_wire = np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)
+            self._damping = np.kron(np.eye(mechanism.wires), of_wire)
+        self._belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
+        lag = mechanism.pitch * (np.arange(len(links)) // size)
+        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
         self._hub = hub
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
@@ -101,25 +71,22 @@ class _Chains:
 
     def close(self, time: float) -> None:
         """Set the velocities to the nearest ones that obey the joints, with the damping acting for a time."""
-        wires = self.wires
+        constants = self.constants
         self.turn = turn = np.exp(1j * self._angles)
-        back = turn.conj()
-        places = wires.roots * cmath.exp(1j * self._hub[2])
+        places = self._roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
-        self.matrix = matrix = (back[:, None] * wires.products * turn).real
+        self.matrix = matrix = self.mechanism.mass_matrix(turn)
         momenta = (
-            back * self.each(self.velocities - carried, wires.moments)
-        ).imag + wires.inertias * self.rates
-        if wires.damping is not None:
-            matrix += time * wires.damping
-            momenta += time * self._hub[5] * wires.belt
+            turn.conj() * self.each(self.velocities - carried, constants.moments)
+        ).imag + constants.inertias * self.rates
+        if self._damping is not None:
+            matrix += time * self._damping
+            momenta += time * self._hub[5] * self._belt
         self.rates[:] = rates = self.solve(matrix, momenta)[1]
-        self.velocities[:] = carried + self.each(1j * turn * rates, wires.arms)
+        self.velocities[:] = carried + self.each(1j * turn * rates, constants.arms)
 
-    def each(
-        self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]
-    ) -> NDArray[np.complex128]:
-        return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
+    def each(self, values: Complexes, matrix: Complexes) -> Complexes:
+        return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
 
     def closest(self, pair: ContactPair, piece: int | None) -> ClosestApproach:
         """Return the pair's closest approach for the bodies as they are, including their drift off the joints."""
@@ -129,7 +96,7 @@ class _Chains:
             if link is not None:
                 turn = complex(self.turn[link])
                 rate = float(self.rates[link])
-                to_centre = complex(self.wires.centres[link]) * turn
+                to_centre = complex(self.constants.centres[link]) * turn
                 joint = self._places[link] - to_centre
                 carried = self.velocities[link] - 1j * rate * to_centre
                 corners = [
@@ -145,20 +112,6 @@ class _Chains:
                     Pose(start, start, tip, moving, moving, moving, tuple(knees)),
                 )
         return pair.closest(poses, rates, piece)
-
-    def row(self, pair: ContactPair, touch: ClosestApproach, direction: Vector) -> Array:
-        """Return d(relative velocity of a contact along a direction)/d(rates)."""
-        row = np.zeros(len(self._links))
-        for link, arm, sign in (
-            (pair.link, touch.arm, 1.0),
-            (pair.partner, touch.partner_arm, -1.0),
-        ):
-            if link is not None and arm is not None:
-                carriers = slice(link - link % self.wires.size, link)
-                reaches = self.wires.tips[carriers] * self.turn[carriers]
-                row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
-                row[link] += sign * cross(arm, direction)
-        return row
 
 
 class WireVelocities:
@@ -220,12 +173,16 @@ class WireVelocities:
     def _push(self) -> None:
         """Add the impulses of the contacts."""
         chains = self._chains
+        mechanism = chains.mechanism
         contacts = self._contacts
         touches = [chains.closest(each.pair, each.piece) for each in contacts]
         pairs = list(enumerate(zip(contacts, touches, strict=True)))
-        across = [chains.row(each.pair, touch, touch.normal) for _, (each, touch) in pairs]
+        across = [
+            contact_row(mechanism, chains.turn, each.pair, touch, touch.normal)
+            for _, (each, touch) in pairs
+        ]
         along = {
-            at: chains.row(each.pair, touch, touch.tangent)
+            at: contact_row(mechanism, chains.turn, each.pair, touch, touch.tangent)
             for at, (each, touch) in pairs
             if each.pair.friction
         }
@@ -247,7 +204,7 @@ class WireVelocities:
             impulses = np.linalg.lstsq(rigid, stopped, rcond=DEPENDENT)[0]
         change = response @ impulses
         chains.rates += change
-        chains.velocities += chains.each(1j * chains.turn * change, chains.wires.arms)
+        chains.velocities += chains.each(1j * chains.turn * change, chains.constants.arms)
         # A mean of old and new velocities takes half of an impulse.
         whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
         rubs = dict(zip(stuck, whole[len(across) :], strict=True))
