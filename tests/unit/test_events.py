@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from bristle_sim.scene.happening import Event, Kind
+from bristle_sim.scene.events import Event, Kind
 from bristle_sim.scene.interval import Interval, at_state
 from bristle_sim.scene.locate import Monitor, first_change
 from bristle_sim.scene.mechanism import Link, Mechanism, State

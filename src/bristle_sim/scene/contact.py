@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.load import Sums
+from bristle_sim.scene.interval import Sums
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import Spring

@@ -18,7 +18,7 @@ from bristle_sim.scene.collisions import (
     resolve_impacts,
 )
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.happening import SPRING_KINDS, Happening, Kind
+from bristle_sim.scene.events import SPRING_KINDS, Happening, Kind
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair, dented
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip

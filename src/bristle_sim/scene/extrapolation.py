@@ -10,13 +10,10 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from operator import mul
-from types import MappingProxyType
-from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene, damping_rate
-from bristle_sim.scene.load import Load, Sums, sums_of
+from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = (
@@ -24,72 +21,6 @@ PLACING_COST = (
 )
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
 LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
-
-
-class IntervalResult(NamedTuple):
-    """Result of integrating over an interval: the state at its end, the links' accelerations there, the sums of a load.
-
-    Attributes:
-        error: estimated error of angles in rad and of rates per time unit; 0 where there is no estimate.
-        failed: whether the load could not act as it should; the rest of the result is then meaningless.
-        errors: estimated error by number of the repetition, if the stepper repeats the interval.
-        middle: the state halfway; None if the integrator does not know it.
-    """
-
-    state: State
-    accelerations: tuple[float, ...]
-    totals: tuple[float, ...]
-    error: float
-    failed: bool = False
-    errors: Mapping[int, float] = MappingProxyType({})
-    middle: State | None = None
-
-    @classmethod
-    def of(
-        cls,
-        scene: Scene,
-        time: float,
-        values: list[float],
-        error: float,
-        failed: bool,
-        errors: Mapping[int, float],
-    ) -> IntervalResult:
-        """Return the angles, rates, accelerations and totals that a scene had at a time."""
-        size = len(scene.links)
-        state = state_of(scene, time, values)
-        return cls(
-            state,
-            tuple(values[2 * size : 3 * size]),
-            tuple(values[3 * size :]),
-            error,
-            failed,
-            errors,
-        )
-
-    def sums(self, index: int) -> Sums:
-        """Return the forces and sums of one contact of the load."""
-        return sums_of(self.totals, index)
-
-    def moved(self, time: float) -> IntervalResult:
-        """Return the result a short time later, by the accelerations."""
-        when, angles, rates = self.state
-        angles = tuple(
-            [
-                a + time * (u + 0.5 * time * b)
-                for a, u, b in zip(angles, rates, self.accelerations, strict=True)
-            ]
-        )
-        rates = tuple([u + time * b for u, b in zip(rates, self.accelerations, strict=True)])
-        return self._replace(state=State(when + time, angles, rates))
-
-
-def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
-    """Return the state with the angles and rates that a scene's bodies had at a time."""
-    size = len(scene.links)
-    turned = scene.turned
-    return State(
-        time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size])
-    )
 
 
 class Repetitions:

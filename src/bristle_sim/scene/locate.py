@@ -10,9 +10,9 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.extrapolation import IntervalResult, acceleration
-from bristle_sim.scene.happening import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event, Kind
-from bristle_sim.scene.interval import Interval, at_state
+from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event, Kind
+from bristle_sim.scene.extrapolation import acceleration
+from bristle_sim.scene.interval import Interval, IntervalResult, at_state
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import LEAST_VALUE, System

@@ -12,12 +12,9 @@ from dataclasses import dataclass
 
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.events import contact_events, motion_events
-from bristle_sim.scene.extrapolation import IntervalResult
+from bristle_sim.scene.events import OF_THE_MOTION, Happening, Kind, contact_events, motion_events
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.happening import OF_THE_MOTION, Happening, Kind
-from bristle_sim.scene.interval import Interval, at_state
-from bristle_sim.scene.load import Load, sums_of
+from bristle_sim.scene.interval import Interval, IntervalResult, Load, at_state, sums_of
 from bristle_sim.scene.locate import Monitor, first_change
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ContactPair

@@ -20,7 +20,7 @@ from bristle_sim.scene.gaps import (
     slip_acceleration,
     turned_back,
 )
-from bristle_sim.scene.load import NUMBERS, sums_of
+from bristle_sim.scene.interval import NUMBERS, sums_of
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 

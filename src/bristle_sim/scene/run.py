@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from bristle_sim.scene.collisions import end_contacts
 from bristle_sim.scene.decide import decide, first_motion
-from bristle_sim.scene.happening import Happening, Kind
+from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.settings import StopReason

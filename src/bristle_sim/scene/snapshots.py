@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.happening import Happening, Kind
+from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import contacts_in_si
 from bristle_sim.scene.run import run_by_intervals

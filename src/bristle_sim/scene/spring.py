@@ -1,4 +1,4 @@
-"""The springs of a contact resolved in time, and their force and friction as a load on the scene.
+"""The springs of a contact resolved in time, their record, and their force and friction as a load on the scene.
 
 The law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the surface has no tangential spring: in
 stick its force stops the point within each engine step, -(K_nt N + v_t/h)/K_tt.
@@ -9,20 +9,27 @@ law with the same eta^2 (:mod:`bristle_sim.theory.impact_compliance`).
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import numpy as np
+
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.course import ContactCourse
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.load import Load
-from bristle_sim.scene.mechanism import Vector
+from bristle_sim.scene.interval import Load
+from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
+from bristle_sim.trajectory import ContactHistory
+
+LEAST_PHASE = 1e-6
+"""A phase of less than this fraction of the normal impulse is not named. Close to separation the force is too small to keep a
+point from moving with its bodies, so stick always ends in slip; this has no effect in the limit of short contacts."""
 
 NO_SLIP_TO_STOP = 1e-14
 """Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
@@ -33,6 +40,59 @@ SHORTEST_SWING = 1e-3
 """Time in which a tangential spring swings from the friction of compression to that of restitution, as a fraction of the contact,
 below which the motion to and fro at the deepest point is replaced by its mean, slip at rest. The deepest point grows meanwhile
 by less than a tenth of this fraction, which the mean leaves out; a thousand swings cost some 300,000 engine steps."""
+
+
+class SpringPhase(NamedTuple):
+    """A phase of the contact: whether the spring loads, the sense of slip, and the normal impulse before the phase."""
+
+    loading: bool
+    slip: int
+    impulse: float
+
+
+@dataclass(slots=True)
+class ContactCourse:
+    """The record of one contact while it lasts.
+
+    Attributes:
+        rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
+            time are the end of a phase and the start of the next.
+        compression: impulse and work up to the end of compression; None before.
+        stopped: the state, impulse and work, and the numbers of rows and phases where the rigid-body law jams.
+    """
+
+    phases: list[SpringPhase] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    compression: tuple[Vector, Vector] | None = None
+    stopped: tuple[State, Vector, Vector, int, int] | None = None
+
+    @property
+    def approach(self) -> float:
+        """Speed of approach at the first touch."""
+        return abs(self.rows[0][4])
+
+    def release(self) -> None:
+        """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
+        time, _, _, *motion = self.rows[-1]
+        self.rows[-1] = (time, 0.0, 0.0, *motion)
+
+    def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
+        """Return the names of the phases in order, without those too short to matter; a jam's last phase always counts."""
+        ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
+        names: list[str] = []
+        first = 0
+        for phase, end in zip(self.phases, ends, strict=True):
+            if end - phase.impulse >= LEAST_PHASE * impulse or (jams and phase is self.phases[-1]):
+                first = first or phase.slip
+                motion = (
+                    "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+                )
+                names.append(f"{'compression' if phase.loading else 'restitution'} {motion}")
+        return tuple(name for name, _ in itertools.groupby(names))
+
+    def history(self) -> ContactHistory:
+        """Return the samples."""
+        return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
 
 
 class Expectation(NamedTuple):

@@ -9,13 +9,11 @@ import math
 
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.course import SpringPhase
-from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.happening import Kind
-from bristle_sim.scene.load import Sums
+from bristle_sim.scene.events import Kind
+from bristle_sim.scene.interval import IntervalResult, Sums
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import ContactLoad, Spring
+from bristle_sim.scene.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = (

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.happening import Happening, Kind
 from bristle_sim.scene.interval import Interval
 from bristle_sim.scene.locate import guess, settle
 from bristle_sim.scene.mechanism import Mechanism, State

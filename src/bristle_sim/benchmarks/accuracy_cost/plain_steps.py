@@ -7,8 +7,8 @@ import math
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene, damping_rate, time_scale
-from bristle_sim.scene.extrapolation import Extrapolation, IntervalResult
-from bristle_sim.scene.load import Load
+from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.interval import IntervalResult, Load
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.simulate import prepare, run_in_si
 from bristle_sim.scene.system import System
