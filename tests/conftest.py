@@ -51,6 +51,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: files.index(str(item.path)))
 
 
+@pytest.fixture(autouse=True)
+def no_reminder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no progress line come between the lines of a command on a machine that is slow; tests of progress set their own time."""
+    monkeypatch.setattr("bristle_sim.cli.output.SILENCE", 3600.0)
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright")

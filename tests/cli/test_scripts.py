@@ -207,12 +207,6 @@ SIGNATURES = {".png": b"\x89PNG", ".gif": b"GIF89a"}
 each_script = pytest.mark.parametrize("name", SCRIPTS)
 
 
-@pytest.fixture(autouse=True)
-def no_progress(monkeypatch: pytest.MonkeyPatch) -> None:
-    """However long a busy machine takes."""
-    monkeypatch.setattr("bristle_sim.cli.output.SILENCE", 3600.0)
-
-
 @functools.cache
 def scenario(name: str) -> Scenario:
     """The scenario that a script declares, without running it."""

@@ -447,6 +447,12 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
     def refused(*_: Any, **__: Any) -> Any:
         raise OSError(number, os.strerror(number))
 
+    usual = Path.open
+
+    def opened(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> Any:
+        return usual(path, mode, *arguments, **options) if mode in ("r", "rb") else refused()
+
+    monkeypatch.setattr(Path, "open", opened)
     for owner, name in (
         (Path, "write_bytes"),
         (os, "replace"),

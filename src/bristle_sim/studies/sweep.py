@@ -135,7 +135,7 @@ def _dataset(results: Results, grid: xr.Dataset, units: Mapping[str, str]) -> xr
         found = grid.copy()
         for name, array in results.arrays.items():
             own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(results.shape))]
-            values = array.astype(np.dtypes.StringDType()) if name == FAILURE else array
+            values = array.astype(object) if name == FAILURE else array
             found[name] = ([*grid.sizes, *own_axes], values)
     found = found[sorted(map(str, found.data_vars))]
     for variable, each in found.variables.items():

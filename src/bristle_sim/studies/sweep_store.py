@@ -185,7 +185,8 @@ class SweepStore(Results):
     def dataset(self) -> xr.Dataset:
         """Return the grid with the results, loaded lazily by xarray without Dask."""
         stored: xr.Dataset = xr.open_zarr(self.folder, chunks=None, consolidated=False)
-        return stored.assign_coords(self.grid.coords)
+        text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
+        return stored.assign({FAILURE: text}).assign_coords(self.grid.coords)
 
 
 def _replace(path: Path, content: bytes) -> None:
