@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.comparison import Quantity, Report, agreement, amount, differences, rows, table
-from bristle_sim.studies.whole_pass import beside_radial
+from bristle_sim.studies.strike_measures import beside_radial
 
 INFINITE = math.inf
 NAN = math.nan

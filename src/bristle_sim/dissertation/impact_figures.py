@@ -23,7 +23,7 @@ from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Re
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import contact_quantities
+from bristle_sim.studies.strike_measures import contact_quantities
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 

@@ -20,8 +20,9 @@ from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
+from bristle_sim.studies.strike_measures import STATE, beside_radial
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
-from bristle_sim.studies.whole_pass import STATE, beside_radial, require_rigid
+from bristle_sim.studies.whole_pass import require_rigid
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:

@@ -22,8 +22,9 @@ from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.studies.strike_point import full_pass
-from bristle_sim.studies.whole_pass import beside_radial, require_result, require_rigid, run_fields
+from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory

@@ -23,7 +23,8 @@ from bristle_sim.parameters import (
 )
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import IMPACT, contact_quantities, record_fields
+from bristle_sim.studies.strike_measures import IMPACT, contact_quantities
+from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 

@@ -20,15 +20,12 @@ from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
+from bristle_sim.studies.strike_measures import IMPACT, STATE, outcome_of, state_at_strike
 from bristle_sim.studies.whole_pass import (
-    IMPACT,
-    STATE,
-    outcome_of,
     reference_accuracy,
     require_result,
     require_rigid,
     run_fields,
-    state_at_strike,
 )
 from bristle_sim.trajectory import Trajectory
 

@@ -9,13 +9,8 @@ from typing import Any
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import (
-    IMPACT,
-    STATE,
-    contact_quantities,
-    require_result,
-    state_at_strike,
-)
+from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
+from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import Trajectory

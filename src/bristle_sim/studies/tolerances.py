@@ -28,8 +28,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Unfinished, amount
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
-from bristle_sim.studies.whole_pass import IMPACT, STATE
 from bristle_sim.units import Range
 
 Measures = Mapping[str, float | None]

@@ -2,7 +2,7 @@
 
 By the formulas the bar releases the bristle at the retraction that its position permits; the bristle flies a quarter period of
 its undamped belt and strikes radially, at its highest speed. Where the simulation differs, that is the finding; only the
-independent reference has to agree within a tolerance. The results of any run at its strike are found here, too.
+independent reference has to agree within a tolerance.
 """
 
 from __future__ import annotations
@@ -20,6 +20,14 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
+from bristle_sim.studies.strike_measures import (
+    IMPACT,
+    STATE,
+    beside_radial,
+    contact_quantities,
+    outcome_of,
+    state_at_strike,
+)
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
@@ -31,24 +39,6 @@ ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """Factors by which these quantities magnify an error of the motion: the wire's end grazes the bar, where its force falls to
 zero at a small slope."""
 
-STATE = {
-    "lag_deg_at_contact": ("lag at the strike", "deg"),
-    "relative_speed_at_contact": ("bristle's speed relative to the hub", "rad/s"),
-    "tip_speed_at_contact": ("tip speed v_C", "m/s"),
-}
-"""The bristle's state when it strikes: label and unit of each quantity."""
-
-IMPACT = {
-    "normal_compressive_impulse": ("normal impulse of compression p_cy", "N s"),
-    "normal_final_impulse": ("normal impulse p_fy", "N s"),
-    "tangential_compressive_impulse": ("tangential impulse of compression p_cx", "N s"),
-    "normal_compressive_work": ("normal work of compression W_y", "J"),
-    "tangential_compressive_work": ("tangential work of compression W_x", "J"),
-    "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
-    "rebound_ratio": ("rate after the strike over before", "1"),
-}
-"""A strike's impulses, works and rates: label and unit of each quantity."""
-
 QUANTITIES = {
     "release_time": ("time of release from the bar", "s"),
     "release_retraction_deg": ("retraction at release", "deg"),
@@ -57,9 +47,6 @@ QUANTITIES = {
     **STATE,
     **IMPACT,
 }
-
-RADIAL = 0.005
-"""Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
 
 PRINTED = {
     "release_retraction_deg": printed_number("eq. 2.2: retraction angle at release"),
@@ -255,68 +242,6 @@ def _formulas(tool: Tool) -> Values:
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
     return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}
-
-
-def state_at_strike(
-    tool: Tool, run: Trajectory, contact: ContactRecord | None
-) -> dict[str, float | None]:
-    """Return the lag, the rate relative to the hub and the tip's speed, in the units of STATE; None without a contact.
-
-    Lag and rate of a wire that bends, whose links vibrate, are those of the line from root to tip.
-    """
-    if contact is None:
-        return dict.fromkeys(STATE)
-    lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
-    rate = contact.rates_before[0]
-    if tool.bristle.links > 1:
-        before = int(abs(run.time - contact.time).argmin())
-        (root, tip), (root_velocity, tip_velocity) = (
-            each[before, [0, -1]] @ [1.0, 1j]
-            for each in (run.centre_line, run.centre_line_velocity)
-        )
-        lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
-        rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
-    speed = math.hypot(*contact.velocity_before)
-    if contact.point == "knee":
-        speed = float(run.tip_speed[int(abs(run.time - contact.time).argmin())])
-    return {
-        "lag_deg_at_contact": math.degrees(lag),
-        "relative_speed_at_contact": rate - tool.hub.speed,
-        "tip_speed_at_contact": speed,
-    }
-
-
-def beside_radial(lag: float) -> str:
-    """Return a lag in degrees in words: ``2.74° short of radial``."""
-    if abs(lag) < RADIAL:
-        return "radial"
-    return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"
-
-
-def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return impulses, works and rates of a contact, in the units of IMPACT; None where its law has none."""
-    if contact is None:
-        return dict.fromkeys(IMPACT)
-    impulse = contact.compressive_impulse or (None, None)
-    work = contact.compressive_work or (None, None)
-    before = contact.rates_before[0]
-    after = contact.rates_after[0]
-    return {
-        "normal_compressive_impulse": impulse[0],
-        "normal_final_impulse": contact.impulse[0],
-        "tangential_compressive_impulse": impulse[1],
-        "normal_compressive_work": work[0],
-        "tangential_compressive_work": work[1],
-        "final_bristle_rate": after,
-        "rebound_ratio": after / before if before else None,
-    }
-
-
-def outcome_of(contact: ContactRecord | None) -> str:
-    """Return the report's word for the end of a contact; a jam is a stiction that no law resolves."""
-    if contact is None:
-        return "no contact"
-    return "stiction" if contact.outcome == "jam" else contact.outcome
 
 
 def run_fields(run: Trajectory) -> dict[str, Any]:
