@@ -199,7 +199,10 @@ LAYOUTS = (
 PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 LARGEST_PREFIX = {
-    **{"s": "", "m": "", "N s": "", "Pa": "G"},
+    "s": "",
+    "m": "",
+    "N s": "",
+    "Pa": "G",
     **dict.fromkeys(("g", "N", "N m", "J", "W", "Hz"), "k"),
 }
 """Units that are shown with a prefix, and the largest one that is customary."""

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
+from bristle_sim.theory.impact_arguments import check_result, single_impact, unpack
 from bristle_sim.theory.impact_phases import (
     NO_CONTACT,
     NO_REBOUND,
@@ -42,15 +43,13 @@ from bristle_sim.theory.impact_phases import (
     Target,
     resolve_phases,
 )
-from bristle_sim.theory.numbers import isfinite, numbers, quotient, require, select, square_root
+from bristle_sim.theory.numbers import numbers, quotient, require, select, square_root
 from bristle_sim.units import shown
 
 __all__ = [
     "LAWS", "NO_CONTACT", "NO_REBOUND", "OUTCOMES", "PHASES", "REBOUND", "STICTION", "Impact", "energetic_impact",
     "newton_impact", "poisson_impact",
 ]  # fmt: skip
-
-MOST_FRICTION = 1e150  # more makes impulses that overflow
 
 LEAST_COMPLIANCE = 1e-4
 MOST_COMPLIANCE = 1e4
@@ -210,11 +209,11 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     rigid = (
         isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
     )
-    single = _single(matrix, velocity, coefficients) if rigid else None
-    values, shape = single or _unpack(matrix, velocity, *coefficients)
+    single = single_impact(matrix, velocity, coefficients) if rigid else None
+    values, shape = single or unpack(matrix, velocity, *coefficients)
     if rigid and shape is None:
         impact = resolve_phases(end, *values)
-        _check_result(impact, values)
+        check_result(impact, values)
         return impact
     squared = numbers("tangential_compliance", compliance, "must be real numbers")
     within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
@@ -228,7 +227,7 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     values = [np.broadcast_to(value, shape).ravel() for value in values]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         impact = _row(end, values, None if rigid else np.broadcast_to(squared, shape).ravel())
-        _check_result(impact, values)
+        check_result(impact, values)
     shaped = [getattr(impact, each.name) for each in fields(Impact)]
     shaped = [each.reshape(shape + each.shape[1:]) for each in shaped]
     return Impact(*(each if each.ndim else each.item() for each in shaped))
@@ -241,10 +240,8 @@ def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
     elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
     if not elastic.any():
         return _rigid_row(end, values)
-    from bristle_sim.theory.impact_compliance import (  # only where a contact has this effect
-        compliant_impact,
-        mean_impact,
-    )
+    # Imported only where a contact has this effect.
+    from bristle_sim.theory.impact_compliance import compliant_impact
 
     if (elastic & (squared >= LEAST_COMPLIANCE)).all():
         return compliant_impact(values, squared)
@@ -252,7 +249,7 @@ def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
     followed = np.maximum(squared[elastic], LEAST_COMPLIANCE)
     springs = compliant_impact([value[elastic] for value in values], followed)
     chosen = Impact(*(getattr(rigid, entry.name)[elastic] for entry in fields(Impact)))
-    mean = mean_impact(chosen, springs, np.sqrt(squared[elastic] / followed))
+    mean = _mean(chosen, springs, np.sqrt(squared[elastic] / followed))
     columns = []
     for entry in fields(Impact):
         column = np.array(getattr(rigid, entry.name))
@@ -274,118 +271,37 @@ def _rigid_row(end: End, values: list[Number]) -> Impact:
     )
 
 
-def _single(
-    inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]
-) -> tuple[list[Number], None] | None:
-    """Return the floats of one impact that is given as floats and an array, as a scene does; None for all else."""
-    if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
-        return None
-    if type(velocity) is np.ndarray and velocity.shape == (2,):
-        velocity = velocity.tolist()
-    elif not isinstance(velocity, tuple) or len(velocity) != 2:
-        return None
-    (k_nn, k_nt), (k_tn, k_tt) = inverse_mass.tolist()
-    values = [k_nn, k_nt, k_tt, *velocity, *coefficients]
-    if {*map(type, values)} != {float}:
-        return None
-    _check(values, k_tn)
-    return values, None
+def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
+    """Return the mean impact, with this weight of the springs' one; the rigid impact where their outcomes differ.
 
+    Friction's cone and the works along the normal are linear in the two. The kinetic energy is a convex function of the impulse,
+    so the mean one leaves less of it, by w (1 - w) dp.dv/2; friction takes the difference in the last phase.
+    """
+    weight = np.where((rigid.outcome == springs.outcome) | (weight == 1.0), weight, 0.0)
+    alone = weight == 1.0
 
-NAMES = (
-    "inverse_mass",
-    "velocity",
-    "friction",
-    "restitution",
-    "restitution_friction",
-    "stick_compliance",
-)
+    def mean(name: str) -> Number:
+        of_rigid = getattr(rigid, name)
+        of_springs = getattr(springs, name)
+        factor = weight.reshape(weight.shape + (1,) * (of_rigid.ndim - 1))
+        return of_rigid * (1.0 - factor) + of_springs * factor
 
-
-def _unpack(
-    inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
-) -> tuple[list[Number], tuple[int, ...] | None]:
-    """Return K's entries, velocities and coefficients: floats for one impact (shape None), else broadcast arrays."""
-    given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
-    matrix, velocity, *coefficients = (
-        numbers(name, each, "must be real numbers") for name, each in given
-    )
-    if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
-        raise ValueError(
-            f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: must be (..., 2, 2) and (..., 2)"
+    means = {entry.name: mean(entry.name) for entry in fields(Impact)}
+    loss = 0.0
+    for axis in ("normal", "tangential"):
+        change = getattr(springs, f"impulse_{axis}") - getattr(rigid, f"impulse_{axis}")
+        loss = loss + change * (
+            getattr(springs, f"velocity_{axis}") - getattr(rigid, f"velocity_{axis}")
         )
-    shape = np.broadcast_shapes(
-        matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients)
+    last = np.where(means["phase_impulse"] > 0.0, np.arange(len(PHASES)), 0).max(axis=-1)
+    means["phase_work_tangential"][np.arange(weight.size), last] -= (
+        0.5 * weight * (1.0 - weight) * loss
     )
-    entries = (
-        matrix[..., 0, 0],
-        matrix[..., 0, 1],
-        matrix[..., 1, 1],
-        velocity[..., 0],
-        velocity[..., 1],
-    )
-    values: list[Number] = [np.broadcast_to(each, shape) for each in (*entries, *coefficients)]
-    if not shape:
-        values = [each.item() for each in values]
-    _check(values, matrix[..., 1, 0][()])
-    return values, shape or None
 
-
-def _check(values: list[Number], k_tn: Number) -> None:
-    k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
-    matrix = (k_nn, k_nt, k_tn, k_tt)
-    finite = isfinite(k_nn) & isfinite(k_nt) & isfinite(k_tt) & isfinite(k_tn)
-    # The product of roots neither overflows nor vanishes, as the root of the product may.
-    mean = square_root(abs(k_nn)) * square_root(abs(k_tt))
-    symmetric = abs(k_nt - k_tn) <= 1e-9 * mean
-    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 5e-10))
-    least = f"from 0 to {MOST_FRICTION:g} (dimensionless)"
-    rules = [
-        ("inverse_mass", "finite (1/kg)", finite, matrix),
-        ("inverse_mass", "symmetric (1/kg)", symmetric, matrix),
-        ("inverse_mass", "positive semidefinite (1/kg)", semidefinite, matrix),
-        ("velocity", "finite (m/s)", isfinite(normal) & isfinite(tangential), (normal, tangential)),
-        ("friction", least, (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION), (mu_1,)),
-        ("restitution_friction", least, (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION), (mu_2,)),
-        ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
-    ]
-    for each in given:
-        rules.append(
-            ("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,))
-        )
-    for name, rule, holds, checked in rules:
-        if holds is not True and not np.all(holds):
-            raise ValueError(f"{name} = {_first(checked, holds)}: must be {rule}")
-
-
-def _first(values: tuple[Number, ...], holds: Number) -> str:
-    """Return the first of the values for which a rule does not hold, for a message."""
-    chosen = (
-        values
-        if isinstance(holds, bool)
-        else [np.broadcast_to(each, holds.shape)[~holds][0] for each in values]
-    )
-    text = ", ".join(f"{float(each):g}" for each in chosen)
-    return text if len(values) == 1 else f"({text})"
-
-
-def _check_result(impact: Impact, arguments: list[Number]) -> None:
-    """Refuse impulses, velocities and works that are not finite: they overflow, or K is too small for its inverse."""
-    entries = (
-        impact.impulse_normal,
-        impact.impulse_tangential,
-        impact.velocity_normal,
-        impact.velocity_tangential,
-    )
-    total = sum(entries)
-    works = (impact.phase_work_normal, impact.phase_work_tangential)
-    if isinstance(total, float):
-        holds = isfinite(sum([total, *works[0].tolist(), *works[1].tolist()]))
-    else:
-        holds = isfinite(total + works[0].sum(axis=-1) + works[1].sum(axis=-1))
-    if holds is not True and not np.all(holds):
-        k_nn, _, k_tt, normal, tangential, *_ = arguments
-        raise ValueError(
-            f"velocity = {_first((normal, tangential), holds)} with inverse_mass of diagonal {_first((k_nn, k_tt), holds)}:"
-            " must be values whose impulse p = v/K and work v^2/K are finite numbers (m/s, 1/kg)"
-        )
+    stops = np.isfinite(rigid.slip_stop_impulse) & np.isfinite(springs.slip_stop_impulse)
+    one = np.where(alone, springs.slip_stop_impulse, rigid.slip_stop_impulse)
+    means["slip_stop_impulse"] = np.where(stops, means["slip_stop_impulse"], one)
+    own = alone[:, np.newaxis] | (rigid.phase_impulse == 0.0)
+    means["phase_slip"] = np.where(own, springs.phase_slip, rigid.phase_slip)
+    means["outcome"] = np.where(alone, springs.outcome, rigid.outcome)
+    return Impact(**means)

@@ -5,7 +5,7 @@ tangential one has k/eta^2, and its foot slides where its force T would leave th
 outcome depends on K, v, mu, e* and eta^2; k sets the time alone, and is 1 here. An impact is a sequence of phases:
 
 * stick (``impact_stick``): two oscillators, ended by the cone or by the end of the line;
-* slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t + mu s eta^2 kappa v_n are linear in the normal impulse p,
+* slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s eta^2 kappa v_n are linear in the normal impulse p,
   and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p) p^2/2): it ends where the foot stops, the line ends or N = 0, each a root of a polynomial.
 
 Loading ends where v_n = 0, and the contact with it if e* = 0: the energy of both springs is then lost. In unloading mu_2
@@ -22,8 +22,6 @@ Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw,
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 
 from bristle_sim.arrays import Number
@@ -33,7 +31,6 @@ from bristle_sim.theory.impact_events import (
     FORWARD,
     LINE,
     NEVER,
-    NOISE,
     NONE,
     SETTLED,
     STOP,
@@ -43,14 +40,13 @@ from bristle_sim.theory.impact_phases import (
     JAM,
     KNIFE_EDGE,
     NO_REBOUND,
-    PHASES,
     REBOUND,
     STICTION,
     Impact,
     inverse_mass_of,
 )
+from bristle_sim.theory.impact_slip import begun_slip, slide
 from bristle_sim.theory.impact_stick import Contact, stick
-from bristle_sim.theory.numbers import quotient
 
 LEAST_RESTITUTION = (
     1e-8  # below it the work that is returned is less than the rounding of the work that was taken
@@ -86,80 +82,6 @@ LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bo
 MOTION = Contact._fields.index("normal")  # the first row of a contact that changes
 
 
-def _slip(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
-    """Advance by a phase of slip; return contact, event, and impulses and works along the normal and the surface."""
-    loading = contact.loading > 0.0
-    mu = contact.friction
-    kappa = contact.steep * contact.steep
-    gain, gain_along, foot, foot_gain = _foot(contact, contact.slip)
-    stop = np.where((mu > 0.0) & (foot_gain < 0.0), np.maximum(foot, 0.0) / -foot_gain, INFINITE)
-    speed = contact.normal
-    push = contact.push
-
-    # Unloading: N = 0, or N as large as it was, by the quadratic N^2(p) in the forms that do not cancel.
-    left = (contact.peak - push) * (contact.peak + push) / kappa
-    stored = push * push / kappa
-    inside = speed * speed - gain * left
-    beyond = speed * speed + gain * stored
-    root = np.sqrt(np.maximum(inside, 0.0))
-    again = np.where(speed < 0.0, left / (root - speed), (speed + root) / -gain)
-    again = np.where((inside >= 0.0) & ((speed < 0.0) | (gain < 0.0)), again, INFINITE)
-    root = np.sqrt(np.maximum(beyond, 0.0))
-    apart: Number = np.where(
-        speed < 0.0, quotient(root - speed, gain), quotient(stored, speed + root)
-    )
-    apart = np.where(loading | (beyond < 0.0), INFINITE, apart)
-    line = np.where(loading, quotient(-speed, gain), again)
-
-    impulse = np.minimum(np.minimum(stop, line), apart)
-    event = np.where(impulse == apart, APART, np.where(impulse == line, LINE, STOP))
-    event = np.where(impulse == INFINITE, NEVER, event)
-    impulse = np.where(impulse == INFINITE, 0.0, impulse)
-    normal, tangential = speed + gain * impulse, contact.tangential + gain_along * impulse
-    normal = np.where(loading & (event == LINE), 0.0, normal)
-    square = push * push - kappa * impulse * (speed + normal)
-    push = np.where(event == APART, 0.0, np.sqrt(np.maximum(square, 0.0)))
-    ratio = -mu * contact.slip
-    works = (
-        0.5 * impulse * (speed + normal),
-        0.5 * ratio * impulse * (contact.tangential + tangential),
-    )
-    after = contact._replace(normal=normal, tangential=tangential, push=push, rub=ratio * push)
-    return after, event, (impulse, ratio * impulse, *works)
-
-
-def _foot(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
-    """Return the gains of v_n and v_t per impulse in slip, the foot's velocity in its sense, and that one's gain.
-
-    The latter two are divided by 1 + mu eta^2 kappa, so that no friction makes them overflow.
-    """
-    along = contact.k_nt - contact.friction * slip * contact.k_tt
-    gain = contact.stick + contact.tie * along
-    growth = contact.friction * (contact.eta * contact.steep) ** 2
-    weight = 1.0 / (1.0 + growth)
-    foot = weight * (slip * contact.tangential + growth * contact.normal)
-    return gain, along, foot, weight * (slip * along + growth * gain)
-
-
-def _begun(contact: Contact) -> Number:
-    """Return the sense in which the foot slips at an edge of the cone that the force would leave, else 0; without friction it always slips."""
-    smooth = contact.friction == 0.0
-    free = np.where(
-        contact.tangential == 0.0,
-        np.where(contact.k_nt < 0.0, -1.0, 1.0),
-        np.sign(contact.tangential),
-    )
-    side = np.where(smooth | (contact.rub == 0.0), free, -np.sign(contact.rub))
-    _, _, foot, gain = _foot(contact, side)
-    growth = contact.friction * (contact.eta * contact.steep) ** 2
-    still = abs(foot) <= NOISE * (abs(contact.tangential) + growth * abs(contact.normal)) / (
-        1.0 + growth
-    )
-    leaves = np.where(still, gain > 0.0, foot > 0.0)
-    slips = (abs(contact.rub) >= contact.friction * contact.push * (1.0 - NOISE)) & leaves
-    return np.where(smooth | slips, side, 0.0)
-
-
 def _turned(contact: Contact, event: Number) -> Contact:
     """Return the contact after an event, on the line and with the slip that follow it."""
     line = event == LINE
@@ -183,7 +105,7 @@ def _turned(contact: Contact, event: Number) -> Contact:
         friction=mu,
     )
     return contact._replace(
-        slip=np.where(slides, side, np.where(event == STOP, 0.0, _begun(contact)))
+        slip=np.where(slides, side, np.where(event == STOP, 0.0, begun_slip(contact)))
     )
 
 
@@ -221,7 +143,7 @@ class _Contacts:
             for at in np.split(every, range(BLOCK, every.size, BLOCK)):
                 before = Contact(*self.rows.take(at, axis=1))
                 if slides:
-                    after, event, done = _slip(before)
+                    after, event, done = slide(before)
                 else:
                     many = self.phases[at] >= SETTLING
                     most = many & (
@@ -341,7 +263,7 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
         contact = Contact(
             *bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none
         )
-        contacts = _Contacts(contact._replace(slip=_begun(contact)))
+        contacts = _Contacts(contact._replace(slip=begun_slip(contact)))
         rest = [np.arange(0)]
         for begin in range(0, none.size, LOCAL):
             active = np.arange(begin, min(begin + LOCAL, none.size))
@@ -371,39 +293,3 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
         phase_work_tangential=tangential_works,
         outcome=contacts.outcome,
     )
-
-
-def mean_impact(rigid: Impact, springs: Impact, weight: Number) -> Impact:
-    """Return the mean impact, with this weight of the springs' one; the rigid impact where their outcomes differ.
-
-    Friction's cone and the works along the normal are linear in the two. The kinetic energy is a convex function of the impulse,
-    so the mean one leaves less of it, by w (1 - w) dp.dv/2; friction takes the difference in the last phase.
-    """
-    weight = np.where((rigid.outcome == springs.outcome) | (weight == 1.0), weight, 0.0)
-    alone = weight == 1.0
-
-    def mean(name: str) -> Number:
-        of_rigid = getattr(rigid, name)
-        of_springs = getattr(springs, name)
-        factor = weight.reshape(weight.shape + (1,) * (of_rigid.ndim - 1))
-        return of_rigid * (1.0 - factor) + of_springs * factor
-
-    means = {entry.name: mean(entry.name) for entry in fields(Impact)}
-    loss = 0.0
-    for axis in ("normal", "tangential"):
-        change = getattr(springs, f"impulse_{axis}") - getattr(rigid, f"impulse_{axis}")
-        loss = loss + change * (
-            getattr(springs, f"velocity_{axis}") - getattr(rigid, f"velocity_{axis}")
-        )
-    last = np.where(means["phase_impulse"] > 0.0, np.arange(len(PHASES)), 0).max(axis=-1)
-    means["phase_work_tangential"][np.arange(weight.size), last] -= (
-        0.5 * weight * (1.0 - weight) * loss
-    )
-
-    stops = np.isfinite(rigid.slip_stop_impulse) & np.isfinite(springs.slip_stop_impulse)
-    one = np.where(alone, springs.slip_stop_impulse, rigid.slip_stop_impulse)
-    means["slip_stop_impulse"] = np.where(stops, means["slip_stop_impulse"], one)
-    own = alone[:, np.newaxis] | (rigid.phase_impulse == 0.0)
-    means["phase_slip"] = np.where(own, springs.phase_slip, rigid.phase_slip)
-    means["outcome"] = np.where(alone, springs.outcome, rigid.outcome)
-    return Impact(**means)
