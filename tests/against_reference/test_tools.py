@@ -76,6 +76,7 @@ RIGID = {
     "elastic": changed(workpart={"friction": 0.0, "restitution": 1.0}),
     "friction falls": changed(workpart={"friction": 0.6, "restitution_friction": 0.1}),
     "elastic along the surface": changed(contact={"tangential_compliance": 1.21}),
+    "hardly elastic along the surface": changed(contact={"tangential_compliance": 5e-5}),
     "inelastic": changed(workpart={"restitution": 0.0}),
     "gravity": replace(Tool(), gravity=3e3),
     "no bar": replace(Tool(), bar=None),

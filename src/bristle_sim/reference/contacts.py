@@ -19,7 +19,6 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.theory.contact_spring import ContactSpring
-from bristle_sim.theory.impact import LEAST_COMPLIANCE
 
 
 class Point(NamedTuple):
@@ -190,10 +189,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
             complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface
         )
     if tool.workpart is not None:
-        elastic = (
-            tool.contact.tangential_compliance >= LEAST_COMPLIANCE
-        )  # a stiffer one is rigid, as in the impact law
-        compliance = tool.contact.tangential_compliance if elastic else 0.0
+        compliance = tool.contact.tangential_compliance
         found["workpart"] = Workpart(tool.workpart_depth, tool.workpart, compliance)
     return found
 

@@ -14,7 +14,7 @@ from bristle_sim.reference.log import Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
-from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
 MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
@@ -91,12 +91,14 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
         and (stiffness := _stiffness(instant, touch, point)) is not None
     ):
         surface = obstacle.surface
+        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
+        compliance = obstacle.compliance if obstacle.compliance >= LEAST_COMPLIANCE else 0.0
         law = ContactSpring(
             stiffness,
             surface.restitution,
             surface.friction,
             surface.friction_in_restitution,
-            obstacle.compliance,
+            compliance,
         )
         spring = Spring(law, touch.gap, touch.along)
     return Sustained(point, 0, state, touch.velocity, spring)
