@@ -9,6 +9,8 @@ from itertools import zip_longest
 from types import MappingProxyType
 from typing import Any
 
+from bristle_sim.conversion import plain_number
+
 Values = Mapping[str, float | None]
 """Numbers by the names of their quantities; None where a number is not known."""
 
@@ -137,6 +139,7 @@ class Report:
         extra: parts of the JSON that no other scenario has.
         subject: the objects that pictures are drawn from.
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
+        outcome_in_words: as sentences, sweeps and pages write it (``ContactRecord.outcome_in_words``); empty with no outcome.
         not_reached: the sentence on an accuracy that a run has not reached (``Trajectory.accuracy_not_reached``). It becomes the
             last remark; where it begins with "accuracy not reached", the answer does so, too.
     """
@@ -153,6 +156,7 @@ class Report:
     subject: Any = None
     answer: str = ""
     not_reached: str = ""
+    outcome_in_words: str = ""
 
     def __post_init__(self) -> None:
         """State an accuracy that was not reached, and leave rows that agree unjudged where there is no contact.
@@ -196,7 +200,7 @@ LAYOUTS = (
 )
 """Digits, and columns that are left out, of ever narrower tables."""
 
-PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+PREFIXES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 LARGEST_PREFIX = {
     "s": "",
@@ -307,7 +311,7 @@ def amount(value: float, unit: str, digits: int = 3) -> str:
     """Return a number with its unit, prefixed as an engineer writes it: ``2.75 mN s``."""
     shown, factor = readable_unit(unit, [value])
     written = {"deg": "°", "1": ""}.get(shown, f" {shown}")
-    return f"{value / factor:.{digits}g}{written}"
+    return f"{plain_number(value / factor, digits)}{written}"
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:

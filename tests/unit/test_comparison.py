@@ -125,7 +125,7 @@ def test_a_narrow_terminal_leaves_the_reference_out_and_a_wide_one_shows_it():
     [
         (0.00453001, "s", "4.53001  ms"),
         (0.0, "s", "0  s"),
-        (1.3940e-4, "m", "139.4  um"),
+        (1.3940e-4, "m", "139.4  µm"),
         (-2.5042e-3, "N s", "-2.5042  mN s"),
         (1.2e8, "Pa", "120  MPa"),
         (8.387e-5, "kg", "83.87  mg"),
@@ -159,7 +159,7 @@ def test_a_row_is_shown_by_its_label_and_kept_by_its_key():
         (2.751e-3, "N s", "2.75 mN s"),
         (2.7431, "deg", "2.74°"),
         (-0.43652, "1", "-0.437"),
-        (1.3e-4, "m", "130 um"),
+        (1.3e-4, "m", "130 µm"),
     ],
 )
 def test_amounts_are_in_a_person_s_units(value: float, unit: str, words: str) -> None:

@@ -57,12 +57,12 @@ def test_everything_agrees_at_the_operating_point():
     found = study()
     assert [each.name for each in found.quantities if each.ok is False] == []
     assert row(found, "merchant_crater_depth").printed == 1.4e-4
-    # 130 um were measured; no number of that kind is printed for the contact.
+    # 130 µm were measured; no number of that kind is printed for the contact.
     assert row(found, "contact_energy_depth").printed is None
     assert MEASURED == 1.3e-4
     assert found.answer == (
-        "Merchant's plies cut 139 um (printed 140 um), work and energy 9.65 mm (printed 75.8 um), the simulated contact 104 um to"
-        " 172 um; measured 130 um."
+        "Merchant's plies cut 139 µm (printed 140 µm), work and energy 9.65 mm (printed 75.8 µm), the simulated contact 104 µm to"
+        " 172 µm; measured 130 µm."
     )
     assert found.extra["measured_crater_depth"] == 1.3e-4
 

@@ -122,7 +122,7 @@ def test_an_interrupted_map_goes_on_from_its_store(
 
 def test_a_pair_that_explains_all_three_facts_is_named():
     assert _answer(MEASURED, 1e-4, 0.3).startswith(
-        "A contact of 100 us and a damping ratio of 0.3 explain touches,"
+        "A contact of 100 µs and a damping ratio of 0.3 explain touches,"
     )
 
 

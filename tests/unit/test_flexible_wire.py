@@ -69,7 +69,7 @@ def test_the_answer_has_both_sides_and_says_whether_the_wire_touches_again(short
     assert found is not None
     # By the second strike that starts from the wire's state then: its end approaches the workpart there.
     assert (
-        f"The wire's end touches again {1e6 * found:.3g} us after the first touch" in report.answer
+        f"The wire's end touches again {1e6 * found:.3g} µs after the first touch" in report.answer
     )
     height = report.subject.wire.centre_line[:, -1, 1] - report.subject.wire.centre_line[0, -1, 1]
     assert (

@@ -106,7 +106,7 @@ def test_the_report_beside_print():
     difference = f"({peak.simulated / peak.theory - 1.0:+.0%})"
     assert report().answer == (
         f"The simulated force peaks at {peak.simulated:.3g} N, chapter 3's curve 56.9 N {difference}, at the same impulse of"
-        " 1.61 mN s and compression time of 50 us."
+        " 1.61 mN s and compression time of 50 µs."
     )
 
 

@@ -94,7 +94,7 @@ class TestAnswer:
             rf"at {1e3 * value('contact_time', report):.4g} ms, {value('lag_deg_at_contact', report):.3g}° short of radial,",
             rf"{value('relative_speed_at_contact', report):.3g} rad/s relative to the hub,",
             rf"{value('tip_speed_at_contact', report):.3g} m/s, with a normal impulse of",
-            rf"{1e3 * value('normal_final_impulse', report):.3g} mN s \(rebound\)\.",
+            rf"{1e3 * value('normal_final_impulse', report):.3g} mN s; the tip reverses its slip\.",
             r"normal impulse p_fy \S+ mN s, by formula 3\.06 mN s; tip speed v_C \S+ m/s, printed 30 m/s\.$",
         )
         for each in numbers:
@@ -116,7 +116,7 @@ class TestAnswer:
                 Tool(bar=None),
                 r"ms, not released by a bar, radial, turning with the hub, its tip at 14\.3 m/s,",
             ),
-            (Tool(workpart=Workpart(restitution=0.0)), r"\(no rebound\)"),
+            (Tool(workpart=Workpart(restitution=0.0)), "; the tip stays"),
         ],
     )
     def test_changes_with_the_tool(self, tool: Tool, words: str) -> None:

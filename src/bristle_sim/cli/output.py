@@ -204,10 +204,13 @@ def in_words(report: Report) -> str:
         max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
     )
     lines = [*_wrapped(report.answer), ""] if report.answer else []
-    lines.append(table(report.quantities, width))
+    shown = table(report.quantities, width)
+    lines.append(shown)
+    if " within" in shown.partition("\n")[0]:
+        lines.append("within: the largest relative difference that counts as agreement")
     if report.outcome is not None:
         phases = f" ({', '.join(report.phases)})" if report.phases else ""
-        lines += ["", *_wrapped(f"outcome: {report.outcome}{phases}")]
+        lines += ["", *_wrapped(f"outcome: {report.outcome_in_words or report.outcome}{phases}")]
     elif report.remarks and report.remarks[0]:
         lines.append("")
     for remark in report.remarks:

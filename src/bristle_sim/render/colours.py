@@ -9,4 +9,15 @@ GREEN = "#009e73"
 VERMILION = "#d55e00"
 PURPLE = "#b8578e"
 SKY = "#56b4e9"
+OUTCOMES = {
+    "rebounds": BLUE,
+    "reverses its slip": GREEN,
+    "sticks and rebounds": ORANGE,
+    "stays": PURPLE,
+    "jams": VERMILION,
+    "does not strike": GREY,
+    "refused": LIGHT,
+}
+"""The colour of each outcome in words, on pages and maps."""
+
 SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)

@@ -268,6 +268,6 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
         words = (
             f"strike: {signed(contact.rates_before[0] - trajectory.hub_speed, 1)} rad/s relative to the hub,\n"
             f"{contact.point or 'tip'} arrives at {math.hypot(*contact.velocity_before):.2f} m/s\n"
-            f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome})"
+            f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome_in_words})"
         )
     axes.text(0.0, -len(marks) - 1.3, words, fontsize=7.0, va="top", linespacing=1.6)

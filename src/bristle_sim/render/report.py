@@ -19,6 +19,7 @@ from markupsafe import Markup
 from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import OUTCOMES
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.style import save_figure
@@ -82,6 +83,7 @@ def write_report(
         "parameters": parameters,
         "figures": figures,
         "report": report,
+        "colour": OUTCOMES.get(report.outcome_in_words, ""),
         "verdict": verdict(report),
         "table": cells(report.quantities),
         "rows": rows,

@@ -23,7 +23,7 @@ from bristle_sim.parameters import (
 )
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_measures import IMPACT, contact_quantities
+from bristle_sim.studies.strike_measures import IMPACT, contact_quantities, impulse_caution
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
@@ -288,14 +288,13 @@ def _report(
         tuple("-" if value is None else format(value, form) for value, form in each)
         for each in pairs
     )
-    words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(one.outcome, "sticks")
-    impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}"
+    impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}{impulse_caution(one)}"
     known = (
         "The formulas are for a contact that is rigid along the surface"
         if impacts.elastic
         else agreement(rows)
     )
-    answer = f"{known}: the tip {words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
+    answer = f"{known}: the tip {one.outcome_in_words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
     if impacts.elastic:
         remarks.append("theory: of a contact that is rigid along the surface")

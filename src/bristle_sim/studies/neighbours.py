@@ -20,7 +20,7 @@ from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
-from bristle_sim.studies.strike_measures import IMPACT, STATE, outcome_of, state_at_strike
+from bristle_sim.studies.strike_measures import IMPACT, STATE, outcome_fields, state_at_strike
 from bristle_sim.studies.whole_pass import (
     reference_accuracy,
     require_result,
@@ -118,9 +118,8 @@ def neighbours(
         f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
     )
     return Report(
-        outcome=outcome_of(contact),
+        **outcome_fields(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
-        phases=() if contact is None else contact.phases,
         **run_fields(last),
         remarks=(
             f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}",

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from bristle_sim.comparison import amount
+from bristle_sim.conversion import plain_number
 from bristle_sim.parameters import Tool
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
@@ -92,3 +94,36 @@ def outcome_of(contact: ContactRecord | None) -> str:
     if contact is None:
         return "no contact"
     return "stiction" if contact.outcome == "jam" else contact.outcome
+
+
+def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
+    """Return the outcome of a contact, in JSON's words and in those of sentences, and its phases, as fields of a report."""
+    return {
+        "outcome": outcome_of(contact),
+        "outcome_in_words": "does not strike" if contact is None else contact.outcome_in_words,
+        "phases": () if contact is None else contact.phases,
+    }
+
+
+LARGEST_MAGNIFICATION = 10.0
+"""Magnification of the impulse by friction from which a change of friction by 1 % changes the impulse by some 10 %."""
+
+
+def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
+    """Return a clause that says where a strike's impulse is outside its model, and the remedy; empty where it is not.
+
+    ``bends_at_once``: whether a wire of several links strikes in an instant; its impulse shrinks with the links without limit.
+    """
+    if bends_at_once:
+        return (
+            ", which is not to be trusted, as a wire that bends has no impulse without a duration of the contact"
+            " (--set contact=compliant --set contact_duration=0.1ms)"
+        )
+    excess = contact.friction_magnification
+    if contact.law != "engine" and excess > LARGEST_MAGNIFICATION:
+        times = f"{plain_number(excess, 2)} times" if excess < 1e6 else "beyond all bounds"
+        return (
+            f", which is not to be trusted, as the rigid law is singular here and friction raises it {times}"
+            " (trust the speeds before it; --set tangential_compliance=1.21 has the impulse of an elastic contact of steel)"
+        )
+    return ""

@@ -25,7 +25,8 @@ from bristle_sim.studies.strike_measures import (
     STATE,
     beside_radial,
     contact_quantities,
-    outcome_of,
+    impulse_caution,
+    outcome_fields,
     state_at_strike,
 )
 from bristle_sim.theory import cueing
@@ -100,7 +101,14 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    estimate += "" if cost.holds_until is None else f", valid up to {1e3 * cost.holds_until:.4g} ms"
+    estimate += (
+        ""
+        if cost.holds_until is None
+        else f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
+    )
+    excess = cost.error_estimate is not None and cost.error_estimate > settings.accuracy
+    if excess and not run.accuracy_not_reached:
+        estimate += f", above the requested accuracy {settings.accuracy:g}: request a smaller one"
     remarks = [
         invariants_in_words(invariants),
         f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
@@ -111,10 +119,9 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
             f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there"
         )
     return Report(
-        outcome=outcome_of(contact),
+        **outcome_fields(contact),
         # Only an invariant that is violated takes a row, with which the comparison fails.
         quantities=(*found, *[each for each in invariants if each.ok is False]),
-        phases=contact.phases if contact is not None else (),
         **run_fields(run),
         remarks=tuple(remarks),
         extra={
@@ -124,7 +131,12 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         subject=WholePass(tool, run, reference),
         answer=_why_not(tool, run)
         if contact is None
-        else _strike_in_words(measured, contact) + differences(found),
+        else _strike_in_words(
+            measured,
+            contact,
+            bends_at_once=tool.bristle.links > 1 and tool.contact.duration is None,
+        )
+        + differences(found),
     )
 
 
@@ -147,8 +159,7 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
     return within
 
 
-def _strike_in_words(measured: Values, contact: ContactRecord) -> str:
-    outcome = outcome_of(contact)
+def _strike_in_words(measured: Values, contact: ContactRecord, bends_at_once: bool) -> str:
     with_knee = " with its knee" if contact.point == "knee" else ""
     known = {name: value for name, value in measured.items() if value is not None}
     speed = known["relative_speed_at_contact"]
@@ -164,7 +175,7 @@ def _strike_in_words(measured: Values, contact: ContactRecord) -> str:
     by_bar = "" if measured["release_time"] else ", not released by a bar"
     return (
         f"The bristle strikes{with_knee} at {time}{by_bar}, {lag}, {relative}, its tip at {tip}, with a normal impulse of"
-        f" {impulse} ({outcome})."
+        f" {impulse}{impulse_caution(contact, bends_at_once)}; the {contact.point or 'tip'} {contact.outcome_in_words}."
     )
 
 
@@ -256,12 +267,8 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 
 def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
     """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
-    fields = {
-        "outcome": outcome_of(contact),
-        "phases": contact.phases,
-        "events": tuple(events.items()),
-    }
-    return {**fields, "wall_s": cost.wall_s, "steps": cost.steps}
+    cost_fields = {"wall_s": cost.wall_s, "steps": cost.steps}
+    return {**outcome_fields(contact), "events": tuple(events.items()), **cost_fields}
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:

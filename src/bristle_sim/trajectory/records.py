@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,6 +184,34 @@ class ContactRecord:
     neighbour: int | None = None
     point: str = ""
     place: tuple[float, float] | None = None
+
+    @property
+    def outcome_in_words(self) -> str:
+        """The outcome as sentences and ``ensemble`` write it: *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays*, *jams*.
+
+        A tip that reverses its slip, or sticks, does so in a phase with an impulse. A sustained contact keeps its own word.
+        """
+        if self.outcome != "rebound":
+            ends = {"jam": "jams", "stiction": "stays", "no rebound": "stays"}
+            return ends.get(self.outcome, self.outcome)
+        slips = " ".join(self.phases)
+        if "reverse" in slips:
+            return "reverses its slip"
+        return "sticks and rebounds" if "stick" in slips else "rebounds"
+
+    @property
+    def friction_magnification(self) -> float:
+        """Normal impulse over that which would change the normal velocity as much without friction; large near the jam.
+
+        With dv = K p the impulse without friction is dv_n/K_nn. For a rod of one degree of freedom, whose K has rank one, the
+        ratio is p_n dv_n/(p . dv); 1 without friction, infinite where the impulse along the wire's own line moves nothing.
+        """
+        normal, tangential = (
+            after - before
+            for after, before in zip(self.velocity_after, self.velocity_before, strict=True)
+        )
+        work = self.impulse[0] * normal + self.impulse[1] * tangential
+        return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
         """Return the history under keys of name and unit. Raises ValueError for a contact not resolved in time."""

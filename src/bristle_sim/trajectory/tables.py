@@ -40,7 +40,7 @@ def summary(run: RecordedRun) -> str:
         speeds = f"{contact.point or 'tip'} speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
     error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    error += "" if cost.holds_until is None else f", valid up to {1e3 * cost.holds_until:.4g} ms"
+    error += "" if cost.holds_until is None else f" up to {1e3 * cost.holds_until:.4g} ms"
     return (
         f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
         f"strike: {strike}\n"

@@ -1,0 +1,75 @@
+"""An outcome in words, the same from a single pass and from many, and an impulse that is outside the law's model."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import bristle_sim as bs
+from bristle_sim.parameters import Bristle as Wire
+from bristle_sim.parameters import Contact, Hub, Strike, Surface
+from bristle_sim.passes.strike import OUTCOMES
+from bristle_sim.render.colours import OUTCOMES as COLOURS
+from bristle_sim.settings import Settings
+from bristle_sim.studies.impacts import oblique_impact
+from bristle_sim.studies.whole_pass import whole_pass
+
+RADIAL = {"bar_horizontal": "51.2 mm", "bar_vertical": "20.54 mm"}
+"""A bar that lets the wire strike within 0.01 degrees of radial."""
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.42])
+@pytest.mark.parametrize("friction", [0.0, 0.31, 0.46, 0.47, 2.0])
+def test_a_pass_and_an_ensemble_use_the_same_word(friction: float, restitution: float):
+    tool = bs.Tool().replace(friction=friction, restitution=restitution)
+    strike = bs.simulate(tool, bs.Settings(accuracy=1e-8)).first_contact("workpart")
+    assert strike is not None
+    assert strike.outcome_in_words == str(bs.ensemble(tool, friction=friction).outcome)
+
+
+def test_every_word_has_a_colour_of_its_own():
+    assert {*COLOURS} == {*OUTCOMES}
+    assert len({*COLOURS.values()}) == len(OUTCOMES)
+
+
+def strike_at(friction: float) -> bs.ContactRecord:
+    state = Strike(speed_ratio=3.23, impact_angle_deg=23.4)
+    report = oblique_impact(Hub(), Wire(), state, Surface(friction=friction), Contact(), Settings())
+    found: bs.ContactRecord = report.subject.strikes["energetic"].contact
+    return found
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.2])
+def test_friction_magnifies_the_impulse_of_a_rod_by_its_wedge(friction: float):
+    """dv_n = K_nn (p_n - p_t/tan(gamma)) of a rod at the angle -gamma, whose K is c (sin, -cos)(sin, -cos)."""
+    contact = strike_at(friction)
+    normal, tangential = contact.impulse
+    expected = 1.0 / (1.0 - tangential / normal / math.tan(math.radians(23.4)))
+    assert contact.friction_magnification == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({**RADIAL, "friction": 0.44}, "the rigid law is singular"),
+        ({**RADIAL, "friction": 1.0, "restitution": 0.1}, "the rigid law is singular"),
+        ({"wire_links": 2}, "no impulse without a duration"),
+        ({**RADIAL, "friction": 0.3}, ""),
+        ({**RADIAL, "friction": 0.44, "tangential_compliance": 1.21}, ""),
+        ({}, ""),
+    ],
+)
+def test_an_impulse_outside_the_model_says_so_in_the_answer(changes: dict[str, object], words: str):
+    answer = whole_pass(bs.Tool().replace(**changes), Settings(accuracy=1e-4)).answer
+    assert ("not to be trusted" in answer) is bool(words)
+    assert words in answer
+
+
+def test_an_estimate_above_the_requested_accuracy_is_said():
+    """Without friction the wire touches again and again; with it the estimate is below the accuracy."""
+    for friction in (0.0, 0.31):
+        report = whole_pass(bs.Tool().replace(friction=friction), Settings())
+        estimate = report.subject.trajectory.cost.error_estimate
+        said = any("above the requested accuracy" in each for each in report.remarks)
+        assert said is (estimate > 1e-6)
