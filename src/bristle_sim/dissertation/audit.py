@@ -1,14 +1,12 @@
 """The audit: every printed number and decidable statement of chapters 2 to 4, recomputed.
 
 Three rows are from chapters 1 and 5, which print the same quantities. The rows are those of
-``printed.toml``; the modules
-``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures.
+``printed.toml``; the modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures.
 
 A number counts as reproduced if the computed value lies within half a unit of the last printed
-digit. A printed number may itself come from
-rounded ones; an allowance then adds the effect of their rounding, and ``why`` says so. A statement
-in words has a computed
-figure that decides whether it holds.
+digit. A printed number may itself come from rounded ones; an allowance then adds the effect of
+their rounding, and ``why`` says so. A statement in words has a computed figure that decides whether
+it holds.
 """
 
 from __future__ import annotations

@@ -73,8 +73,7 @@ FAMILIES: dict[str, Family] = {
 """Families of crater depths, by figure.
 
 An entry has the varied quantity in words, its axis, its field of ``Crater`` and its range; then the
-field of ``Crater`` that
-varies from curve to curve and its values."""
+field of ``Crater`` that varies from curve to curve and its values."""
 
 
 def map_figure() -> Redrawn:
@@ -226,7 +225,8 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 def _over_time(
     axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array
 ) -> Panel:
-    """Return a panel over the time of the compression, with a printed curve and simulated points."""
+    """Return a panel over the time of the compression, with a printed curve and simulated
+    points."""
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
     kept = time <= COMPRESSION_TIME
     grid = np.linspace(0.0, COMPRESSION_TIME, 101)

@@ -1,4 +1,5 @@
-"""All computed figures of the dissertation and table 3.1, and the distances of points from curves."""
+"""All computed figures of the dissertation and table 3.1, and the distances of points from
+curves."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 pendulum.
 
 The curves are the dissertation's formulas (Zhang 2020, chapter 2). Each point is one strike in the
-pymunk scene, by the
-contact law that gives the points their name.
+pymunk scene, by the contact law that gives the points their name.
 """
 
 from __future__ import annotations
@@ -82,9 +81,8 @@ class Sweep:
     """A family of curves of strikes.
 
     The field ``along`` of ``Case`` varies on a curve, from ``low`` to ``high``. The field
-    ``family`` varies from curve to curve.
-    With ``until_stiction`` a curve ends where its friction reaches tan(gamma), if this is below
-    ``high``.
+    ``family`` varies from curve to curve. With ``until_stiction`` a curve ends where its friction
+    reaches tan(gamma), if this is below ``high``.
     """
 
     along: str
@@ -220,8 +218,7 @@ def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
     """Return one curve of a sweep with points of simulated impacts.
 
     The grid gets denser where the quantity grows without bound. Energetic impacts lie from end to
-    end, compliant ones at the
-    middles of equal parts.
+    end, compliant ones at the middles of equal parts.
     """
     low = sweep.low
     high = sweep.high

@@ -68,7 +68,8 @@ def printed_cue() -> dict[str, float]:
 
 
 def printed_segments() -> tuple[str, ...]:
-    """Return the printed impulses of the ten segments of table 3.1, in 1e-4 N s, with their digits."""
+    """Return the printed impulses of the ten segments of table 3.1, in 1e-4 N s, with their
+    digits."""
     return tuple(
         printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11)
     )
@@ -101,7 +102,8 @@ Figures = dict[str, Figure]
 
 
 def within(value: Any, bound: float, *further: Any) -> Figure:
-    """Return the figure of a statement that holds if the magnitude of the value is below a bound."""
+    """Return the figure of a statement that holds if the magnitude of the value is below a
+    bound."""
     return Figure(value, *further, holds=abs(value) < bound)
 
 

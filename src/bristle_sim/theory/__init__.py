@@ -1,6 +1,6 @@
 """Closed forms as short pure functions that broadcast, and the impact law.
 
-Public: ``impact`` (``energetic_impact``, ``poisson_impact``, ``newton_impact``), ``monofilament``, ``pendulums``, ``cueing``,
-``force_history``, ``force_fit``, ``merchant``, ``crater`` and the ``crater_`` modules, ``inertia_drive``, ``wire``. Those that
-follow the dissertation cite its equations.
+Public: ``impact`` (``energetic_impact``, ``poisson_impact``, ``newton_impact``), ``monofilament``,
+``pendulums``, ``cueing``, ``force_history``, ``force_fit``, ``merchant``, ``crater`` and the
+``crater_`` modules, ``inertia_drive``, ``wire``. Formulas of the dissertation cite its equations.
 """

@@ -1,4 +1,7 @@
-"""The stiffness at which a contact with the workpart lasts a given time: a spring with energetic restitution, in SI or any units."""
+"""Stiffness of a spring with energetic restitution at which a contact lasts a given time.
+
+Units are SI or any other consistent ones.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,9 @@ from bristle_sim.theory.impact import Impact
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
-    """Return k = (pi (1 + e*)/(2 T))^2/K_nn, at which a frictionless contact on K_nn lasts the time T.
+    """Return k = (pi (1 + e*)/(2 T))^2/K_nn, at which a frictionless contact lasts the time T.
+
+    K_nn is the inverse mass along the normal.
 
     A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
 
@@ -21,11 +26,13 @@ def frictionless_stiffness(inverse_mass: float, restitution: float, duration: fl
 def stiffness_for_duration(
     impact: Impact, velocity: float, restitution: float, duration: float
 ) -> float:
-    """Return the stiffness at which the contact of an impact by the law lasts a given time, in the limit of short contacts.
+    """Return the stiffness at which a contact lasts a given time, in the limit of short contacts.
 
-    The duration scales with 1/sqrt(k). ``velocity`` is the normal one before the impact, negative.
+    ``impact`` is the result of the rigid-body law. The duration scales with 1/sqrt(k). ``velocity``
+    is the normal velocity before the impact, which is negative.
 
-    The same point by the impact law, at any speed and for half the time, needs four times the stiffness:
+    The point of ``frictionless_stiffness``, in contact for half the time, needs four times the
+    stiffness:
 
     >>> from bristle_sim.theory.impact import energetic_impact
     >>> impact = energetic_impact([[1.0, 0.0], [0.0, 1.0]], (-3.0, 0.0), 0.0, 1.0)

@@ -1,19 +1,25 @@
-"""Crater depth as sums over plies of equal time, by Merchant's circle and by energy (Zhang 2020, eqs. 4.48-4.66).
+"""Crater depth as sums over plies of equal time, by Merchant's circle and by energy (Zhang 2020,
+eqs. 4.48-4.66).
 
-Merchant's sum adds, ply by ply, the depth that the growth of the cutting force shears off at the width the tip has then,
+Merchant's sum adds the depths of the plies. The growth of the cutting force in a ply shears off its
+depth, at the width of the cut at that time:
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
-As n grows this is the integral of F_c'(t)/b(t). The width starts like sqrt(t), so that the sum, a rule of right end points,
-falls short of the limit like 1/sqrt(n) (Navot 1961): order one half, not one.
+As n grows this tends to the integral of F_c'(t)/b(t). The width starts like sqrt(t), so that the
+sum, a rule of right end points, falls short of the limit like 1/sqrt(n) (Navot 1961): order one
+half, not one.
 
-The work-energy estimate adds up, ply by ply, the kinetic energy given up over the force, d_i = [E(t_{i-1}) - E(t_i)]/R(t_i)
-(4.62). It fails: the postulated motion brakes hardest at t = 0, where the force of (3.19) begins near zero, so that as written
-the sum is 9.65 mm at 300 plies and grows with n; read as a ratio of two sums, as (4.66) is set in print, it tends to zero; and
-over the printed path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (of which 3.0 mJ, the term in
-e^(-lambda t), are work of the root's bearing): force and motion belong to two different events.
+The work-energy estimate adds, over the plies, the lost kinetic energy divided by the force, d_i =
+[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). It fails: the postulated motion brakes hardest at t = 0, where
+the force of (3.19) begins near zero, so that as written the sum is 9.65 mm at 300 plies and grows
+with n; read as a ratio of two sums, as (4.66) is set in print, it tends to zero; and over the
+printed path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (of which 3.0
+mJ, the term in e^(-lambda t), are work of the root's bearing): force and motion belong to two
+different events.
 
-Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, and t_c in s.
+Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, and t_c in
+s.
 """
 
 from __future__ import annotations
@@ -37,10 +43,12 @@ CUTTING_FRICTION = (
     0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
 )
 PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
-DEPTH_ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
+DEPTH_ROUNDING = 1e-12  # relative rounding error with which the extreme depths are still accepted
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
-"""Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression; 20 nodes would reach rounding."""
+"""Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression.
+
+20 nodes would already leave rounding alone."""
 
 
 def merchant_crater_depth(
@@ -52,10 +60,12 @@ def merchant_crater_depth(
     angles: CuttingAngles | None = None,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth as a sum over n plies of equal time (4.50) with the printed R(t) and b(t), m.
+    """Return the crater depth, m, as a sum over n plies of equal time (4.50).
 
-    The angles of the cut are exact ones for mu and gamma by default, PRINTED_ANGLES for the rounded ones of (4.52). Raises
-    ShearAngleError where mu < tan(gamma), by default angles.
+    Force R(t) and width b(t) are the printed ones.
+
+    By default the angles of the cut are exact for mu and gamma; PRINTED_ANGLES are the rounded ones
+    of (4.52). Raises ShearAngleError where mu < tan(gamma), unless ``angles`` are given.
 
     The dissertation's 300 plies, with its rounded angles (below 4.56):
 
@@ -76,9 +86,12 @@ def merchant_crater_depth_limit(
     angles: CuttingAngles | None = None,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the limit of merchant_crater_depth for infinitely many plies, m; arguments as there.
+    """Return the limit of ``merchant_crater_depth`` for infinitely many plies, m.
 
-    With the printed angles it is 142.28 um, which the sums approach as 1/sqrt(n): 142.13 um with 100,000 plies:
+    The arguments are those of ``merchant_crater_depth``.
+
+    With the printed angles it is 142.28 um, which the sums approach as 1/sqrt(n): 142.13 um with
+    100,000 plies:
 
     >>> from bristle_sim.theory.merchant import PRINTED_ANGLES
     >>> print(f"{1e6 * merchant_crater_depth_limit(angles=PRINTED_ANGLES):.2f} um")
@@ -102,12 +115,13 @@ def friction_for_crater_depth(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): (4.50) solved for mu.
+    """Return the friction at which the crater has a depth, m: (4.50) solved for mu (Zhang 2020,
+    fig. 4.16).
 
-    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2. Raises
-    ValueError for a depth that no mu >= tan(gamma) gives.
+    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) -
+    gamma)]/2. Raises ValueError for a depth that no mu >= tan(gamma) gives.
 
-    The inverse of the printed depth's friction:
+    It is the inverse of ``merchant_crater_depth``:
 
     >>> print(f"{friction_for_crater_depth(merchant_crater_depth(0.5)):.6f}")
     0.500000
@@ -133,12 +147,13 @@ def constant_for_crater_depth(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the constant C of (4.45), rad, that makes the crater ``depth`` deep, m: (4.50) solved for C.
+    """Return the constant C of (4.45), rad, at which the crater has a depth, m: (4.50) solved for
+    C.
 
-    With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by sin(eta) cos(eta + x) =
-    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The shear plane comes out of the
-    surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma. Raises ValueError for a depth that no C within
-    0 < C <= pi/2 gives.
+    With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by
+    sin(eta) cos(eta + x) = [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma)
+    sum of dR/b). The shear plane comes out of the surface, eta >= gamma (4.35), where C >=
+    arccot(mu) + gamma. Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
 
     The shear angle of least work has C = 90 deg:
 
@@ -164,7 +179,10 @@ def _depth_ratio(
     shear_yield_stress: ArrayLike,
     angles: CuttingAngles | None,
 ) -> Number:
-    """Return the crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
+    """Return the ratio of the crater depth to the sum of dR/b, 1/Pa.
+
+    The factor cos(beta - alpha) in F_c cancels against that in the denominator of (4.50).
+    """
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
@@ -181,7 +199,10 @@ def energy_crater_depth(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the sum of energy quotients as derived, cos(gamma) sum_i dE_i/R(t_i) (4.62-4.65), m; it grows with n.
+    """Return the crater depth as the derived sum of quotients, cos(gamma) sum_i dE_i/R(t_i), m
+    (4.62-4.65).
+
+    It grows with the number of plies.
 
     >>> print(f"{1e3 * energy_crater_depth(300):.2f} mm")  # 75.8 um are printed
     9.65 mm
@@ -196,9 +217,12 @@ def energy_crater_depth_ratio(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i) (4.66 as set), m; it falls like 1/n.
+    """Return the crater depth as the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i), m
+    (4.66 as printed).
 
-    The printed depth, for which 5 plies are needed:
+    It falls like 1/n.
+
+    With 5 plies it is the printed depth:
 
     >>> print(f"{1e6 * energy_crater_depth_ratio(5):.2f} um")
     75.78 um
@@ -208,13 +232,16 @@ def energy_crater_depth_ratio(
 
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
-    """Return the energy given up in each ply, J, and the force at its end, N."""
+    """Return the kinetic energy lost in each ply, J, and the force at the end of each ply, N."""
     time = np.linspace(0.0, compression_time, int(plies) + 1)
     return -np.diff(kinetic_energy(time)), np.asarray(BRISTLE(time[1:]))
 
 
 def work_along_path() -> float:
-    """Return the integral of R v_C over the compression, J: an upper bound of the force's work along the printed motion."""
+    """Return the integral of R v_C over the compression, J.
+
+    It is an upper bound of the force's work along the printed motion.
+    """
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
     return float(
         0.5

@@ -36,17 +36,26 @@ from bristle_sim.theory.numbers import require
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES = 0.5 * (_RULE[0] + 1.0)
 WEIGHTS = 0.5 * _RULE[1]
-"""Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
+"""Gauss-Legendre rule on (0, 1).
 
-NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
+The width is smooth in the substituted path up to the full depth, and constant beyond."""
+
+NEWTON_STEPS = 60  # largest number of steps; about ten suffice from the start values used here
 
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """Results of a contact's compression, from first touch to deepest penetration, and the craters that follow; SI.
+    """Results of a contact's compression, from first touch to deepest penetration, and its craters.
 
-    ``path`` is the length of the tip's path; ``shear_plane_emerges`` says whether eta >= gamma with the friction used;
-    where not, ``parallel`` depths are formal.
+    Attributes:
+        compression_time: time from first touch to deepest penetration, s.
+        peak_cutting_force: largest force along the path, N.
+        path: length of the tip's path, m.
+        penetration: deepest penetration, m.
+        depth_from_force: crater depth that follows from the largest force, m.
+        depth_from_energy: crater depth that follows from the work, m.
+        shear_plane_emerges: whether eta >= gamma with the friction used. If not, the depths for a
+            parallel surface are formal.
     """
 
     compression_time: float
@@ -59,9 +68,12 @@ class ContactCrater:
 
 
 def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
-    """Return the volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
+    """Return the volume V(S) that the face sweeps below the surface on a path S (m), m^3.
 
-    Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the width is constant.
+    It is the integral of b(S' sin(gamma)) S' tan(gamma) dS'.
+
+    Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the
+    width is constant.
     """
     gamma = np.asarray(impact_angle)
     full = PRINTED_FACE.full_depth / np.sin(gamma)
@@ -75,11 +87,11 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
 def depth_from_energy(
     energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
 ) -> Number:
-    """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
+    """Return the crater depth S sin(gamma), m, whose volume V(S) satisfies u V(S) = W.
 
     W in J is the work that the tip does on the workpart along its path, u in J/m^3.
 
-    The energy of a volume brings its depth back:
+    The energy of a swept volume gives the depth of its path:
 
     >>> path, angle = 1e-4, math.radians(30.0)
     >>> print(f"{depth_from_energy(1e9 * swept_volume(path, angle), 1e9, angle) / path:.6f}")  # sin(30 deg)
@@ -92,7 +104,8 @@ def depth_from_energy(
         width = PRINTED_FACE.width(path * np.sin(impact_angle))
         return swept_volume(path, impact_angle) - volume, width * path * slope
 
-    # The full width everywhere would need the least path; the volume is convex in it, so Newton's method converges.
+    # The start is the path at full width everywhere, which is the shortest. The volume is a convex
+    # function of the path, so Newton's method converges.
     return np.sin(impact_angle) * _root(
         excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope))
     )
@@ -101,12 +114,14 @@ def depth_from_energy(
 def depth_from_force(
     cutting_force: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
 ) -> Number:
-    """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
+    """Return the crater depth, m, at which the chip resists with a force: u b(depth)
+    depth/cos(gamma) = F_c.
 
-    Arguments are those of depth_from_energy; the force is that along the path, N.
+    ``cutting_force`` is the force along the path, N; the other arguments are those of
+    ``depth_from_energy``.
 
-    A face of full width b = 0.71 mm in steel of u = 1 GPa: at gamma = 60 deg, whose cosine is 1/2, 1420 N cut 1 mm, deeper than the
-    face's half, from where on the width is constant.
+    A face of full width b = 0.71 mm in steel of u = 1 GPa: at gamma = 60 deg, whose cosine is 1/2,
+    1420 N cut 1 mm, deeper than the face's half, from where on the width is constant.
 
     >>> print(f"{1e3 * depth_from_force(1420.0, 1e9, math.radians(60.0)):.6f}")
     1.000000
@@ -117,7 +132,7 @@ def depth_from_force(
     fraction = np.minimum(wide / PRINTED_FACE.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
-        """Return how far the area of a depth exceeds the given one, and the slope of that."""
+        """Return the scaled area of a depth less the given area, and its slope."""
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
@@ -127,7 +142,11 @@ def depth_from_force(
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
-    """Find the root of a rising function by Newton's method from a start close below it, or at it if that is 0."""
+    """Return the root of a rising function by Newton's method.
+
+    ``excess`` returns the function and its slope. The start must be just below the root, or the
+    root itself where that is 0.
+    """
     root = np.asarray(start, dtype=float)
     step = np.array(math.inf)
     tries = 0
@@ -157,13 +176,23 @@ def crater_depth_from_contact(
     friction: float | None = None,
     surface: Surface = "parallel",
 ) -> ContactCrater:
-    """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
+    """Return the craters that follow from a contact resolved in time, up to its deepest
+    penetration.
 
-    Times in s, forces on the tip in N, penetration, positive inside the workpart, in m, velocities of the tip in m/s, all
-    of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak.
-    ``surface`` says where the shear plane ends, ``parallel`` or ``inclined``.
+    Args:
+        time: times, s, shape (n,) with n >= 2, as all columns below.
+        normal_force: normal force on the tip, N.
+        tangential_force: tangential force on the tip, N.
+        penetration: penetration, m, positive inside the workpart.
+        normal_velocity: normal velocity of the tip, m/s.
+        tangential_velocity: tangential velocity of the tip, m/s.
+        impact_angle: gamma, rad.
+        shear_yield_stress: tau_s, Pa.
+        friction: mu while cutting; by default the contact's own at its largest force.
+        surface: lie of the surface where the shear plane ends, ``parallel`` or ``inclined``.
 
-    Raises ValueError for a contact without a pressing force.
+    Raises:
+        ValueError: if no force presses on the tip at the peak.
     """
     columns = (
         time,

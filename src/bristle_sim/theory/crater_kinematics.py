@@ -1,9 +1,10 @@
-"""Motion of the bristle while its tip cuts, its energy, and the width of the cut (Zhang 2020, section 4.1, compression only).
+"""Motion of the bristle while its tip cuts, its energy, and the width of the cut (Zhang 2020,
+section 4.1, compression only).
 
-The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda t)) (4.1) and takes
-c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows from the bristle's geometry. The printed
-constants carry the rounding of hand calculation; CraterKinematics keeps them as they stand and ``of_tool`` works them
-out unrounded.
+The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda
+t)) (4.1) and takes c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows
+from the bristle's geometry. The printed constants carry the rounding of hand calculation. They are
+the defaults of CraterKinematics; ``of_tool`` computes them without rounding.
 """
 
 from __future__ import annotations
@@ -23,11 +24,21 @@ IMPACT_ANGLE = math.radians(23.4)  # rad (Zhang 2020, eq. 4.51)
 
 @dataclass(frozen=True, slots=True)
 class CraterKinematics:
-    """Motion during compression with e = e^(-decay t), t in s (Zhang 2020, eqs. 4.4-4.10); defaults as printed.
+    """Motion during compression (Zhang 2020, eqs. 4.4-4.10); defaults as printed.
 
-    The path is S = excursion (1 - e), m, at the speed v_C = tip_speed e, m/s, and at a depth (1 - e) below the surface, m,
-    whose trace on the tip's face is face_depth (1 - e). The bristle's absolute rate is rate e - final_rate, rad/s, its
-    centre's speed v_G = centre_speed e + final_centre_speed, m/s. The decay is lambda, 1/s.
+    With q = exp(-decay t), t in s, a motion is a constant times q or 1 - q.
+
+    Attributes:
+        decay: lambda, 1/s.
+        excursion: c_1, m; the path is S = excursion (1 - q).
+        tip_speed: initial speed along the path, m/s; v_C = tip_speed q.
+        rate: rad/s; the absolute rate of the bristle is rate q - final_rate.
+        final_rate: rad/s; see ``rate``.
+        centre_speed: m/s; the speed of the bristle's centre is v_G = centre_speed q +
+            final_centre_speed.
+        final_centre_speed: m/s; see ``centre_speed``.
+        depth: final depth below the surface, m; the depth is depth (1 - q).
+        face_depth: trace of the final depth on the tip's face, m; it grows as the depth does.
     """
 
     decay: float = 92400.0
@@ -42,10 +53,10 @@ class CraterKinematics:
 
     @classmethod
     def of_tool(cls, tool: Tool, bristle_rate: float) -> CraterKinematics:
-        """Work the relations out unrounded for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
+        """Return the unrounded motion of a radial bristle that strikes at an absolute rate, rad/s.
 
-        The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3); at rest the tip leaves the bristle with
-        the rate -r_h w/L (2.36) and its centre with half the rim's speed.
+        The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3). When the tip has
+        come to rest, the bristle has the rate -r_h w/L (2.36) and its centre half the rim's speed.
         """
         rim = tool.hub.speed * tool.hub.radius
         length = tool.bristle.length
@@ -86,10 +97,13 @@ class CraterKinematics:
 
 @dataclass(frozen=True, slots=True)
 class TipFace:
-    """The cutting face: an ellipse where a plane cuts the wire of diameter d, its short axis a_2, m (Zhang 2020, eqs. 4.9-4.13).
+    """The cutting face: the ellipse in which a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
 
-    The face's normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5). (4.10) puts the face at 28 deg to the
-    surface, the rake angle gamma + 11.5 deg (4.36) at 55.1 deg; both are kept as printed. Angles in rad.
+    Its short axis a_2, m, is the wire's diameter d.
+
+    The face's normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5). (4.10) puts
+    the face at 28 deg to the surface, the rake angle gamma + 11.5 deg (4.36) at 55.1 deg; both are
+    kept as printed. Angles in rad.
     """
 
     short_axis: float = 7.1e-4
@@ -107,7 +121,10 @@ class TipFace:
         return 0.5 * self.long_axis * math.sin(self.face_angle)
 
     def width(self, depth: ArrayLike) -> Number:
-        """Return the width of the cut at a depth below the surface (4.9, 4.14), m; d from the centre line on."""
+        """Return the width of the cut at a depth below the surface, both in m (4.9, 4.14).
+
+        From the centre line of the ellipse on, the width is the wire's diameter.
+        """
         fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
         return self.short_axis * np.sqrt(fraction * (2.0 - fraction))
 
@@ -126,12 +143,15 @@ class CuttingWidth:
 
     @classmethod
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
-        """Return the width unrounded, from the face and the motion (4.13-4.15)."""
+        """Return the unrounded width of the cut by a face in a motion (4.13-4.15)."""
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Return the width at times of any shape, m; the factored difference of squares is exact near t = 0."""
+        """Return the width, m, at times (s) of any shape.
+
+        The difference of squares is factored, so that it keeps its digits near t = 0.
+        """
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 
@@ -172,16 +192,20 @@ def kinetic_energy(
     coefficients: tuple[float, float, float] = PRINTED_ENERGY,
     decay: float = PRINTED_KINEMATICS.decay,
 ) -> Number:
-    """Return the kinetic energy of the bristle (4.59), J, at times >= 0 in s; coefficients as printed by default."""
+    """Return the kinetic energy of the bristle, J, at times >= 0 in s (4.59).
+
+    The coefficients are the printed ones by default.
+    """
     left = np.exp(-decay * np.asarray(time))
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
 
 
 def path_force(time: ArrayLike) -> Number:
-    """Return the force along the path that the postulated motion takes, (m/3) lambda v_C(t), N.
+    """Return the force along the path that the postulated motion requires, (m/3) lambda v_C(t), N.
 
-    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone: its effective mass
-    along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). Largest at first touch, where (3.19) has nothing.
+    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone:
+    its effective mass along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). The force is
+    largest at first touch, where the force of (3.19) is zero.
     """
     wire = Bristle()
     motion = PRINTED_KINEMATICS

@@ -1,19 +1,22 @@
-"""Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs. 2.1-2.3).
+"""Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs.
+2.1-2.3).
 
-The bar releases the bristle when it lags its radial direction by the retraction theta_p. The tip then lags the hub's root
-radius by A. The belt throws the bristle forward, and after the cue time t_c, in which the hub turns by theta_1, it is
-fastest; it should then touch the workpart radially, at the impact angle gamma. Hence the bar's direction from the
-workpart's normal, A + theta_1 + gamma.
+The bar releases the bristle when it lags its radial direction by the retraction theta_p. The tip
+then lags the hub's root radius by A. The belt throws the bristle forward, and after the cue time
+t_c, in which the hub turns by theta_1, it is fastest; it should then touch the workpart radially,
+at the impact angle gamma. Hence the bar's direction from the workpart's normal, A + theta_1 +
+gamma.
 
 Between contacts, with alpha the bristle's angle relative to the radial direction,
 
     I alpha'' + c alpha' + k alpha + g sin alpha = 0,    g = m r_h (L/2) omega^2.
 
-The dissertation has c = g = 0. The centrifugal stiffness g is the moment about the root, with lever (L/2) sin alpha, of the
-force m r_h omega^2 that acts on the centre of mass in the rotating root's frame.
+The dissertation has c = g = 0. The centrifugal stiffness g is the moment about the root, with lever
+(L/2) sin alpha, of the force m r_h omega^2 that acts on the centre of mass in the rotating root's
+frame.
 
-Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where no such geometry or
-motion exists, and where the tool lacks a part.
+Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where
+the geometry or the motion does not exist, and where the tool lacks a bar or a workpart.
 """
 
 from __future__ import annotations
@@ -26,15 +29,15 @@ from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.theory.numbers import require
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(
-    64
-)  # on [-1, 1]; 64 leave only rounding up to 150 deg
+# Gauss-Legendre rule on [-1, 1]; with 64 nodes only rounding is left for retractions up to 150 deg.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
-    """Return gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad.
+    """Return the impact angle gamma of a radial bristle, rad: cos gamma = (r_h + L - Delta)/(r_h +
+    L).
 
-    Where the workpart cuts into half of the circle of tips, cos(gamma) = 1/2:
+    If the penetration Delta is half the radius of the tip's circle, cos(gamma) = 1/2:
 
     >>> print(f"{np.degrees(impact_angle(0.4, 0.6, 0.5)):.6f}")
     60.000000
@@ -47,9 +50,10 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
 
 
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return the distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m.
+    """Return the distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos
+    theta_p), m.
 
-    With hub and wire at a right angle, of 3 and 4 m:
+    A hub radius of 3 m and a wire of 4 m at a right angle give:
 
     >>> print(f"{tip_radius(3.0, 4.0, np.pi / 2.0):.6f}")
     5.000000
@@ -73,7 +77,9 @@ def retraction_at_bar(
     hub_radius: Number,
     length: Number,
 ) -> Number:
-    """Return theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad.
+    """Return the retraction theta_p at which the tip slips off a bar at (S_H, S_V), rad.
+
+    It is the inverse of ``tip_radius``.
 
     A bar 6 m from the hub's centre that reaches 1 m holds the tip at 5 m, as in ``tip_radius``:
 
@@ -91,9 +97,11 @@ def retraction_at_bar(
 
 
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
-    """Return sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
+    """Return the natural rate sqrt(k/I), rad/s.
 
-    With ``stiffness`` k + g it is the stiffened bristle's, for small angles.
+    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2.
+
+    With k + g in place of k it is the rate of the stiffened bristle at small angles.
 
     >>> print(f"{natural_rate(9.0, 4.0):.6f}")
     1.500000
@@ -104,7 +112,7 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
 def centrifugal_stiffness(
     mass: Number, hub_radius: Number, length: Number, hub_speed: Number
 ) -> Number:
-    """Return g = m r_h (L/2) omega^2, N m/rad.
+    """Return the centrifugal stiffness g = m r_h (L/2) omega^2, N m/rad.
 
     >>> print(f"{centrifugal_stiffness(2.0, 3.0, 4.0, 5.0):.6f}")  # 2 x 3 x 2 x 25
     300.000000
@@ -115,9 +123,12 @@ def centrifugal_stiffness(
 def stiffened_highest_speed(
     retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
 ) -> Number:
-    """Return sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion.
+    """Return the highest relative speed of the undamped motion, sqrt((k theta_p^2 + 2 g (1 - cos
+    theta_p))/I), rad/s.
 
-    Without a belt, from 90 deg, it is a pendulum's: sqrt(2 g/I):
+    It follows from the energy integral.
+
+    Without a belt, from 90 deg, it is the speed of a pendulum, sqrt(2 g/I):
 
     >>> print(f"{stiffened_highest_speed(np.pi / 2.0, 0.0, 2.0, 1.0):.6f}")
     2.000000
@@ -151,12 +162,13 @@ def stiffened_cue_time(
 
 
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the time from release at rest to the highest speed, s, without g.
+    """Return the time from release at rest to the highest speed, s, without centrifugal stiffness.
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
-    since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), Omega_d = Omega sqrt(1 - zeta^2), is
-    largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. The bristle is then still short of radial.
+    since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), Omega_d = Omega
+    sqrt(1 - zeta^2), is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. A damped bristle has
+    not yet reached the radial direction then.
 
     >>> print(f"{damped_cue_time(2.0, 0.0):.6f} {damped_cue_time(2.0, 1.0):.6f}")  # (pi/2)/Omega, and 1/Omega at critical damping
     0.785398 0.500000
@@ -174,13 +186,16 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 LEAST_TURN = 1e-100
-"""Below it, rad, sin(x)/x is 1, and the quotient would overflow."""
+"""Smallest angle at which sin(x)/x is divided out, rad; at a smaller one it is 1, and the quotient
+would overflow."""
 
 
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
-    """Return retraction and speed relative to the hub of the released bristle without g, rad and rad/s, at times in s.
+    """Return retraction -alpha (rad) and relative speed (rad/s) of the released bristle at times in
+    s.
 
-    alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1)
+    The centrifugal stiffness is neglected: alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta
+    Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1).
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate
@@ -196,7 +211,7 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
 
 
 def _phase(damping_ratio: Number) -> Number:
-    """Return f(zeta); 1 at zeta = 1."""
+    """Return the phase f(zeta) of ``damped_cue_time``; it is 1 at zeta = 1."""
     zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
@@ -205,12 +220,19 @@ def _phase(damping_ratio: Number) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """The position of the bar that cues a tool's strike; rad, m, s, rad/s.
+    """The position of the bar that cues a tool's strike, and the motion up to the strike.
 
-    gamma is the impact angle, A the tip's lag as it slips off the bar, and t_c the cue time, in which the hub turns by
-    theta_1 = omega t_c. The highest speed is the bristle's relative to the hub. The bar is at the distance S from the hub's
-    centre, in the direction A + theta_1 + gamma from the workpart's normal; S_H is measured along the workpart and S_V
-    normal to it.
+    Attributes:
+        impact_angle: gamma, rad.
+        tip_radius: distance of the tip from the hub's centre as it slips off the bar, m.
+        tip_lag: A, the lag of the tip as it slips off the bar, rad.
+        cue_time: t_c, time from the release to the highest speed, s.
+        hub_turn: theta_1 = omega t_c, turn of the hub in the cue time, rad.
+        highest_relative_speed: highest speed of the bristle relative to the hub, rad/s.
+        bar_distance: S, distance of the bar from the hub's centre, m.
+        bar_direction: A + theta_1 + gamma, direction of the bar from the workpart's normal, rad.
+        bar_horizontal: S_H, position of the bar along the workpart, m.
+        bar_vertical: S_V, position of the bar normal to the workpart, m.
     """
 
     impact_angle: float
@@ -226,7 +248,11 @@ class Cue:
 
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad."""
+    """Return the dissertation's cue of a tool, without centrifugal stiffness but with the belt's
+    damping.
+
+    The retraction is in rad.
+    """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     damping = tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
@@ -234,7 +260,10 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad."""
+    """Return the cue of a tool with centrifugal stiffening; it is exact for an undamped belt.
+
+    The retraction is in rad.
+    """
     swing = (
         retraction,
         tool.belt.stiffness,
@@ -245,20 +274,23 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def field_stiffness(tool: Tool) -> float:
-    """Return g of a tool, N m/rad."""
+    """Return the centrifugal stiffness g of a tool, N m/rad."""
     bristle = tool.bristle
     hub = tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
-    """Place the bar for a cue time (2.1): S (sin, cos)(A + theta_1 + gamma) along and normal to the workpart.
+    """Return the cue of a tool whose bristle is fastest after a given time (2.1).
 
-    S is the tip's distance from the hub's centre plus the bar's reach, which is its radius and half the wire's diameter; the
-    dissertation neglects that diameter. Retraction in rad, time in s, highest speed in rad/s.
+    The bar stands at S (sin, cos)(A + theta_1 + gamma), along and normal to the workpart.
 
-    At the printed operating point (44.5 deg) the tip is at 50.442 mm and lags by 22.035 deg; the quarter period is 1.4631 ms and the
-    highest speed 833.8 rad/s, by the plain formulas of ``cue``:
+    S is the tip's distance from the hub's centre plus the bar's reach, which is its radius and half
+    the wire's diameter; the dissertation neglects that diameter. Retraction in rad, time in s,
+    highest speed in rad/s.
+
+    At the printed operating point (44.5 deg) the tip is at 50.442 mm and lags by 22.035 deg; the
+    quarter period is 1.4631 ms and the highest speed 833.8 rad/s, by the plain formulas of ``cue``:
 
     >>> found = cue(Tool())
     >>> print(f"{1e3 * found.tip_radius:.3f} mm, {np.degrees(found.tip_lag):.3f} deg, {1e3 * found.cue_time:.4f} ms")

@@ -1,11 +1,15 @@
-"""Fit the force history (Zhang 2020, eqs. 3.2-3.4) to measured points or to a record that holds a contact somewhere.
+"""Fit of the force history (Zhang 2020, eqs. 3.2-3.4) to measured points, or to a record that
+contains a contact.
 
-Written with t_o = t_f/10 and T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t) (F*/2) [cos 30 deg -
-cos(2 pi t/(1.2 t_f) + 30 deg)]. F* only scales the c_i, so it is not fitted: it is read off the points. The unknowns
-are c and lambda and, where they are not given, t_f and the contact's start s; and the baseline b, if the record holds samples
-from outside the contact: F_measured(t) = b + F(t - s) during the contact and b elsewhere. (3.3) vanishes at both ends, so the
-model is continuous in s and t_f. The search begins at the half-width of the highest pulse, of the points and of their moving
-averages; the fit that explains most of the record counts.
+With t_o = t_f/10 and T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t) (F*/2) [cos 30 deg -
+cos(2 pi t/(1.2 t_f) + 30 deg)]. F* only scales the c_i. It is therefore not fitted but read off the
+points. The unknowns are c and lambda and, unless given, t_f and the start s of the contact. If the
+record holds samples from outside the contact, the baseline b is an unknown too: F_measured(t) = b +
+F(t - s) during the contact, and b elsewhere. (3.3) vanishes at both ends, so the model is
+continuous in s and t_f.
+
+A search begins at the half-width of the highest pulse, of the points and of their moving averages.
+The fit that explains most of the record is chosen.
 """
 
 from __future__ import annotations
@@ -22,30 +26,47 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
-AROUND = 0.5  # part of the duration before and after the contact that the fit takes in: nearer than other contacts
-ENDS = 0.05  # part of the duration by which the start found may be late and the end early
-SHORTEST = 3.0  # shortest duration, in median sampling intervals
-FEWEST_OUTSIDE = 4  # samples from outside the contact that a baseline needs
-# times t/t_f from the start to half the peak, and at more than that, of (3.3) without decay
+# Fraction of the duration before and after the contact that the fit includes: nearer than other
+# contacts.
+AROUND = 0.5
+# fraction of the duration by which the first estimate of the start may be late and of the end early
+ENDS = 0.05
+SHORTEST = 3.0  # shortest duration of a contact, in median sampling intervals
+FEWEST_OUTSIDE = 4  # least number of samples outside the contact for a baseline
+# Times over t_f of (3.3) without decay: from the start to half the peak, and above half the peak.
 RISE = 0.2127
 HALF_WIDTH = 0.5745
 
-MOST_CHANCE = 0.01  # probability that noise alone, independent and normal, shows as good a contact in the record
-PLACES = 50.0  # contacts that noise may show for each further duration: 16 starts, and durations that differ
-LEVEL = 0.03  # part of the peak by which both ends of a record of the contact alone may be off zero
-MISSING_START = 0.1  # part of the duration by which a contact may begin before the record does: extrapolated there
+# Largest probability that independent normal noise alone would show as good a contact in the
+# record.
+MOST_CHANCE = 0.01
+# Contacts that noise may show in each contact duration by which the record is longer: 16 starts,
+# and several durations.
+PLACES = 50.0
+# fraction of the peak by which both ends of a record of the contact alone may be off zero
+LEVEL = 0.03
+# fraction of the duration by which a contact may begin before the record, by extrapolation
+MISSING_START = 0.1
 NO_CONTACT = "force: no contact found in the record; there must be a force in it that rises and falls above the noise"
-SPAN = (1e-12, 1e6)  # shortest and longest record, s: squares of times and rates stay floats
+SPAN = (1e-12, 1e6)  # shortest and longest record, s: squares of times and of rates do not overflow
 
 
 @dataclass(frozen=True, slots=True)
 class ForceFit:
-    """A fitted force history; p parameters, n points.
+    """A fitted force history; p is the number of parameters, n that of points.
 
-    The curve's time 0 is the contact's start, s on the record's clock. Names of the parameters are ``amplitude 1``, ``decay 1``,
-    and ``duration``, ``start`` and ``baseline`` where they were fitted; their values c, lambda in 1/s, t_f in s, s in s, b in N
-    have the shape (p,), their covariance, for independent errors of one standard deviation in all points, (p, p). Residuals,
-    fitted minus measured, N, have the shape (n,); the noise, N, is the standard deviation of a point from them.
+    Attributes:
+        curve: the fitted curve; its time 0 is the start of the contact.
+        names: names of the parameters: ``amplitude 1``, ``decay 1``, and ``duration``, ``start``
+            and ``baseline`` where they were fitted.
+        values: values of the parameters, shape (p,): c, lambda in 1/s, t_f in s, s in s, b in N.
+        covariance: covariance of the parameters, shape (p, p), for independent errors of one
+            standard deviation in all points.
+        residuals: fitted minus measured force, N, shape (n,).
+        noise: standard deviation of a point, N, estimated from the residuals.
+        explained: sum of squares of the force that the fit explains, N^2.
+        start: start s of the contact on the clock of the record, s.
+        baseline: baseline b, N.
     """
 
     curve: ForceCurve
@@ -70,7 +91,8 @@ class ForceFit:
 
 
 class _Pulse(NamedTuple):
-    """A pulse at which a search begins: start and duration, s, height above its level and level, N."""
+    """Pulse at which a search begins: start and duration (s), height above its level and level
+    (N)."""
 
     start: float
     duration: float
@@ -88,15 +110,19 @@ def fit_force_history(
 ) -> ForceFit:
     """Fit (3.3) with one exponential to a measured force history by least squares (3.2).
 
-    Times in s on any clock, increasing, and forces in N, positive where the tip is pushed, of shape (n,), are those of a
-    contact or its beginning, and of the record before and after it. t_f in s is fitted too by default; F* in N,
-    which scales c, is by default the largest measured force. Where the contact's start, s, is known, the points from
-    there on are one contact without a baseline; by default it is found and fitted, and the baseline with it if the record
-    holds samples outside the contact.
+    Args:
+        time: increasing times on any clock, s, shape (n,). The record is a contact or its
+            beginning, with or without samples before and after it.
+        force: forces, N, shape (n,), positive where the tip is pushed.
+        duration: t_f, s; fitted by default.
+        peak_force: F*, N, which scales c; by default the largest measured force.
+        start: start of the contact, s. The points from there on are then one contact without a
+            baseline. By default the start is fitted, and the baseline too if the record holds
+            samples outside the contact.
 
     Raises:
-        ValueError: for points that are no force history, fewer points than unknowns, and for a record in which no contact is
-            found or whose contact began before it.
+        ValueError: for points that are no force history, for fewer points than unknowns, and for a
+            record in which no contact is found or whose contact began before it.
     """
     time = np.asarray(time, dtype=float)
     force = np.asarray(force, dtype=float)
@@ -116,7 +142,11 @@ def fit_force_history(
 
 
 def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
-    """Yield the highest pulses of moving averages above the record's median and above its ends, once each."""
+    """Yield the pulses at which a search begins, each once.
+
+    They are the highest pulses of moving averages, above the median of the record and above its
+    ends.
+    """
     seen = set[tuple[int, int]]()
     interval = float(np.median(np.diff(time)))
     for width in (2**power for power in range(max(1, int(math.log2(force.size)) - 1))):
@@ -148,7 +178,7 @@ def _fitted(
     peak_force: float | None,
     start: float | None,
 ) -> ForceFit | None:
-    """Return the least-squares fit that is found from a pulse; None where none is."""
+    """Return the least-squares fit whose search begins at a pulse; None if the search fails."""
     from scipy.optimize import OptimizeWarning, curve_fit
 
     length = pulse.duration if duration is None else duration
@@ -195,7 +225,7 @@ def _fitted(
         with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
             warnings.simplefilter(
                 "error", OptimizeWarning
-            )  # unknowns that the points do not tell apart
+            )  # the points do not determine the unknowns
             first = [begin[name] for name in sizes]
             found, covariance = curve_fit(
                 forces, since, force, first, ftol=1e-14, xtol=1e-14, gtol=0.0
@@ -226,7 +256,10 @@ def _fitted(
 
 
 def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
-    """Refuse a fit that noise alone could give, by the F test, or whose contact begins before the record."""
+    """Refuse a fit that noise alone could give, or whose contact begins before the record.
+
+    The F test decides on noise.
+    """
     from scipy.special import fdtrc
 
     try:
@@ -262,7 +295,10 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
 def _check(
     time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
 ) -> None:
-    """Refuse forces unless their times are one ascending row, with more samples than unknowns, of one contact."""
+    """Refuse points that cannot be the force history of one contact.
+
+    The times must be one ascending row, with more samples than unknowns.
+    """
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(
             f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths"

@@ -1,13 +1,15 @@
 """Force history of an impact: an exponential times a shifted cosine (Zhang 2020, chapter 3).
 
-The dissertation fits a measured impact of a steel ball on a plate with (3.3), of whose exponential terms one suffices,
+The dissertation fits (3.3) to a measured impact of a steel ball on a plate. One of its exponential
+terms suffices:
 
     F(t) = c e^(-lambda t) (F*/2) [cos(2 pi t_o/T) - cos(2 pi (t + t_o)/T)],   t_o = t_f/10,  T = t_f + 2 t_o,
 
-and applies its shape to the bristle by dividing the bristle's impulse in the same fractions. The bracket vanishes at t = 0
-and t = t_f, and its constant part is fixed by the swing: offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T =
-1/12 whatever t_f. The printed 145 and 26 N are 145.059 and 25.981, rounded, which leaves the printed curves with F(0) =
--0.083 N (ball) and +0.020 N (bristle) where (3.3) has zero.
+It applies the shape to the bristle: the bristle's impulse is divided in the same fractions. The
+bracket vanishes at t = 0 and t = t_f, and its constant part is fixed by the swing: offset = swing
+cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 whatever t_f. The printed 145 and 26 N are
+145.059 and 25.981, rounded, which leaves the printed curves with F(0) = -0.083 N (ball) and +0.020
+N (bristle) where (3.3) has zero.
 """
 
 from __future__ import annotations
@@ -84,7 +86,11 @@ class ForceCurve:
         return self._integral(end) - self._integral(start)
 
     def _integral(self, time: ArrayLike) -> Number:
-        """Return the integral from 0, of the constant part and of that of e^(z t + i w t_o) with z = -lambda + i w."""
+        """Return the integral of F from 0 to times in s, N s.
+
+        The cosine is the real part of e^(i w (t + t_o)); with the decay its exponent is z t + i w
+        t_o, z = -lambda + i w.
+        """
         t = np.asarray(time, dtype=float)
         exponent = complex(-self.decay, self._turn)
         constant = -np.expm1(-self.decay * t) / self.decay if self.decay else t
@@ -92,9 +98,10 @@ class ForceCurve:
         return self.amplitude * (self.offset * constant - self.swing * turning.real)
 
     def peak_time(self) -> float:
-        """Return the time of the largest force, F' = 0 (3.6), s: the end of compression t_c.
+        """Return the time t_c of the largest force, s, where F' = 0 (3.6): the end of compression.
 
-        With tan(phi) = lambda/w it is the second root of sin(w (t + t_o) + phi) = lambda offset/(swing sqrt(w^2 + lambda^2)).
+        It is the second root of sin(w (t + t_o) + phi) = lambda offset/(swing sqrt(w^2 + lambda^2))
+        with tan(phi) = lambda/w.
 
         The ball's, as printed (Zhang 2020, below eq. 3.6):
 
@@ -111,7 +118,8 @@ class ForceCurve:
         return peak
 
     def inflection_time(self) -> float:
-        """Return the time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
+        """Return the time at which the force rises fastest, s, where F'' = 0 (Zhang 2020, fig.
+        3.2)."""
         turn = self._turn
         decay = self.decay
         cosine = -(decay**2) * self.offset / (self.swing * (turn**2 + decay**2))
@@ -152,11 +160,19 @@ BRISTLE = ForceCurve(1.0160, 5.4990, offset=26.0, swing=30.0, lead=1e-5, period=
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> Array:
-    """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
+    """Divide an impulse in the fractions of another impact's curve: p_i = p_c p'_i/p'_c.
 
-    p_c, shape (...), N s, is the compressive impulse to be divided; the compression time, s, is by default the curve's peak
-    time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of the
-    compression time; their sum is the impulse.
+    (Zhang 2020, eq. 3.15 and table 3.1.)
+
+    Args:
+        curve: force curve of the other impact.
+        impulse: p_c, compressive impulse to be divided, N s, shape (...).
+        segments: number of equal parts of the compression time.
+        compression_time: compression time of the curve, s; by default its peak time, which the
+            dissertation rounds to 2.328 ms.
+
+    Returns:
+        p_i, N s, shape (..., segments); their sum is the impulse.
 
     Up to the middle of an undecaying curve the fractions add up to the whole:
 

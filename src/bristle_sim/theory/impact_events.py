@@ -1,12 +1,15 @@
-"""Where stick on two springs ends: the first event of two oscillators, for arrays of contacts.
+"""The end of stick on two springs: the first event of two oscillators, for arrays of contacts.
 
-Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0; loading ends where v_n = 0, and unloading
-where N returns to its largest value. Each of these functions f is a constant and two harmonics, so that |f''| <= M and
-|f'''| <= M_3 with bounds known from the modes' amplitudes: f + f' h - M h^2/2, and up to h = r also f + f' h + (f'' - M_3 r/3) h^2/2,
-bound f from below. The larger root of the two is a step that passes no root of f. Such steps converge on the first root faster
-than Newton's method does, and pass a near miss. Where the rates differ much, the slow mode's parabola less the fast one's amplitude
-allows longer ones. The last step goes to the root of the cubic of f itself. A step without end means that nothing ends the
-contact: a jam, or stiction.
+Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
+v_n = 0, and unloading where N returns to its largest value. Each of these functions f is a constant
+plus two harmonics, so |f''| <= M and |f'''| <= M_3, with bounds from the amplitudes of the modes.
+Two parabolas bound f from below: f + f' h - M h^2/2, and up to h = r also f + f' h + (f'' - M_3
+r/3) h^2/2. The larger of their roots is a step that passes no root of f. Such steps converge on the
+first root faster than Newton's method, and step past a near miss.
+
+Where the rates differ much, longer steps are found from the parabola of the slow mode less the
+amplitude of the fast one. The last step goes to the root of the cubic of f itself. An infinite step
+means that nothing ends the contact: a jam, or stiction.
 """
 
 from __future__ import annotations
@@ -20,53 +23,79 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import INFINITE
 
 NONE, LINE, FORWARD, BACKWARD, STOP, APART, NEVER, SETTLED = range(8)
-"""How a step ends: in stick still; at the end of loading or back at it; at an edge of the cone, from where the spring's foot
-slips forward or backward; where the foot stops; where the force ends; in no event at all; with the fast mode settled."""
+"""Events at the end of a step.
+
+``NONE``: still in stick. ``LINE``: the end of loading, or the return to it. ``FORWARD``,
+``BACKWARD``: an edge of the cone, from which the spring's foot slips that way. ``STOP``: the foot
+stops. ``APART``: the force ends. ``NEVER``: no event will come. ``SETTLED``: the fast mode is taken
+from the motion."""
 
 NAMES = np.array([BACKWARD, FORWARD, LINE])
-"""The event at a zero of each function."""
+"""Event at a zero of each event function."""
 
 NOISE = 64.0 * sys.float_info.epsilon
-"""Roundings of a function of the state, over its largest term: below it the function is zero."""
+"""Rounding of an event function as a fraction of its largest term; a smaller value counts as
+zero."""
 
 LEAST_STEP = 1e-6
-"""Step over the fast mode's time scale that leaves an edge at which a function and its slopes are zero; it then moves by 1e-18."""
+"""Step away from an edge where a function and its slope are zero, over the fast mode's time scale.
 
-STRAIGHT = (
-    1e-8  # bend of a function over its bound below which such a step cannot take it past zero
-)
+The function then changes by 1e-18 of its amplitude."""
 
-FEW = 8  # a fraction 1/8 of the contacts is worth the cost of gathering, or of leaving it to the next round
+# Second derivative over its bound below which such a step cannot take the function past zero.
+STRAIGHT = 1e-8
 
-STEPS = 12  # steps after which those of the contacts that have no event yet wait for the next round
+FEW = 8  # 1/FEW is the least fraction of contacts worth gathering or leaving to the next round
 
-NEAR = 5e-4  # a root this near, over the fast mode's time scale, is that of the cubic: the fourth order is (NEAR)^4/24 = 3e-15
+STEPS = 12  # largest number of steps in a round; contacts without an event wait for the next
+
+# Distance of a root, over the fast mode's time scale, at which the cubic gives it: NEAR^4/24 =
+# 3e-15.
+NEAR = 5e-4
 
 REACH = 2.0
 TANGENT = 1.2
-"""Longest step by the bound of f''', over the fast mode's time scale, and over the distance of the tangent's root."""
+"""Longest step by the bound of f''': over the fast mode's time scale, and over the distance of the
+tangent's root."""
 
-CONVEX = 0.9  # part of the step for which a function that rises and bends upwards does so by the bound of f'''
+# fraction of the step on which, by the bound of f''', a rising convex function stays convex
+CONVEX = 0.9
 
-GRAZE = (
-    1.0 - 1e-13
-)  # a fast oscillation that reaches a zero by less than the rest of its amplitude does not reach it
+# Fraction of the fast oscillation's amplitude that counts; a zero reached by the rest is not
+# reached.
+GRAZE = 1.0 - 1e-13
 
-FLAT = 1e-10  # third derivative over its bound, beside slopes of rounding, of a function that stays zero to as much
+FLAT = 1e-10  # third derivative over its bound below which a function with slopes of rounding is 0
 
-WIDE = 1e3  # roundings of a function that keeps to zero, over those of its terms
+WIDE = 1e3  # rounding of a function that stays zero, over the rounding of its terms
 
-TINY = 1e-290  # over zero it is infinite, and beside any other number nothing
+TINY = 1e-290  # divided by zero it is infinite; added to any other number it changes nothing
 
-LEAST_RATE = 1e-300  # squared rate of a mode that has none
+LEAST_RATE = 1e-300  # squared rate that stands for zero, against division by zero
 
 
 class Modes(NamedTuple):
     """Constants of a phase of stick, by mode (fast, slow) and by event function (edge, edge, line).
 
-    At its beginning the oscillators are at w and G. A function is ``constant`` plus the modes' ``parts`` of G, or of w for the end
-    of loading; ``terms`` bounds the terms of which the parts of the edges are sums. ``bend``, ``jerk`` bound its
-    derivatives, ``swing`` its fast part and ``slow_bend`` the bend of its slow part.
+    An event function is ``constant`` plus ``parts`` times the modes' G, or times the modes' w at
+    the end of loading.
+
+    Attributes:
+        speeds: w of the oscillators at the beginning of the phase.
+        forces: G of the oscillators at the beginning of the phase.
+        squares: squared rates of the modes.
+        rates: rates of the modes, never zero.
+        parts: coefficients of the modes in the event functions.
+        terms: bounds of the terms of which the coefficients of the edges are sums.
+        constant: constant of the line's function.
+        line_noise: rounding of the line's function.
+        loading: whether the contact loads.
+        close: value of an event function below which its rounding matters.
+        bend: bound of the second derivative.
+        jerk: a third of the bound of the third derivative.
+        swing: bound of the fast part.
+        slow_bend: bound of the second derivative of the slow part.
+        drifts: 0 where the slow mode is at rest, otherwise 1.
     """
 
     speeds: Number
@@ -86,18 +115,22 @@ class Modes(NamedTuple):
     drifts: Number
 
     def chosen(self, at: Number) -> Modes:
-        """Return the modes of some of the contacts."""
+        """Return the constants of the contacts with indices ``at``."""
         return Modes(*(np.take(each, at, axis=-1) for each in self))
 
 
 def both(pair: Number) -> Number:
-    """Return the sum over the two modes; numpy's own is slow along so short an axis."""
+    """Return the sum over the two modes; NumPy's own sum is slow along so short an axis."""
     return pair[0] + pair[1]
 
 
 def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Number, ...]:
-    """Return the oscillators' w and G at times since the phase began, and the integral of G if ``sums``; rates of zero included."""
-    # By the half angle's tangent, which costs a tenth of sine and cosine.
+    """Return w and G of the oscillators at times since the phase began, and the integral of G if
+    ``sums``.
+
+    Rates of zero are permitted.
+    """
+    # Sine and cosine by the tangent of the half angle, at a tenth of their cost.
     half = np.tan(0.5 * modes.rates * time)
     scale = 1.0 / (1.0 + half * half)
     cosines = (1.0 - half * half) * scale
@@ -111,7 +144,11 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
 
 
 def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
-    """Step until few contacts are left without an event; return the times since the phase began, and the events."""
+    """Step until few contacts are left without an event.
+
+    Returns:
+        The times since the phase began, and the events.
+    """
     times = np.zeros(settles.size)
     events = np.where(settles, SETTLED, NONE)
     going = np.flatnonzero(~settles)
@@ -135,7 +172,9 @@ def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number,
 
 
 def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
-    """Return a step that passes no event, and the event at its end; a contact that is at one stays there."""
+    """Return a step that passes no event, and the event at its end; a contact at an event stays
+    there.
+    """
     speeds, forces = oscillators(modes, time)
     loading = modes.loading
     parts = modes.parts
@@ -147,7 +186,8 @@ def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
     value[:2] = parts[0, :2] * forces[0] + parts[1, :2] * forces[1]
     slope[:2] = -(parts[0, :2] * speeds[0] + parts[1, :2] * speeds[1])
     bend[:2] = -(parts[0, :2] * gains[0] + parts[1, :2] * gains[1])
-    # The line's function is one of G, or at the end of loading of w, whose slope is lambda G.
+    # The line's function is one of G in unloading; in loading it is one of w, whose slope is lambda
+    # G.
     across = np.where(loading, speeds, forces)
     inclined = np.where(loading, gains, -speeds)
     along = parts[:, 2]
@@ -182,7 +222,11 @@ def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
 
 
 class _Functions(NamedTuple):
-    """The event functions of a step: the modes' w and G, values, slopes, bends, and steps that pass no zero of each."""
+    """The event functions at the beginning of a step.
+
+    ``value``, ``slope`` and ``bend`` are the functions and their two derivatives. A step of
+    ``steps`` passes no zero of its function.
+    """
 
     modes: Modes
     speeds: Number
@@ -193,7 +237,9 @@ class _Functions(NamedTuple):
     steps: Number
 
     def third(self, of: Number, at: Number) -> Number:
-        """Return the third derivatives of functions ``of`` contacts ``at``."""
+        """Return the third derivatives of the functions with indices ``of`` for the contacts
+        ``at``.
+        """
         fast, slow = (each.ravel()[of * self.value.shape[1] + at] for each in self.modes.parts)
         ends = self.modes.loading[at] & (of == 2)
         first, second = (
@@ -205,7 +251,10 @@ class _Functions(NamedTuple):
         return fast * first + slow * second
 
     def leave(self, event: Number) -> None:
-        """Step away from zeros of functions that rise, and note the events of functions that fall by more than rounding."""
+        """Step away from zeros of rising functions, and note the events of falling ones.
+
+        A function falls if it does so by more than rounding.
+        """
         flat = np.flatnonzero(self.value <= self.modes.close)
         if not flat.size:
             return
@@ -242,7 +291,7 @@ class _Functions(NamedTuple):
         event[at[falls]] = NAMES[of[falls]]
 
     def arrive(self, step: Number, event: Number) -> None:
-        """Go to the first zero where it is near and no other function can have one before."""
+        """Step to the first zero if it is near and no other function can have an earlier one."""
         at = np.flatnonzero((event == NONE) & (step * self.modes.rates[0] < NEAR))
         if not at.size:
             return
@@ -269,7 +318,11 @@ class _Functions(NamedTuple):
 
 
 def _root(value: Number, slope: Number, most: Number) -> Number:
-    """Return the first positive root of value + slope h - most h^2/2, value >= 0, in the form that does not cancel; inf without one."""
+    """Return the first positive root of value + slope h - most h^2/2 with value >= 0; infinite if
+    there is none.
+
+    The form of the root avoids cancellation.
+    """
     square = slope * slope + 2.0 * most * value
     root = np.sqrt(np.maximum(square, 0.0))
     falls = slope < 0.0

@@ -1,8 +1,10 @@
-"""The result of an impact at one point, and its phases in order: the same for every coefficient of restitution.
+"""The result of an impact at one point, and its phases in order, for every coefficient of
+restitution.
 
-Within a phase of constant slip direction (or stick) the velocities are linear and the works quadratic in the normal
-impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where its target
-is reached, a normal work, impulse or velocity. The same lines serve floats, for speed in a scene, and arrays.
+Within a phase of constant slip direction (or stick) the velocities are linear and the works
+quadratic in the normal impulse, so that each phase ends in closed form: slip where v_t = 0,
+compression where v_n = 0, restitution at its target, which is a normal work, impulse or velocity.
+The same code serves floats, for speed in a scene, and arrays.
 """
 
 from __future__ import annotations
@@ -31,16 +33,19 @@ gamma). ``jam``: the point sticks before compression ends and no impulse can end
 """
 
 PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
-"""The four phases an impact can have; one that does not occur has a normal impulse of zero."""
+"""The four phases of an impact; a phase that does not occur has a normal impulse of zero."""
 
 KNIFE_EDGE = 1e-6
-"""One degree of freedom that sticks with less than this fraction of its approach left, or already regained, is at rest: a
-radial bristle, up to rounding and to where its strike was located. It neither jams nor rebounds: for a rebound the work
-rule would require an unbounded impulse W/v_n."""
+"""Largest normal speed at which a sticking point of one degree of freedom is at rest, over its
+speed of approach.
+
+An example is the tip of a radial bristle, up to rounding and the error of the strike's location.
+The point neither jams nor rebounds: a rebound by the work rule would require an unbounded impulse
+W/v_n."""
 
 SINGULAR = (
     64.0 * sys.float_info.epsilon
-)  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
+)  # normal compliance in stick over K_nn below which it is rounding: one degree of freedom
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +125,11 @@ class _State:
 
 
 class InverseMass(NamedTuple):
-    """K by its entries, its normal compliance in stick rid of rounding, and the tangential impulse of stick per normal one."""
+    """K by its entries, with quantities of stick.
+
+    ``stick`` is the normal compliance in stick without rounding, ``stick_ratio`` the tangential
+    impulse of stick over the normal one.
+    """
 
     normal: Number
     coupling: Number
@@ -130,9 +139,10 @@ class InverseMass(NamedTuple):
 
 
 class Target(NamedTuple):
-    """The quantity that restitution must still reach: normal work, normal impulse, or (Newton) a normal velocity.
+    """The normal work, normal impulse or (Newton) normal velocity that restitution must still
+    reach.
 
-    A point that cannot be set in motion and moves no faster than ``least`` is at rest.
+    A point without compliance in stick that moves no faster than ``least`` is at rest.
     """
 
     work: Number
@@ -142,7 +152,10 @@ class Target(NamedTuple):
 
 
 class _Phase(NamedTuple):
-    """Result of one phase; ``stopped``: slip ended in it; ``unfinished``: its part of the impact goes on."""
+    """Result of one phase.
+
+    ``stopped``: slip ended in it. ``unfinished``: compression or restitution is not over.
+    """
 
     impulse: Number
     slip: Number
@@ -152,7 +165,7 @@ class _Phase(NamedTuple):
     unfinished: Number
 
 
-_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single impact does not have
+_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # phase that does not occur in a single impact
 
 End = Callable[
     [Number, Number, Target], Number
@@ -171,7 +184,12 @@ def resolve_phases(
     mu_2: Number,
     stick: Number | None = None,
 ) -> Impact:
-    """Go through the four phases in order."""
+    """Resolve rigid impacts phase by phase; ``end`` returns the normal impulse at which restitution
+    ends.
+
+    The other arguments are the entries of K, the velocity, mu in compression, e, mu in restitution
+    and the normal compliance in stick.
+    """
     mass = inverse_mass_of(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
     none = abs(0.0 * normal)
@@ -183,7 +201,7 @@ def resolve_phases(
     jammed = approaching & (state.normal < KNIFE_EDGE * normal)
     compressive = (state.impulse, state.impulse_tangential)
 
-    # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
+    # Compression may have ended in slip, reversed slip or stick; slip continues.
     work = -(first.work_normal + second.work_normal) * e * e
     target = Target(work, e * compressive[0], -e * normal, -KNIFE_EDGE * normal)
     opens = (approaching ^ jammed) & (e > 0.0)
@@ -195,7 +213,8 @@ def resolve_phases(
     still_open = opens & ((slip == 0.0) | third.unfinished)
     fourth = _phase(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
-    # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
+    # Poisson's restitution ends at an impulse, even where no impulse can part a point of one degree
+    # of freedom.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
     ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
@@ -212,7 +231,7 @@ def resolve_phases(
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
-    """Return K with its normal compliance in stick, computed from it unless that is given."""
+    """Return K with its normal compliance in stick, which is computed from K unless given."""
     ratio = select(k_tt > 0.0, k_nt * inverse(k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
@@ -221,7 +240,9 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 
 
 def _settled(mass: InverseMass, mu: Number) -> Number:
-    """Return the direction of slip once it has stopped: 0 where friction holds the point, else as K drives it."""
+    """Return the direction of slip after slip has stopped: 0 if friction holds the point, otherwise
+    that of K_nt.
+    """
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))
 
@@ -235,12 +256,16 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance to the end of slip, or of compression or restitution; slip that would turn restitution's v_n back keeps it at rest."""
+    """Advance to the end of slip, of compression or of restitution.
+
+    Slip that would turn v_n back in restitution keeps the point at rest instead.
+    """
     if active is False:
         return _NOTHING
     sticks = slip == 0.0
     ratio = -mu * slip
-    # The normal gain by way of the tangential one: where rounding decides both, they are still those of one mu.
+    # The normal gain follows from the tangential one; so both belong to one mu even where rounding
+    # decides them.
     tangential_rate = mass.coupling - mu * slip * mass.tangential
     normal_rate = mass.stick - mass.stick_ratio * tangential_rate
     if target is not None:
@@ -270,7 +295,9 @@ def _advance(
     tangential_rate: Number,
     end: Number,
 ) -> _Phase:
-    """Apply the normal impulse up to ``end`` or up to where slip stops; both may be infinite."""
+    """Apply the normal impulse up to ``end`` or to the end of slip, whichever is first; both may be
+    infinite.
+    """
     slows = state.tangential * tangential_rate < 0.0
     stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), INFINITE)
     # Slip and compression of one degree of freedom stop at one impulse, up to rounding.

@@ -1,13 +1,15 @@
-"""Stick on two springs: the modes of a contact that is elastic along its normal and along the surface.
+"""Stick on two springs: the modes of a contact that is elastic along its normal and along the
+surface.
 
 In units in which the normal spring's loading stiffness is 1, a point in stick obeys
 
     N' = -kappa v_n,    T' = -v_t/eta^2,    (v_n, v_t)' = K (N, T),
 
-kappa = 1 in loading and 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G = D^(-1/2) (N, T) this is
-w' = S G, G' = -w with the symmetric S = D^(1/2) K D^(1/2). Turned by the angle of its eigenvectors it falls apart in two
-oscillators of squared rates lambda_1 >= lambda_2 >= 0. lambda_1 lambda_2 = det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt), and the
-last factor, the compliance in stick, may be given to more digits than K holds. ``impact_events`` finds where stick ends.
+kappa = 1 in loading and 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G =
+D^(-1/2) (N, T) this is w' = S G, G' = -w with the symmetric S = D^(1/2) K D^(1/2). In the axes of
+its eigenvectors the motion is that of two oscillators with squared rates lambda_1 >= lambda_2 >= 0.
+Their product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The last factor, the compliance in
+stick, may be given to more digits than K holds. ``impact_events`` finds the end of stick.
 """
 
 from __future__ import annotations
@@ -31,16 +33,28 @@ from bristle_sim.theory.impact_events import (
 from bristle_sim.theory.impact_phases import KNIFE_EDGE
 
 STEEPEST_CONE = (
-    1e150  # tangent of the cone's angle in the modes' units beyond which it is a half-plane
+    1e150  # largest tangent of the cone's angle in the modes' units; a steeper cone is a half-plane
 )
 
 
 class Contact(NamedTuple):
-    """Contacts in their present state: bodies and coefficients, which stay, and from ``normal`` on the motion, which changes.
+    """Contacts in their present state: constants first, and from ``normal`` on the motion.
 
-    The bodies: K by its entries, its compliance in stick, K_nt/K_tt; mu of both phases, e*, eta, and the speed of approach. The
-    motion: velocity, normal and tangential force (push, rub), largest push; ``loading`` 1 in loading and 0 in unloading, ``steep``
-    the root of kappa, the mu that holds, and the sense ``slip`` in which the tangential spring's foot slides, 0 in stick.
+    Attributes:
+        k_nn, k_nt, k_tt: entries of K.
+        stick: normal compliance in stick.
+        tie: K_nt/K_tt.
+        mu_1, mu_2: friction in loading and in unloading.
+        restitution: e*.
+        eta: root of the tangential compliance.
+        approach: normal speed before the impact.
+        normal, tangential: velocity of the point.
+        push, rub: normal and tangential force.
+        peak: largest normal force.
+        loading: 1 in loading, 0 in unloading.
+        steep: root of kappa.
+        friction: friction in this phase.
+        slip: sense in which the tangential spring's foot slides; 0 in stick.
     """
 
     k_nn: Number
@@ -67,16 +81,21 @@ class Contact(NamedTuple):
 def stick(
     contact: Contact, jams: Number, settles: Number, patient: bool
 ) -> tuple[Contact, Number, tuple[Number, ...]]:
-    """Advance to the end of a phase of stick; return the contact, event, and impulses and works along the normal and the surface.
+    """Advance to the end of a phase of stick.
 
-    Where ``settles``, the fast mode's swing and its energy are taken from the motion instead; where ``jams``, only if one degree of
-    freedom is pressed on across its line, which has no end. A few contacts may be left without an event; unless ``patient``, so
-    are those whose rates differ much.
+    Where ``settles`` is set, the fast mode and its energy are taken from the motion instead. Where
+    ``jams`` is set, this is done only if one degree of freedom is pressed across its line, which
+    has no end. A few contacts may be left without an event; so are, unless ``patient``, contacts
+    whose rates differ much.
+
+    Returns:
+        The contact after the phase, the event, and the normal impulse, tangential impulse, normal
+        work and tangential work.
     """
     steep = contact.steep
     eta = contact.eta
     modes, (cosine, sine) = _modes(contact)
-    # Its drift is constant in stick.
+    # A single degree of freedom drifts across its line at a constant speed in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
     time, event = step_to_event(modes, settles | (jams & pressed), patient)
     (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
@@ -85,7 +104,7 @@ def stick(
     moved = still | (time > 0.0)  # no rounding where nothing happens
 
     def seen(w_1: Number, g_1: Number) -> Contact:
-        """Return the contact for the fast mode's w and G."""
+        """Return the contact whose fast mode has the given w and G."""
         ends = (
             np.where(moved, (cosine * w_1 - sine * w_2) / steep, contact.normal),
             np.where(moved, (sine * w_1 + cosine * w_2) * eta, contact.tangential),
@@ -115,7 +134,9 @@ def stick(
 
 
 def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
-    """Return the two oscillators of a motion, and cosine and sine of the rotation that makes S diagonal."""
+    """Return the two oscillators of a motion, and cosine and sine of the rotation that makes S
+    diagonal.
+    """
     steep = contact.steep
     eta = contact.eta
     along = steep * steep * contact.k_nn
@@ -127,7 +148,8 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
     squares = np.array([first, steep * steep * across * contact.stick / first])
     rates = np.sqrt(np.maximum(squares, LEAST_RATE))
 
-    # The larger component of the eigenvector is the one that does not cancel; equal rates have any.
+    # The larger component of the eigenvector has no cancellation; for equal rates any vector
+    # serves.
     large = abs(half) + radius
     scale = 1.0 / np.sqrt(large * large + coupling * coupling)
     one, other = (
@@ -144,7 +166,8 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
     forces = turned(contact.push / steep, contact.rub * eta)
     swings = np.sqrt(speeds * speeds + squares * forces * forces)
 
-    # Edges of the cone T = mu N and T = -mu N, over sqrt(1 + mu^2) in the modes' units, and the line.
+    # Coefficients of the cone's edges T = mu N and T = -mu N, over sqrt(1 + mu^2) in the modes'
+    # units, and of the line.
     angle = np.minimum(contact.friction * steep * eta, STEEPEST_CONE)
     aside = 1.0 / np.sqrt(1.0 + angle * angle)
     up = angle * aside
@@ -178,7 +201,7 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
         jerk=both(bends * rates[:, np.newaxis]) / 3.0,
         swing=bends[0] / first,
         slow_bend=bends[1],
-        # One degree of freedom drifts across its line; as little as rounding makes is none.
+        # One degree of freedom drifts across its line; a drift of the size of rounding is none.
         drifts=((squares[1] > 0.0) | (abs(speeds[1]) > KNIFE_EDGE * contact.approach)).astype(
             float
         ),

@@ -1,8 +1,7 @@
 """The cases of the measurement: each quantity with its exact answer and the source of that answer.
 
 The answer of a case is a few numbers. The error of a case is the largest difference from the exact
-numbers, where each
-difference is divided by the natural size of its number.
+numbers, where each difference is divided by the natural size of its number.
 """
 
 from __future__ import annotations

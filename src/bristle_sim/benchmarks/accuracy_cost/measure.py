@@ -1,10 +1,8 @@
 """Measurement of the error and the CPU time of attempts at a case, in separate passes.
 
 Each attempt first runs once for its error; this run also warms up the caches. Then all attempts are
-timed in turn, round
-after round, so that other work on the machine disturbs all of them alike. The cost of an attempt is
-the least CPU time of
-the process in all rounds.
+timed in turn, round after round, so that other work on the machine disturbs all of them alike. The
+cost of an attempt is the least CPU time of the process in all rounds.
 """
 
 from __future__ import annotations
@@ -66,7 +64,8 @@ class Point:
 def attempts(
     method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
 ) -> list[Attempt]:
-    """Return one attempt for each value of a method's setting; the values go from coarse to fine."""
+    """Return one attempt for each value of a method's setting; the values go from coarse to
+    fine."""
     return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
 
@@ -134,8 +133,7 @@ def cheapest(points: Iterable[Point], target: float) -> Point | None:
     too.
 
     Without this condition a setting would count that is accurate only because its error changes
-    sign there. The points of one
-    method must go from coarse to fine.
+    sign there. The points of one method must go from coarse to fine.
     """
     candidates = []
     for own in by_method(point for point in points if not point.failure):

@@ -41,7 +41,8 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return Run((float(run.relative_angle[-1]), float(run.relative_rate[-1])), run.cost.steps)
 
     def extrapolated(tolerance: float) -> Run:
-        """Integrate the flight by intervals of the length that the extrapolation stepper proposes."""
+        """Integrate the flight by intervals of the length that the extrapolation stepper
+        proposes."""
         stepper = Extrapolation(tolerance)
         state = start
         before = scene.engine.steps

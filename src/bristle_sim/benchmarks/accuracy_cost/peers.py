@@ -1,12 +1,10 @@
 """Attempts of heyoka and MuJoCo at the cases; each model is built before the timing.
 
 MuJoCo's model has the scene's units. Its hub is a hinge of so large an inertia that nothing changes
-its speed, and its belt
-is a stiffness of the bristle's hinge. Contacts in MuJoCo are soft: at an impedance near 1 the
-contact point obeys
-a = -b v - k r, which approaches the inelastic bar as k grows. No setting returns the fraction e*^2
-of the work of
-compression, so MuJoCo takes no part in the strikes.
+its speed, and its belt is a stiffness of the bristle's hinge. Contacts in MuJoCo are soft: at an
+impedance near 1 the contact point obeys a = -b v - k r, which approaches the inelastic bar as k
+grows. No setting returns the fraction e*^2 of the work of compression, so MuJoCo takes no part in
+the strikes.
 """
 
 from __future__ import annotations
@@ -177,8 +175,7 @@ class MujocoModel:
         """Integrate the pass up to the strike; ``count`` steps take the hub through ``HUB_TURN``.
 
         Blocks of steps come first. The block in which the tip gets below the workpart is repeated
-        step by step, and the state at
-        the strike is interpolated.
+        step by step, and the state at the strike is interpolated.
         """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)

@@ -1,4 +1,5 @@
-"""Passes in plain engine steps of a fixed length, as taken without an integrator around the engine."""
+"""Passes in plain engine steps of a fixed length, as taken without an integrator around the
+engine."""
 
 from __future__ import annotations
 
@@ -30,9 +31,8 @@ class PlainSteps(Extrapolation):
     """Plain engine steps of a fixed length: first order, without an error estimate.
 
     In flight the engine corrects the joints, which keeps the energy of the motion. The correction
-    adds velocities. A load, as of
-    a sustained contact, would take these velocities for the effect of a force. Each step under a
-    load therefore starts from closed joints, without the correction.
+    adds velocities. A load, as of a sustained contact, would take these velocities for the effect
+    of a force. Each step under a load therefore starts from closed joints, without the correction.
     """
 
     # Twice the deviation of a straight line from the cubic: the engine goes straight on at the old rates.
@@ -54,8 +54,7 @@ class PlainSteps(Extrapolation):
         """Take one engine step; in flight it starts from the bodies as the step before left them.
 
         The engine's correction divides a joint's opening by the step. A shortened step therefore
-        starts from closed joints, and the
-        joints of a very short step are not corrected.
+        starts from closed joints, and the joints of a very short step are not corrected.
         """
         end, placed, steps = self._left
         left_here = end is state and placed is scene.placed and steps == scene.engine.steps

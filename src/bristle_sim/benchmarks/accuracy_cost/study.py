@@ -69,8 +69,7 @@ REQUESTED = {
 """Methods that take a requested accuracy, and the finest accuracy at which their error is judged.
 
 At finer accuracies other errors prevail: rounding in the flight, rounding of the penetrations of a
-short contact, and the
-error of the pass's reference."""
+short contact, and the error of the pass's reference."""
 
 ROUNDS = {"full": 7, "quick": 2}
 """Number of rounds of timing, by effort."""
@@ -81,7 +80,8 @@ QUICK_SETTINGS = 2
 
 @dataclasses.dataclass(slots=True)
 class AccuracyCost:
-    """The cases, the measured points in order, and the reason for each package that takes no part."""
+    """The cases, the measured points in order, and the reason for each package that takes no
+    part."""
 
     cases: tuple[Case, ...] = ()
     points: tuple[Point, ...] = ()

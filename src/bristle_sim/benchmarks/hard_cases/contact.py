@@ -1,4 +1,5 @@
-"""Hard cases of lasting contact: infinitely many taps in finite time, and both obstacles at once."""
+"""Hard cases of lasting contact: infinitely many taps in finite time, and both obstacles at
+once."""
 
 from __future__ import annotations
 
@@ -174,9 +175,8 @@ def between(
     """Return a tool with bar and workpart at given gaps (m) from its bristle.
 
     The bristle stands at the absolute angle ``angle``, the hub at ``hub_angle``, both in rad. The
-    bar stands ahead of the wire,
-    at the fraction ``at`` of its length. A gap of None leaves that obstacle out. Neither obstacle
-    has friction or restitution.
+    bar stands ahead of the wire, at the fraction ``at`` of its length. A gap of None leaves that
+    obstacle out. Neither obstacle has friction or restitution.
     """
     along = np.array([math.sin(angle), -math.cos(angle)])
     root = ROOT * np.array([math.sin(hub_angle), -math.cos(hub_angle)])
@@ -219,7 +219,8 @@ def _jams(tool: Tool) -> Finding:
     begin, (bar_x, bar_y) = WEDGE["start_hub_angle"], tool.bar.centre
 
     def gap(hub_angle: float) -> float:
-        """Return the gap between the wire's flank and the bar, m, while the tip is on the workpart."""
+        """Return the gap between the wire's flank and the bar, m, while the tip is on the
+        workpart."""
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x, y = bar_x - ROOT * math.sin(hub_angle), bar_y + ROOT * math.cos(hub_angle)
         return x * math.cos(angle) + y * math.sin(angle) - tool.bar_reach

@@ -149,7 +149,8 @@ def spends_budget(
 def struck(
     chain: Chain, friction: float, restitution: float, law: str = "energetic"
 ) -> ChainStrike:
-    """Return the strike of a chain on a surface with equal friction in compression and restitution."""
+    """Return the strike of a chain on a surface with equal friction in compression and
+    restitution."""
     return strike(
         chain,
         Surface(friction, None, restitution),

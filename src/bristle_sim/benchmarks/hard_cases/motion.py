@@ -98,8 +98,7 @@ def size() -> Iterator[HardCase]:
     """Yield passes of very large and very small tools, rigid and resolved in time.
 
     Lengths, masses and times are multiplied by powers of two. Such a factor rounds nothing, so the
-    results must agree to the
-    last bit.
+    results must agree to the last bit.
     """
     huge = (2.0**9, 2.0**24, 2.0**5)
     tiny = (2.0**-15, 2.0**-26, 2.0**-8)

@@ -110,8 +110,7 @@ ROUNDINGS = 40
 """Largest relative error of an impulse, in units of machine epsilon.
 
 It counts the roundings of friction, sine, cosine, their products and K, in the scene and in the
-closed form. Near the jam it
-is divided by the relative distance of friction from the jam."""
+closed form. Near the jam it is divided by the relative distance of friction from the jam."""
 
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
 """Two rods whose slip drives the tip into the surface.
@@ -141,8 +140,8 @@ def jam() -> Iterator[HardCase]:
     critical value.
 
     At mu = tan gamma a rod that is pulled over the surface can no longer leave it (stiction), and a
-    rod that is pushed can no
-    longer be stopped (jam). At each critical friction of two rods one motion gives way to another.
+    rod that is pushed can no longer be stopped (jam). At each critical friction of two rods one
+    motion gives way to another.
     """
     case = partial(row, "jam")
     for distance in (1e-3, 1e-9):
@@ -236,10 +235,9 @@ def _dips(obstacle: str, depth: float) -> Finding:
     at the touch.
 
     A negative depth means that the tip misses the obstacle. The path is a circle, so the gap is
-    known in closed form. A path that dips by d into an
-    obstacle enters it at an angle of the order of the square root of d. The instant of the touch
-    therefore keeps half the digits, while the gap keeps
-    all of them.
+    known in closed form. A path that dips by d into an obstacle enters it at an angle of the order
+    of the square root of d. The instant of the touch therefore keeps half the digits, while the gap
+    keeps all of them.
     """
     tool = TOOL.replace(bar=None, penetration=depth * LENGTH)
     if obstacle == "bar" and TOOL.bar is not None:
