@@ -1,23 +1,28 @@
-"""Planar impact at one point with Coulomb friction: one law for a body, a chain of bodies or a whole machine.
+"""Planar impact at one point with Coulomb friction: one law for a body, a chain of bodies or a
+whole machine.
 
-An impact depends on the bodies only through the contact-space inverse mass K, which turns an impulse p = (p_n, p_t) on the
-contact point into the change of its velocity, dv = K dp, and the velocity v = (v_n, v_t) of the point before the impact.
-The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n, so within a phase of constant slip direction (or stick) the
-velocities are linear and the works are quadratic in p_n, and every phase ends in closed form:
+An impact depends on the bodies only through the contact-space inverse mass K, which turns an
+impulse p = (p_n, p_t) on the contact point into the change of its velocity, dv = K dp, and the
+velocity v = (v_n, v_t) of the point before the impact. The tangential impulse opposes slip, dp_t =
+-mu sign(v_t) dp_n, so within a phase of constant slip direction (or stick) the velocities are
+linear and the works are quadratic in p_n, and every phase ends in closed form:
 
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);
 * compression ends at v_n = 0;
-* restitution ends where the coefficient of restitution says: the energetic one (Stronge 1990) when the normal work in
+* restitution ends by the coefficient of restitution: by the energetic one (Stronge 1990) when the
+normal work in
   restitution is W_r = -e*^2 W_c, Poisson's when the normal impulse in restitution is e times that of compression,
   Newton's when v_n is -e times its value before the impact.
 
-So compression and restitution have two phases each: the initial slip, and the stick or slip that follows it. Where
-restitution's friction is larger than compression's, slip can drive the point back into compression as soon as v_n > 0; the
-only motion that obeys both coefficients then keeps v_n = 0 until slip stops ("slip at rest").
+So compression and restitution have two phases each: the initial slip, and the stick or slip that
+follows it. Where restitution's friction is larger than compression's, slip can drive the point back
+into compression as soon as v_n > 0; the only motion that obeys both coefficients then keeps v_n = 0
+until slip stops ("slip at rest").
 
-Sources: W. J. Stronge, *Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181;
-J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 635-642 for the three coefficients.
+Sources: W. J. Stronge, *Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990)
+169-181; J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 635-642 for
+the three coefficients.
 """
 
 from __future__ import annotations
@@ -53,10 +58,12 @@ __all__ = [
 
 LEAST_COMPLIANCE = 1e-4
 MOST_COMPLIANCE = 1e4
-"""Least eta^2 whose springs are followed, and the largest that is accepted. Each swing of the tangential spring is a phase of its own,
-some 0.65/eta of them; below the least value the impact is a mean of the rigid one and the one at that value."""
+"""Smallest eta^2 at which the springs are followed, and largest eta^2 accepted.
 
-BLOCK = 1 << 13
+Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below the
+smallest value the impact is a mean of the rigid impact and that at the smallest value."""
+
+BLOCK = 1 << 13  # number of rigid impacts resolved together: their arrays fit the cache
 
 
 def energetic_impact(
@@ -172,11 +179,13 @@ LAWS: dict[str, Callable[..., Impact]] = {
 }
 """The impact laws by name; all take the same arguments, so that they are interchangeable.
 
-They differ in the normal impulse at which restitution ends. To add a law, write that and name the law here."""
+They differ in the normal impulse at which restitution ends. To add a law, write the function of
+that impulse, the law, and its name here."""
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
-    # The root of v p + a p^2/2 = W in the form that does not cancel; a work below the smallest float is done at once.
+    # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
+    # no impulse.
     work = select(target.work > 0.0, target.work, 0.0)
     root = square_root(velocity * velocity + 2.0 * compliance * work)
     return select(work > 0.0, quotient(2.0 * work, velocity + root), 0.0)
@@ -198,7 +207,10 @@ def _require_rigid(compliance: ArrayLike) -> None:
 
 
 def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
-    """Check and unpack the arguments, then resolve the rigid impacts and those with a tangential compliance."""
+    """Check and unpack the arguments, then resolve the impacts.
+
+    Impacts without tangential compliance are rigid; the others are on springs.
+    """
     matrix, velocity, friction, restitution, later, stick = given
     coefficients = (
         friction,
@@ -234,7 +246,10 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
 
 
 def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
-    """Resolve a row of impacts: with a tangential compliance by springs, or by a mean with the rigid impact where it is small."""
+    """Resolve a row of impacts, rigid or with tangential springs.
+
+    Below ``LEAST_COMPLIANCE`` an impact is a mean of the rigid impact and that on springs.
+    """
     if squared is None:
         return _rigid_row(end, values)
     elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
@@ -272,10 +287,12 @@ def _rigid_row(end: End, values: list[Number]) -> Impact:
 
 
 def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
-    """Return the mean impact, with this weight of the springs' one; the rigid impact where their outcomes differ.
+    """Return the mean of a rigid impact and one on springs; ``weight`` is that of the springs.
 
-    Friction's cone and the works along the normal are linear in the two. The kinetic energy is a convex function of the impulse,
-    so the mean one leaves less of it, by w (1 - w) dp.dv/2; friction takes the difference in the last phase.
+    Where their outcomes differ the rigid impact is returned. Friction's cone and the normal works
+    are linear in the impulses. The kinetic energy is a convex function of the impulse, so the mean
+    impulse leaves less of it, by w (1 - w) dp.dv/2. Friction takes this difference in the last
+    phase.
     """
     weight = np.where((rigid.outcome == springs.outcome) | (weight == 1.0), weight, 0.0)
     alone = weight == 1.0

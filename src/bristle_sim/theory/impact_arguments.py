@@ -1,4 +1,7 @@
-"""The arguments and the result of an impact law, checked: floats of one impact, or arrays that broadcast."""
+"""Checks of the arguments and of the result of an impact law.
+
+The arguments are floats for one impact, or arrays that broadcast.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,16 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import Impact
 from bristle_sim.theory.numbers import isfinite, numbers, square_root
 
-MOST_FRICTION = 1e150  # more makes impulses that overflow
+MOST_FRICTION = 1e150  # largest friction coefficient: with more, impulses overflow
 
 
 def single_impact(
     inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]
 ) -> tuple[list[Number], None] | None:
-    """Return the floats of one impact that is given as floats and an array, as a scene does; None for all else."""
+    """Return the arguments of one impact as floats; None unless they are floats with an array K.
+
+    This is the fast way for a scene, which has one impact at a time.
+    """
     if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
         return None
     if type(velocity) is np.ndarray and velocity.shape == (2,):
@@ -45,7 +51,10 @@ NAMES = (
 def unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
 ) -> tuple[list[Number], tuple[int, ...] | None]:
-    """Return K's entries, velocities and coefficients: floats for one impact (shape None), else broadcast arrays."""
+    """Return the entries of K, the velocities and the coefficients, and their shape.
+
+    They are floats with the shape None for one impact, and broadcast arrays otherwise.
+    """
     given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
     matrix, velocity, *coefficients = (
         numbers(name, each, "must be real numbers") for name, each in given
@@ -75,7 +84,7 @@ def _check(values: list[Number], k_tn: Number) -> None:
     k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
     matrix = (k_nn, k_nt, k_tn, k_tt)
     finite = isfinite(k_nn) & isfinite(k_nt) & isfinite(k_tt) & isfinite(k_tn)
-    # The product of roots neither overflows nor vanishes, as the root of the product may.
+    # The product of the roots neither overflows nor underflows, unlike the root of the product.
     mean = square_root(abs(k_nn)) * square_root(abs(k_tt))
     symmetric = abs(k_nt - k_tn) <= 1e-9 * mean
     semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 5e-10))
@@ -99,7 +108,7 @@ def _check(values: list[Number], k_tn: Number) -> None:
 
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:
-    """Return the first of the values for which a rule does not hold, for a message."""
+    """Return the text of the first values that break a rule, for a message."""
     chosen = (
         values
         if isinstance(holds, bool)
@@ -110,7 +119,10 @@ def _first(values: tuple[Number, ...], holds: Number) -> str:
 
 
 def check_result(impact: Impact, arguments: list[Number]) -> None:
-    """Refuse impulses, velocities and works that are not finite: they overflow, or K is too small for its inverse."""
+    """Refuse an impact with impulses, velocities or works that are not finite.
+
+    They overflow, or K is too small for its inverse.
+    """
     entries = (
         impact.impulse_normal,
         impact.impulse_tangential,

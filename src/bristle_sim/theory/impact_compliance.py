@@ -1,23 +1,29 @@
-"""Impact at a point that is elastic along the surface too: Stronge's tangential spring beside the normal one.
+"""Impact at a point that is elastic along the surface too: Stronge's tangential spring beside the
+normal one.
 
-The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the work it took; the
-tangential one has k/eta^2, and its foot slides where its force T would leave the cone |T| <= mu N. With dv = K (N, T) dt the
-outcome depends on K, v, mu, e* and eta^2; k sets the time alone, and is 1 here. An impact is a sequence of phases:
+The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
+work it took; the tangential one has k/eta^2, and its foot slides where its force T would leave the
+cone |T| <= mu N. With dv = K (N, T) dt the outcome depends on K, v, mu, e* and eta^2. The stiffness
+k sets the time alone, and is 1 here. An impact is a sequence of phases:
 
 * stick (``impact_stick``): two oscillators, ended by the cone or by the end of the line;
 * slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s eta^2 kappa v_n are linear in the normal impulse p,
   and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p) p^2/2): it ends where the foot stops, the line ends or N = 0, each a root of a polynomial.
 
-Loading ends where v_n = 0, and the contact with it if e* = 0: the energy of both springs is then lost. In unloading mu_2
-holds. A T beyond its cone jumps onto it. A point that is pressed on beyond its deepest point loads further, with mu_1. The
-works are those on the bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick; as springs begin and end without force,
-or lose it, energy never grows.
+Loading ends where v_n = 0, and the contact with it if e* = 0: the energy of both springs is then
+lost. In unloading mu_2 holds. A tangential force T beyond the cone jumps onto the cone. A point
+that is pressed beyond its deepest point loads further, with mu_1. The works are those on the
+bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick. Springs begin and end without force,
+or lose their force, so energy never grows.
 
-As eta^2 falls the result tends to that of the rigid point. Where that sticks, the impulse differs by terms of order eta^2. Of order
-eta are the impulse where slip reverses, as T takes such a time from one edge of the cone to the other, or where slip and approach
-stop together, as a radial bristle's do, and the slip that is left where e* = 0.
+As eta^2 falls the result tends to that of the rigid point. If the rigid point sticks, the impulse
+differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
+reverses, since T takes a time of that order from one edge of the cone to the other; the impulse
+where slip and approach stop together, as on a radial bristle; and the slip that is left where e* =
+0.
 
-Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N. Fawcett, Wear 38 (1976) 101-114.
+Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N.
+Fawcett, Wear 38 (1976) 101-114.
 """
 
 from __future__ import annotations
@@ -48,42 +54,55 @@ from bristle_sim.theory.impact_phases import (
 from bristle_sim.theory.impact_slip import begun_slip, slide
 from bristle_sim.theory.impact_stick import Contact, stick
 
-LEAST_RESTITUTION = (
-    1e-8  # below it the work that is returned is less than the rounding of the work that was taken
-)
+# Smallest e* other than 0: below it the returned work is less than the rounding of the work taken.
+LEAST_RESTITUTION = 1e-8
 
-WIDEST_CONE = 1e12  # more friction acts as this: the cone is a half-plane but for parts in 1e12
+WIDEST_CONE = 1e12  # largest friction used: its cone is a half-plane to parts in 1e12
 
-# contacts that fit the outer cache, and the inner one
+# Numbers of contacts whose arrays fit the outer and the inner cache.
 LOCAL = 1 << 15
 BLOCK = 1 << 13
 
 ROUNDS = 3
-"""Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks, and by longer steps."""
+"""Number of phases that all contacts of a block take together.
+
+The few contacts with more phases are then continued together, for all blocks and by longer
+steps."""
 
 MOST_IN_STICK = 10_000
-"""Phases of stick in a row after which each further one begins without the fast oscillation that is left: it counts as lost.
-The modes of a nearly singular K, whose rates differ a thousandfold, bounce from line to line: 198 times where det K is 1e-4 of
-K_nn K_tt, 2,690 times at 2e-5. The cost is linear in their number."""
+"""Largest number of consecutive phases of stick with the fast oscillation; later phases begin
+without it, as if it were lost.
+
+It bounds the cost, which is linear in the number. The modes of a nearly singular K, whose rates
+differ a thousandfold, bounce between loading and unloading: 198 times at det K = 1e-4 K_nn K_tt,
+2,690 times at 2e-5 K_nn K_tt."""
 
 SETTLING = 120
 LEAST_RESOLVED = 2e-3
-"""The same number for a jam of one degree of freedom, which further phases do not change, and for a smaller e*. Such a point bounces
-on the steep line some 1/e* times; what is lost then changes its velocity by up to an eighth in one impact of fifty."""
+"""Largest number of phases of stick, as ``MOST_IN_STICK``, in two cases, and the e* below which the
+second one applies.
+
+The first is a jam of one degree of freedom, which further phases do not change. The second is an e*
+below ``LEAST_RESOLVED``: the point bounces on the steep unloading line some 1/e* times. The lost
+oscillation then changes its velocity by up to an eighth in one impact of fifty."""
 
 CHATTER = 500
 FURTHER = 20
-"""Times that a point is pressed on again before its slip loses a half at rest, and before it loses a further half. With mu_2 > mu_1
-slip can press the point on as soon as it begins to part. In one of some thousand impacts this happens a million times; each
-of them changes the slip by less than one part in that number."""
+"""Number of times that a point is pressed on again before its slip is halved at rest, and before
+each further halving.
 
-LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
+With mu_2 > mu_1 slip can press the point on as soon as it begins to part. In one of some thousand
+impacts this happens a million times, and each time changes the slip by less than a millionth."""
 
-MOTION = Contact._fields.index("normal")  # the first row of a contact that changes
+# The e* below which phases of slip are counted too: the point bounces on the steep line some 1/e*
+# times.
+LEAST_EXACT = 0.01
+
+MOTION = Contact._fields.index("normal")  # index of the first row of a contact that changes
 
 
 def _turned(contact: Contact, event: Number) -> Contact:
-    """Return the contact after an event, on the line and with the slip that follow it."""
+    """Return the contact after an event, with its new loading or unloading line and slip."""
     line = event == LINE
     loading = contact.loading > 0.0
     deepest = line & loading
@@ -110,11 +129,12 @@ def _turned(contact: Contact, event: Number) -> Contact:
 
 
 class _Contacts:
-    """The contacts of an array in their present state, in columns of ``rows``.
+    """The present state of an array of contacts, in columns of ``rows``.
 
-    ``totals`` are impulses and works by the four rows of ``impact_phases.PHASES``, ``slips`` the slip in them. The second row of
-    compression, and of restitution, collects all that follows its first stick or slip. A point that is pressed on beyond
-    its deepest point was in compression until then.
+    ``totals`` holds impulses and works in the four rows of ``impact_phases.PHASES``, ``slips`` the
+    slip in these rows. The second row of compression collects everything after its first stick or
+    slip, and so does that of restitution. A point that is pressed beyond its deepest point was in
+    compression until then.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -132,11 +152,11 @@ class _Contacts:
 
     @property
     def by_row(self) -> Number:
-        """The totals by quantity, contact and row."""
+        """Totals by quantity, contact and row."""
         return self.totals.reshape(4, -1, 4)
 
     def advance(self, active: Number, patient: bool) -> Number:
-        """Take a phase of the active contacts; return those that go on."""
+        """Advance the active contacts by one phase, and return the contacts that have not ended."""
         slips = self.rows[-1, active] != 0.0
         going = [active[:0]]
         for every, slides in ((active[slips], True), (active[~slips], False)):
@@ -168,7 +188,11 @@ class _Contacts:
     def note(
         self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]
     ) -> Number:
-        """Add a phase, or a part of one, of the contacts ``at`` an index; return which of them it ends."""
+        """Add a phase, or a part of a phase, of the contacts with indices ``at``.
+
+        Returns:
+            Whether each of these contacts ends.
+        """
         place = 4 * at + self.row[at]
         loading = before.loading > 0.0
         for total, part in zip(self.totals, done, strict=True):
@@ -195,7 +219,7 @@ class _Contacts:
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
     ) -> None:
-        """Go on to the phase after an event, and to its row."""
+        """Set the contacts to the state after an event, and to the row of the next phase."""
         for row, value in zip(self.rows[MOTION:], after[MOTION:], strict=True):
             row[at] = value
         line = event == LINE
@@ -214,7 +238,7 @@ class _Contacts:
         self.slip_stop[stops] = self.by_row[0, stops].sum(axis=-1)
 
     def rest(self, at: Number) -> None:
-        """Halve the slip under the mean friction of points that chatter, which keeps v_n as it is."""
+        """Halve the slip of points that chatter, under the mean friction that keeps v_n unchanged."""
         contact = Contact(*self.rows.take(at, axis=1))
         speed = contact.tangential
         ratio = -contact.k_nn / contact.k_nt
@@ -227,14 +251,15 @@ class _Contacts:
 
 
 def compliant_impact(values: list[Number], squared: Number) -> Impact:
-    """Resolve energetic impacts of approaching points whose tangential compliance eta^2 is ``squared``; arrays of shape (n,).
+    """Resolve energetic impacts of approaching points with a tangential compliance eta^2.
 
     Args:
-        values: K_nn > 0, K_nt, K_tt, v_n < 0, v_t, mu_1, e*, mu_2, and the compliance in stick where it is known better.
-        squared: eta^2 > 0.
+        values: arrays of shape (n,): K_nn > 0, K_nt, K_tt, v_n < 0, v_t, mu_1, e*, mu_2, and the
+            compliance in stick if it is known more accurately than from K.
+        squared: eta^2 > 0, shape (n,).
     """
     k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
-    # Powers of two keep squares of any unit within floats, and every digit.
+    # Scaling by powers of two keeps squares in the range of floats, and loses no digit.
     mass, speed = (
         np.ldexp(1.0, np.frexp(each)[1]) for each in (k_nn, np.maximum(-normal, abs(tangential)))
     )

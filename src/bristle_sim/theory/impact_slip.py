@@ -1,6 +1,7 @@
-"""Slip on two springs: a phase in closed form, and the sense in which the tangential spring's foot begins to slide.
+"""Slip on two springs: a phase in closed form, and the sense in which the foot begins to slide.
 
-The equations are those of ``impact_compliance``, in units in which the normal spring's loading stiffness is 1.
+The foot is that of the tangential spring. The equations are those of ``impact_compliance``, in
+units in which the loading stiffness of the normal spring is 1.
 """
 
 from __future__ import annotations
@@ -15,7 +16,12 @@ from bristle_sim.theory.numbers import quotient
 
 
 def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
-    """Advance by a phase of slip; return contact, event, and impulses and works along the normal and the surface."""
+    """Advance by one phase of slip.
+
+    Returns:
+        The contact after the phase, the event that ends it, and the normal impulse, tangential
+        impulse, normal work and tangential work.
+    """
     loading = contact.loading > 0.0
     mu = contact.friction
     kappa = contact.steep * contact.steep
@@ -24,7 +30,8 @@ def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
     speed = contact.normal
     push = contact.push
 
-    # Unloading: N = 0, or N as large as it was, by the quadratic N^2(p) in the forms that do not cancel.
+    # Unloading ends where N = 0 or where N is back at its peak: roots of N^2(p) without
+    # cancellation.
     left = (contact.peak - push) * (contact.peak + push) / kappa
     stored = push * push / kappa
     inside = speed * speed - gain * left
@@ -57,9 +64,12 @@ def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
 
 
 def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
-    """Return the gains of v_n and v_t per impulse in slip, the foot's velocity in its sense, and that one's gain.
+    """Return the rates of change of the point and of the foot in slip.
 
-    The latter two are divided by 1 + mu eta^2 kappa, so that no friction makes them overflow.
+    Returns:
+        Gains of v_n and of v_t per normal impulse; velocity of the foot in the sense of slip; gain
+        of that velocity. The last two are divided by 1 + mu eta^2 kappa, so that no friction makes
+        them overflow.
     """
     along = contact.k_nt - contact.friction * slip * contact.k_tt
     gain = contact.stick + contact.tie * along
@@ -70,7 +80,11 @@ def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Num
 
 
 def begun_slip(contact: Contact) -> Number:
-    """Return the sense in which the foot slips at an edge of the cone that the force would leave, else 0; without friction it always slips."""
+    """Return the sense in which the foot begins to slip, or 0 for stick.
+
+    The foot slips if the force is at an edge of the cone and would leave it. Without friction the
+    foot always slips.
+    """
     smooth = contact.friction == 0.0
     free = np.where(
         contact.tangential == 0.0,

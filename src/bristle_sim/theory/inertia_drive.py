@@ -1,14 +1,16 @@
-"""A tool without a bar: the bristle is thrown by its own inertia when its belt runs onto the pulley.
+"""A tool without a bar: its own inertia throws the bristle when the belt runs onto the pulley.
 
-On the belt's straight run the bristle translates; where the belt meets the pulley its root begins to turn with omega while
-the bristle does not, so that relative to the radial direction it starts at alpha = 0 with alpha' = -omega. It lags, the belt
-whips it back, and it passes the radial direction again. Undamped and without gravity the energy in the pulley's frame,
+On the belt's straight run the bristle translates. Where the belt meets the pulley, the root begins
+to turn with omega, but the bristle does not. Relative to the radial direction the bristle thus
+starts at alpha = 0 with alpha' = -omega. It lags, the belt drives it back, and it passes the radial
+direction again. Undamped and without gravity the energy in the pulley's frame,
 
     I alpha'^2/2 + k alpha^2/2 + g (1 - cos alpha) = I omega^2/2,    g = m r_h (L/2) omega^2,
 
-is kept (g is the rotating root's field, see ``cueing``), so that it is radial again with alpha' = +omega, whatever the belt:
-its rate is 2 omega and its tip's speed (2 L + r_h) omega. The energy gives the largest retraction, and its quadrature the time.
-Arguments are single numbers in SI units and rad.
+is conserved; g is the centrifugal stiffness of ``cueing``. The bristle is therefore radial again
+with alpha' = +omega, whatever the belt. Its rate is then 2 omega and the speed of its tip (2 L +
+r_h) omega. The energy gives the largest retraction, and a quadrature the time. Arguments are single
+numbers in SI units and rad.
 """
 
 from __future__ import annotations
@@ -19,9 +21,7 @@ import numpy as np
 
 from bristle_sim.theory.numbers import require
 
-LEAST_SPEED = (
-    1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
-)
+LEAST_SPEED = 1e-100  # least hub speed, rad/s: with the least inertia, a smaller one has no energy
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES = 0.25 * math.pi * (_RULE[0] + 1.0)
@@ -32,11 +32,13 @@ WEIGHTS = 0.25 * math.pi * _RULE[1]
 def largest_retraction(
     inertia: float, stiffness: float, centrifugal: float, hub_speed: float
 ) -> float:
-    """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
+    """Return the largest retraction, rad, the root of k alpha^2/2 + g (1 - cos alpha) = I
+    omega^2/2.
 
-    Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
+    Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the
+    pulley.
 
-    Without the rotating root's field k A^2 = I omega^2, so that A = omega sqrt(I/k) = 0.5 rad here:
+    Without centrifugal stiffness the amplitude is A = omega sqrt(I/k), here 0.5 rad:
 
     >>> print(f"{largest_retraction(1.0, 4.0, 0.0, 1.0):.9f}")
     0.500000000
@@ -63,7 +65,8 @@ def largest_retraction(
         excess(flat) >= 0.0,
         "must be enough to stop the bristle within 90 deg (in N m/rad)",
     )
-    # Near 0 both terms are parabolas: the root is at most that of either, and at least a parabola's of the whole curvature.
+    # The root is at least that of the parabola with the curvature at 0, since 1 - cos alpha grows
+    # less than its parabola.
     return float(
         brentq(
             excess,
@@ -75,12 +78,15 @@ def largest_retraction(
 
 
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Return the time from the pulley's tangent point to the radial direction, T = 2 int_0^A d alpha/alpha', s.
+    """Return the time from the pulley's tangent point to the radial direction, s: T = 2 int_0^A d
+    alpha/alpha'.
 
-    With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha -
-    cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A + alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
+    With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' =
+    du/sqrt(k/I + (2 g/I) [cos alpha - cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A +
+    alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
 
-    Without the field it is half a period of the belt's spring, pi sqrt(I/k) = pi/2 s here:
+    Without centrifugal stiffness it is half a period of the belt's spring, pi sqrt(I/k), here pi/2
+    s:
 
     >>> print(f"{time_to_radial(1.0, 4.0, 0.0, 1.0):.9f}")
     1.570796327

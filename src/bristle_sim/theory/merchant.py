@@ -1,17 +1,22 @@
-"""Merchant's orthogonal cutting, classical and with the tool entering obliquely (Zhang 2020, section 4.2).
+"""Merchant's orthogonal cutting, classical and with the tool entering obliquely (Zhang 2020,
+section 4.2).
 
-The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting velocity (beta: friction
-angle, alpha: rake angle); the chip shears off along a plane at the shear angle eta to that velocity, where the yield
-stress tau_s acts over b d_u/sin(eta). The modified circle measures the uncut depth d_u normal to a path that descends at
-the impact angle gamma, so that R makes arccot(mu) with the workpart whatever the rake: beta - alpha = arccot(mu) - gamma.
+The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting
+velocity (beta: friction angle, alpha: rake angle). The chip shears off along a plane at the shear
+angle eta to that velocity, where the yield stress tau_s acts over the area b d_u/sin(eta). The
+modified circle measures the uncut depth d_u normal to a path that descends at the impact angle
+gamma. R then makes the angle arccot(mu) with the workpart whatever the rake: beta - alpha =
+arccot(mu) - gamma.
 
-``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right for a surface parallel to
-the path. The real surface rises from the path at gamma, so a shear plane at eta meets it after d_u cos(gamma)/sin(eta -
-gamma). ``surface="inclined"`` takes that: least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
+``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right
+for a surface parallel to the path. The real surface rises from the path at gamma, so a shear plane
+at eta meets it after d_u cos(gamma)/sin(eta - gamma). ``surface="inclined"`` uses that length.
+Least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
-and the shear plane comes out of the surface for every mu > 0, where (4.43) requires mu >= tan(gamma).
+and the shear plane comes out of the surface for every mu > 0, where (4.43) requires mu >=
+tan(gamma).
 
 Stresses in Pa, angles in rad, mu > 0 and 0 <= gamma < pi/2; everything broadcasts.
 """
@@ -30,7 +35,7 @@ from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
 Surface = Literal[
     "parallel", "inclined"
-]  # how the surface lies to the path where the shear plane ends
+]  # lie of the surface relative to the path, where the shear plane ends
 API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
 RAKE_OFFSET = math.radians(
     11.5
@@ -38,7 +43,8 @@ RAKE_OFFSET = math.radians(
 
 
 class ShearAngleError(ValueError):
-    """The shear plane of the modified circle would not come out of the surface: eta < gamma (4.35)."""
+    """Error: the shear plane of the modified circle would not emerge from the surface, eta < gamma
+    (4.35)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +88,17 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 def oblique_angles(
     friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True
 ) -> CuttingAngles:
-    """Return the modified circle's angles: alpha = gamma + offset, beta = offset + arccot(mu), eta = pi/4 - (beta - alpha)/2.
+    """Return the angles of the modified circle, rad.
 
-    The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of tangential to normal force on
-    the workpart, 0 <= gamma < pi/2 in rad.
+    They are alpha = gamma + offset, beta = offset + arccot(mu) and eta = pi/4 - (beta - alpha)/2.
+
+    The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of
+    tangential to normal force on the workpart, 0 <= gamma < pi/2 in rad.
 
     Raises ShearAngleError where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
 
-    With mu = 1 the resultant makes 45 deg with the workpart; a path along the surface (gamma = 0) has eta = 45 - 45/2 = 22.5 deg:
+    With mu = 1 the resultant makes 45 deg with the workpart; a path along the surface (gamma = 0)
+    has eta = 45 - 45/2 = 22.5 deg:
 
     >>> angles = oblique_angles(1.0, 0.0)
     >>> print(f"{math.degrees(angles.resultant_angle):.3f} {math.degrees(angles.shear):.3f} {math.degrees(angles.rake):.3f}")
@@ -99,7 +108,7 @@ def oblique_angles(
     upright = np.arctan2(1.0, friction)
     shear = 0.5 * np.subtract(0.5 * math.pi, upright - gamma)
     angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear)
-    # The rounding of arccot must not refuse mu = tan(gamma) itself.
+    # The margin accepts mu = tan(gamma) itself, whatever the rounding of arccot.
     buried = shear < gamma - 1e-12
     if check and np.any(buried):
         worst, least = (
@@ -119,9 +128,10 @@ def specific_cutting_energy(
     shear_yield_stress: ArrayLike = API_5L,
     surface: Surface = "parallel",
 ) -> Number:
-    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it.
+    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path
+    or inclined to it.
 
-    There u/tau_s = cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
+    At mu = 1, gamma = 0 and tau_s = 1 Pa it is cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
 
     >>> print(f"{specific_cutting_energy(1.0, 0.0, 1.0):.3f}")
     4.828
@@ -129,6 +139,6 @@ def specific_cutting_energy(
     angles = oblique_angles(friction, impact_angle, check=False)
     if surface == "parallel":
         return shear_yield_stress / angles.cutting_ratio
-    # [1 - sin(arccot mu)]/2 = [1 - cos(arctan mu)]/2, in the form that does not cancel.
+    # [1 - sin(arccot mu)]/2 = [1 - cos(arctan mu)]/2, in the form without cancellation.
     ratio = np.sin(0.5 * np.arctan(friction)) ** 2
     return shear_yield_stress * np.cos(impact_angle) * np.cos(angles.resultant_angle) / ratio

@@ -1,20 +1,23 @@
-"""Impact of a radial bristle on a hub that keeps its speed, in closed form (Zhang 2020, eqs. 2.19-2.65).
+"""Impact of a radial bristle on a hub that keeps its speed, in closed form (Zhang 2020, eqs.
+2.19-2.65).
 
-The bristle, a slender rod of mass m and length L, stands at the angle gamma to the workpart's normal when its tip
-strikes. The hub (radius r_h) turns at omega and the bristle at R omega. The tip moves along one line,
+The bristle, a slender rod of mass m and length L, stands at the angle gamma to the workpart's
+normal when its tip strikes. The hub (radius r_h) turns at omega and the bristle at R omega. The tip
+moves along one line,
 
     v_C (cos gamma, -sin gamma),    v_C = L phi' + r_h omega                                                      (2.24)
 
-so slip and compression stop together, where phi' = -(r_h/L) omega. The generalized impulse L cos gamma dp_x
-- L sin gamma dp_y (2.27) changes the momentum m L^2/3 phi' (2.25) and, since friction opposes slip, is -L s_1 dp_y in
-compression and -L s_2 dp_y in restitution, with
+so slip and compression stop together, where phi' = -(r_h/L) omega. The generalized impulse L cos
+gamma dp_x - L sin gamma dp_y (2.27) changes the momentum m L^2/3 phi' (2.25) and, since friction
+opposes slip, is -L s_1 dp_y in compression and -L s_2 dp_y in restitution, with
 
     s_1 = sin gamma + mu_1 cos gamma,    s_2 = sin gamma - mu_2 cos gamma.
 
-All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C.
+The results follow by integration. The dissertation's kappa omega L = (R + r_h/L) omega L is the
+speed v_C of the tip.
 
-Arguments broadcast; the functions return floats for floats. Impulses and works are those of the workpart on the bristle; rates
-are positive in the hub's sense of rotation.
+Arguments broadcast; the functions return floats for floats. Impulses and works are those of the
+workpart on the bristle; rates are positive in the hub's sense of rotation.
 """
 
 from __future__ import annotations
@@ -77,20 +80,22 @@ def monofilament_impact(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> MonofilamentImpact:
-    """Resolve one strike; kg, m, rad/s, rad.
+    """Return the impact of a strike by the closed form; arguments in kg, m, rad/s and rad.
 
-    Beside p_cy: W_y(p_cy) = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1 p_cy (2.56), W_x(p_cx) = v_C cos gamma p_cx/2 (2.58),
+    With p_cy of ``normal_compressive_impulse``: W_y = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1
+    p_cy (2.56), W_x = v_C cos gamma p_cx/2 (2.58),
 
         p_fy = p_cy (1 + e* sqrt(s_1/s_2)),    phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1)       (2.48, 2.65)
 
-    The first grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
-    e* = 0. The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
+    p_fy grows without bound as mu_2 approaches tan gamma. At or above tan gamma there is no
+    restitution: p_fy = p_cy, as for e* = 0. The tip strikes only if v_C > 0; otherwise impulses and
+    works are zero and the bristle keeps its rate.
 
-    Raises ValueError unless 1e-150 <= gamma. The friction mu_2 is mu_1 by default (case 2, eq. 2.59); e* is the energetic
-    coefficient (2.47) in [0, 1].
+    Raises ValueError unless 1e-150 <= gamma. The friction mu_2 is mu_1 by default (case 2, eq.
+    2.59); e* is the energetic coefficient (2.47) in [0, 1].
 
-    A rod of 3 kg and 1 m that strikes upright to the surface (gamma = 90 deg) at 1 rad/s, without a hub radius: p_cy = m v_C/3 =
-    1 N s, and half of the rate comes back.
+    A rod of 3 kg and 1 m lies along the surface (gamma = 90 deg) and strikes at 1 rad/s on a hub of
+    zero radius: p_cy = m v_C/3 = 1 N s, and half of the rate is returned.
 
     >>> import math
     >>> impact = monofilament_impact(3.0, 1.0, 0.0, 1.0, 1.0, math.pi / 2.0, 0.0, 0.5)
@@ -134,20 +139,21 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
 
 def stiction_friction(impact_angle: Number) -> Number:
-    """Return the least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51).
+    """Return the least mu_2 at which no impulse can separate the tip from the workpart, tan gamma
+    (2.51).
 
     >>> import math
     >>> print(f"{stiction_friction(math.pi / 4.0):.6f}")
     1.000000
     """
-    # The tangent of the float next to pi/2 is 1.6e16, which exceeds every friction.
+    # The tangent of the float nearest to pi/2 is 1.6e16, which exceeds every friction.
     return np.tan(impact_angle)
 
 
 def normal_compressive_impulse(
     mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
 ) -> Number:
-    """Return p_cy = m v_C/(3 s_1), N s (2.37).
+    """Return the normal compressive impulse p_cy = m v_C/(3 s_1), N s (2.37).
 
     With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2 the sum s_1 is 1:
 

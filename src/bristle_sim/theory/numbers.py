@@ -1,6 +1,7 @@
-"""Numbers and arrays alike: operations that keep a float a float, for speed in a scene, and refusals in one line.
+"""Operations on floats and arrays, and refusals of arguments in one line.
 
-Arguments are refused that are no real numbers, or for which a law or formula has no meaning.
+The operations return a float for a float, for speed in a scene. Refused are arguments that are no
+real numbers or lie outside the range of a law or formula.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from bristle_sim.units import Range, shown
 
 
 def select(condition: Number, chosen: Number, other: Number) -> Number:
-    """Return the chosen value where the condition holds, else the other one."""
+    """Return ``chosen`` where the condition holds, otherwise ``other``."""
     if isinstance(condition, bool):
         return chosen if condition else other
     return np.where(condition, chosen, other)
@@ -40,14 +41,14 @@ def isfinite(value: Number) -> Number:
 
 
 def inverse(value: Number) -> Number:
-    """Return 1/value, infinite at zero."""
+    """Return 1/value; infinite at zero."""
     if isinstance(value, float):
         return 1.0 / value if value else math.inf
     return 1.0 / value
 
 
 def quotient(value: Number, divisor: Number) -> Number:
-    """Return value/divisor where the divisor is positive, else infinite."""
+    """Return value/divisor where the divisor is positive, otherwise infinity."""
     if isinstance(divisor, float):
         return value / divisor if divisor > 0.0 else math.inf
     quotient = np.full_like(divisor, math.inf)
@@ -56,9 +57,11 @@ def quotient(value: Number, divisor: Number) -> Number:
 
 
 def numbers(name: str, value: Any, rule: str) -> Array:
-    """Return the value as an array of floats, infinities and NaN included.
+    """Return the value as an array of floats; infinities and NaN are permitted.
 
-    Raises ValueError with the rule if an entry is no real number (text, truth value, complex), or rows differ in length.
+    Raises:
+        ValueError: with the rule, if an entry is no real number (text, truth value, complex) or
+            rows differ in length.
     """
     try:
         array = np.asarray(value)
@@ -68,7 +71,7 @@ def numbers(name: str, value: Any, rule: str) -> Array:
         ):
             with np.errstate(
                 over="ignore"
-            ):  # whole numbers beyond 64 bits and fractions are objects
+            ):  # NumPy holds integers beyond 64 bits and fractions as objects
                 return array.astype(float, copy=False)
     except (ValueError, OverflowError):  # rows of different lengths, numbers beyond a float
         pass
@@ -76,14 +79,20 @@ def numbers(name: str, value: Any, rule: str) -> Array:
 
 
 def require(name: str, value: Any, holds: Any, rule: str) -> None:
-    """Raise ValueError with the rule and the first value for which ``holds`` is false; value and holds broadcast."""
+    """Raise ValueError with the rule and the first value for which ``holds`` is false.
+
+    ``value`` and ``holds`` broadcast.
+    """
     values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():
         raise ValueError(f"{name} = {values[~passed][0]:g}: {rule}")
 
 
 def _has_truth_value(value: Any) -> bool:
-    """Return whether True or False is among the values; a NumPy array would turn them into 1 and 0 beside numbers."""
+    """Return whether True or False is among the values.
+
+    NumPy would turn truth values beside numbers into 1 and 0.
+    """
     if isinstance(value, list | tuple):
         return any(map(_has_truth_value, value))
     return isinstance(value, bool) or (
@@ -126,9 +135,13 @@ RANGES: dict[str, Range] = {
     )
     for key in keys.split()
 }
-"""Ranges by the argument's name; the source of each gives the reason for its bounds."""
+"""Range of each argument by its name; the source of a range gives the reason for its bounds."""
 
 
 def checked_numbers(**values: float) -> list[float]:
-    """Return single numbers as plain floats, each in the range of its name, or raise ValueError."""
+    """Check each keyword argument against the range declared for its name; return floats.
+
+    Raises:
+        ValueError: for an argument outside its range.
+    """
     return [RANGES[name].check(value) for name, value in values.items()]

@@ -1,10 +1,12 @@
-"""Stronge's single and double pendulum against a rough surface, in generalized speeds (Zhang 2020, sec. 2.4).
+"""Stronge's single and double pendulum against a rough surface, in generalized speeds (Zhang 2020,
+sec. 2.4).
 
-Single (2.4.1): a slender rod hinged at O, inclined at gamma to the normal of the surface that its tip strikes.
+Single (2.4.1): a slender rod hinged at O, inclined at gamma to the normal of the surface that its
+tip strikes.
 
-Double (2.4.2): slender rods OB of mass m_1 = n m_2 and BC of mass m_2, both of length L, hinged at O and B, inclined at
-theta_1 and theta_2 to the normal of the surface that C strikes. In the generalized speeds q_1 = L phi'_1 and
-q_2 = L phi'_2/2, with c = cos(theta_1 - theta_2),
+Double (2.4.2): slender rods OB of mass m_1 = n m_2 and BC of mass m_2, both of length L, hinged at
+O and B, inclined at theta_1 and theta_2 to the normal of the surface that C strikes. In the
+generalized speeds q_1 = L phi'_1 and q_2 = L phi'_2/2, with c = cos(theta_1 - theta_2),
 
     T = (m_1/3 + m_2) q_1^2/2 + 2 m_2 q_2^2/3 + m_2 c q_1 q_2                                        (2.66, 2.93)
     v_C = (-q_1 cos theta_1 - 2 q_2 cos theta_2, q_1 sin theta_1 + 2 q_2 sin theta_2)                (2.68, 2.95)
@@ -13,13 +15,15 @@ An impulse (dp_x, dp_y) on C changes the generalized momenta by (2.69)
 
     dT_1 = -cos theta_1 dp_x + sin theta_1 dp_y,    dT_2 = -2 cos theta_2 dp_x + 2 sin theta_2 dp_y.
 
-Friction makes dp_x = -mu sign(v_x) dp_y while C slips, so q is linear in p_y (2.74, 2.80, 2.98). Slip may stop before or
-after the end of compression; then C sticks, or slips the other way if mu < mu_bar (2.90). The impact ends when the normal
-work of restitution is W_r = -e*^2 W_c (2.87). The rods here are followed in q; ``impact.energetic_impact`` solves the
-same impact in the velocities of C, and each is the other's test.
+Friction makes dp_x = -mu sign(v_x) dp_y while C slips, so q is linear in p_y (2.74, 2.80, 2.98).
+Slip may stop before or after the end of compression; then C sticks, or slips the other way if mu <
+mu_bar (2.90). The impact ends when the normal work of restitution is W_r = -e*^2 W_c (2.87). This
+module follows the rods in q. ``impact.energetic_impact`` solves the same impact in the velocities
+of C; each is a test of the other.
 
-Rates are negative where they bring the tip of a rod of positive inclination to the surface. ValueError is raised for an
-argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181.
+Rates are negative where they bring the tip of a rod of positive inclination to the surface.
+ValueError is raised for an argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R.
+Soc. Lond. A 431 (1990) 169-181.
 """
 
 from __future__ import annotations
@@ -37,14 +41,21 @@ from bristle_sim.theory.numbers import RANGES, checked_numbers, require
 
 _ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 
-_PARALLEL = (
-    1e-8  # rods whose angles differ by less, rad, are parallel: their tip moves along one line
-)
+# Largest difference of the angles of parallel rods, rad; their tip moves along one line.
+_PARALLEL = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
 class SinglePendulumImpact:
-    """Impact of a single pendulum: impulses p_c and p_f in N s, rate after the impact in rad/s."""
+    """Impact of a single pendulum.
+
+    Attributes:
+        normal_compressive_impulse: p_c, N s.
+        normal_final_impulse: p_f, N s.
+        final_rate: rate after the impact, rad/s.
+        rebound_ratio: rate after over rate before the impact.
+        outcome: outcome in words.
+    """
 
     normal_compressive_impulse: float
     normal_final_impulse: float
@@ -61,11 +72,12 @@ def single_pendulum_impact(
     friction: float,
     restitution: float,
 ) -> SinglePendulumImpact:
-    """Strike with Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26).
+    """Return the impact of Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26).
 
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
 
-    Mass in kg, length in m, 0 < gamma <= pi/2 in rad; the rate, rad/s, is negative where the tip approaches the surface.
+    Mass in kg, length in m, 0 < gamma <= pi/2 in rad; the rate, rad/s, is negative where the tip
+    approaches the surface.
 
     At gamma = 45 deg and mu = 0.6 the ratio is -e* sqrt(0.4/1.6) = -e*/2:
 
@@ -95,9 +107,16 @@ def single_pendulum_impact(
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulumImpact:
-    """Impact of a double pendulum: rates after it in rad/s, impulses p_c, p_f and p_s in N s, and the phases of C, in order.
+    """Impact of a double pendulum.
 
-    ``slip_stop_impulse`` is inf for a slip that lasts; ``kinetic_energy_ratio`` is that after over before the impact.
+    Attributes:
+        final_rate_1, final_rate_2: rates of the rods after the impact, rad/s.
+        normal_compressive_impulse: p_c, N s.
+        normal_final_impulse: p_f, N s.
+        slip_stop_impulse: p_s, normal impulse at which slip stops, N s; inf if slip does not stop.
+        phases: motions of the tip C, in order.
+        kinetic_energy_ratio: kinetic energy after over before the impact.
+        outcome: outcome in words.
     """
 
     final_rate_1: float
@@ -122,10 +141,12 @@ def double_pendulum_impact(
     restitution: float,
     restitution_friction: float | None = None,
 ) -> DoublePendulumImpact:
-    """Strike with Stronge's double pendulum of any ratio of masses (Zhang 2020, eqs. 2.66-2.108).
+    """Return the impact of Stronge's double pendulum of any mass ratio (Zhang 2020, eqs.
+    2.66-2.108).
 
-    m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad, phi'_1 and phi'_2 before
-    the impact in rad/s; the friction in restitution is equal to the other one by default, as in the dissertation.
+    m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad,
+    phi'_1 and phi'_2 before the impact in rad/s. The friction in restitution equals that in
+    compression by default, as in the dissertation.
 
     A frictionless impact keeps the kinetic energy if e* = 1:
 
@@ -163,7 +184,9 @@ def double_pendulum_impact(
 
 
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
-    """Return the least friction with which C, once its slip has stopped, sticks: mu_bar (Zhang 2020, eq. 2.90, n = 1).
+    """Return mu_bar, the least friction at which C sticks after its slip has stopped.
+
+    For n = 1 it is eq. 2.90 of Zhang (2020):
 
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
@@ -186,7 +209,11 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
 
 
 class _Rods:
-    """The rods at their angles: effects of speeds q = (q_1, q_2), m/s, and of impulses on C, whose change of q is dq/dp_y."""
+    """The rods at their angles.
+
+    They determine the effect of speeds q = (q_1, q_2), m/s, and of impulses on C; a normal impulse
+    changes q by dq/dp_y.
+    """
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
         self.mass = mass
@@ -199,7 +226,7 @@ class _Rods:
         between = angles[0] - angles[1]
         self.c = math.cos(between)
         self.sine = math.sin(between)
-        # C of parallel rods moves along one line, so that it cannot lift off while it sticks.
+        # The tip C of parallel rods moves along one line, so it cannot lift off while it sticks.
         self.parallel = abs(between) < _PARALLEL
 
     def kinetic_energy(self, q: Array) -> float:
@@ -213,7 +240,7 @@ class _Rods:
         return float(along), float(q[0] * self.sin_1 + 2.0 * q[1] * self.sin_2)
 
     def response(self, along: float, away: float) -> Array:
-        """Return the change of q by an impulse on C: eqs. 2.94 and 2.96 solved for it."""
+        """Return the change of q by an impulse on C (eqs. 2.94 and 2.96, solved for it)."""
         first = -along * self.cos_1 + away * self.sin_1
         second = -2.0 * along * self.cos_2 + 2.0 * away * self.sin_2
         own = self.ratio / 3.0 + 1.0
@@ -221,13 +248,19 @@ class _Rods:
         return solved / (self.mass * (4.0 / 3.0 * own - self.c * self.c))
 
     def sticking(self) -> Array:
-        """Return dq/dp_y while C sticks: one freedom is left, q proportional to (2 cos theta_2, -cos theta_1)."""
+        """Return dq/dp_y while C sticks.
+
+        One degree of freedom is left, with q proportional to (2 cos theta_2, -cos theta_1).
+        """
         freedom = np.array([2.0 * self.cos_2, -self.cos_1])
         lift = 0.0 if self.parallel else 2.0 * self.sine
         return freedom * lift / (2.0 * self.kinetic_energy(freedom))
 
     def sliding_at_rest(self) -> Array:
-        """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps it there: again one freedom."""
+        """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps v_y at 0.
+
+        One degree of freedom is left.
+        """
         friction = (
             self.tip_velocity(self.response(0.0, 1.0))[1]
             / self.tip_velocity(self.response(1.0, 0.0))[1]
@@ -237,7 +270,7 @@ class _Rods:
 
 
 class _RodImpact:
-    """The present state of the rods' impact: speeds q, normal impulse, and normal work."""
+    """The present state of the rods' impact: speeds q, normal impulse and normal work."""
 
     def __init__(self, rods: _Rods, speeds: Array) -> None:
         self.rods = rods
@@ -253,19 +286,25 @@ class _RodImpact:
 
     @property
     def tip(self) -> list[float]:
-        """Return v_C without its rounding."""
+        """Velocity of C, with components of the size of rounding set to zero."""
         return [
             each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)
         ]
 
     def until_zero(self, axis: int, change: Array) -> float:
-        """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
+        """Return the normal impulse from now on to the end of slip (axis 0) or compression (axis
+        1).
+
+        (Eqs. 2.75, 2.76, 2.99, 2.100.)
+        """
         value = self.tip[axis]
         slope = self.rods.tip_velocity(change)[axis]
         return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
 
     def until_work(self, change: Array, work: float) -> float:
-        """Return the further normal impulse that does the work, the root of v_y p + v_y' p^2/2 = W (2.83)."""
+        """Return the normal impulse from now on that does a given work, the root of v_y p + v_y'
+        p^2/2 = W (2.83).
+        """
         speed = self.tip[1]
         gain = self.rods.tip_velocity(change)[1]
         if gain <= 0.0:
@@ -274,9 +313,13 @@ class _RodImpact:
         return 2.0 * work / (speed + final) if final > 0.0 else 0.0
 
     def follow(self, part: str, mu: float, work: float | None = None) -> bool:
-        """Slip until slip or the part of the impact ends, then stick or slip on until that ends; return whether it can.
+        """Slip until slip or this part of the impact ends, then stick or slip until the part ends.
 
-        Compression ends where C rests, restitution with the normal work that remains to do (2.87).
+        The part is compression, which ends where C rests, or restitution, which ends with the
+        normal work that remains (2.87).
+
+        Returns:
+            Whether the part ends.
         """
         for slips in (True, False) if self.tip[0] else (False,):
             driven = (
@@ -293,7 +336,7 @@ class _RodImpact:
                 else self.rods.response(-mu * direction, 1.0)
             )
             if slips and work is not None and self.rods.tip_velocity(change)[1] <= 0.0:
-                # More friction than in compression: it would drive C back as soon as C leaves.
+                # Friction larger than in compression would drive C back as soon as C leaves.
                 change = self.rods.sliding_at_rest()
             end = self.until_zero(1, change) if work is None else self.until_work(change, work)
             stop = self.until_zero(0, change) if slips else math.inf
@@ -312,7 +355,7 @@ class _RodImpact:
         return False
 
     def resolve(self, mu: float, restitution: float, later: float) -> str:
-        """Compress and restitute, and return the outcome."""
+        """Compress, restitute, and return the outcome."""
         if not self.tip[1] < 0.0:
             return "no contact"
         if not self.follow("compression", mu):

@@ -1,16 +1,19 @@
-"""Bending of a wire held at its root by a torsion spring: the frequencies of the beam and of its chain of links.
+"""Bending of a wire held at its root by a torsion spring: the frequencies of the beam and of its
+chain of links.
 
-A uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a, hinged at a root that a torsion spring k_T
-holds and free at the other end, vibrates at omega = lambda^2 sqrt(E I_a/(m L^3)), where lambda solves
+A uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a, hinged at a root
+that a torsion spring k_T holds and free at the other end, vibrates at omega = lambda^2 sqrt(E
+I_a/(m L^3)), where lambda solves
 
     sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda) cosh(lambda))/lambda.
 
 Without the spring this is tan = tanh, the hinged beam; with a rigid spring it is the cantilever.
 
-The chain is n equal rigid links of length l = L/n and mass m/n, hinged end to end with the torsion spring E I_a/l in each
-hinge. Its first link does not bend at the root, where the beam does: on a spring its frequencies tend to the beam's with 1/n.
-With half a link's bending in series with that spring, 1/k = 1/k_T + l/(2 E I_a), they tend to it with the square of 1/n. All
-quantities are in SI units; ValueError is raised for arguments out of range.
+The chain is n equal rigid links of length l = L/n and mass m/n, hinged end to end with the torsion
+spring E I_a/l in each hinge. Unlike the beam, its first link does not bend at the root. With the
+root spring k_T its frequencies therefore tend to those of the beam with an error of order 1/n. With
+half a link's bending in series with that spring, 1/k = 1/k_T + l/(2 E I_a), the error is of order
+1/n^2. All quantities are in SI units; ValueError is raised for arguments out of range.
 """
 
 from __future__ import annotations
@@ -22,8 +25,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 
 RIGID = 1e-10
-"""Ratio of the root's spring to the wire's bending, k_T L/(E I_a), below which the first mode is a rigid rod's to this relative
-error; of a smaller one the beam equation, a difference of order lambda^3, keeps no more digits."""
+"""Ratio of root spring to bending stiffness, k_T L/(E I_a), below which the first mode is that of a
+rigid rod.
+
+The relative error is of the size of the ratio. The beam equation, a difference of order lambda^3,
+would keep fewer digits."""
 
 
 def second_moment_of_area(diameter: float) -> float:
@@ -57,8 +63,9 @@ def hinge_damping(
 ) -> float:
     """Return the torsional damper between two links, 2 zeta k_w/omega_1, in N m s/rad.
 
-    A damper proportional to the hinge's spring gives a mode of the frequency omega the damping ratio
-    zeta omega/omega_1, where omega_1 is the beam's first bending mode: zeta is the ratio of that mode.
+    A damper proportional to the hinge's spring gives a mode of frequency omega the damping ratio
+    zeta omega/omega_1. Here omega_1 is the frequency of the beam's first bending mode, and zeta the
+    damping ratio of that mode.
     """
     first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
     return (
@@ -91,7 +98,8 @@ def beam_frequencies(
     ratio = root_stiffness * length / bending
 
     def characteristic(wave: float) -> float:
-        """Return the characteristic function of the beam, zero at the wave number of a mode."""
+        """Return the characteristic function of the beam, which is zero at the wave number of a
+        mode."""
         # Divided by cosh(wave), which would overflow.
         inverse = 1.0 / math.cosh(wave)
         sine, cosine = math.sin(wave), math.cos(wave)
@@ -129,10 +137,15 @@ def chain_frequencies(
 def chain_modes(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> tuple[Array, Array]:
-    """Return the chain's natural frequencies, Hz, ascending, and in columns the links' angles in each mode, (links, links).
+    """Return the natural frequencies and the modes of the chain of links.
 
-    The squares of the frequencies are the eigenvalues of stiffness against mass matrix in the links' absolute angles:
-    M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j + 1/3) on it.
+    The squares of 2 pi times the frequencies are the eigenvalues of the stiffness against the mass
+    matrix in the links' absolute angles: M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j,
+    k from 1) and m l^2/n (n - j + 1/3) on it.
+
+    Returns:
+        The frequencies, Hz, ascending, shape (links,); and the angles of the links in each mode, by
+        columns, shape (links, links).
     """
     from scipy.linalg import eigh
 

@@ -1,4 +1,7 @@
-"""Trajectories, the results of runs: motion, events, contacts; saved, tabulated, interpolated and drawn."""
+"""Trajectories, the results of runs: motion, events and contacts.
+
+A trajectory can be saved, tabulated, interpolated and drawn.
+"""
 
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.records import (

@@ -1,4 +1,7 @@
-"""The motion of a run at any instant: polynomials through positions and velocities, splines through forces and energies."""
+"""Interpolation of the motion of a run at any instant.
+
+Polynomials pass through positions and velocities, splines through forces and energies.
+"""
 
 from __future__ import annotations
 
@@ -16,25 +19,35 @@ from bristle_sim.trajectory.records import SAMPLED, Motion, WireMotion
 Pieces = list[tuple[int, int]]
 """First and last sample of each interval in which a function is smooth."""
 
-MOST_SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
-MOST_ON_ONE_SIDE = 4  # beyond an interval; with six, an interval without any on the other side magnifies errors by 20
+# Largest number of samples, values and slopes, of a polynomial of free motion: the degree is then
+# 15.
+MOST_SAMPLES = 8
+# Largest number of samples beyond an interval on one side. With six, and none on the other side,
+# errors grow by a factor of 20.
+MOST_ON_ONE_SIDE = 4
 SHORTEST_DISTANCE = 0.4
 LONGEST_DISTANCE = 20.0
-"""Of a polynomial's neighbouring samples, over the interval that it is for. Shorter ones, as next to an event, would magnify the
-errors of their samples far away from them."""
+"""Shortest and longest distance between neighbouring samples of a polynomial, over the length of
+its interval.
+
+A shorter distance, as next to an event, would magnify the errors of the samples far away from
+them."""
 
 
 class Interpolation:
-    """Interpolate the motion of a run at any instant within it, to the highest order that its samples support.
+    """Interpolate the motion of a run at any instant within it, to the highest order that its
+    samples support.
 
-    In free motion and in a contact resolved in time a polynomial passes through angles and rates of up to eight samples
-    around the instant, from one end of a contact to the next; in sustained contact, whose motion may have kinks,
-    through those of one interval and its inner samples. The normal force and the energies, whose slopes are not
-    recorded, follow cubic splines from one contact to the next. Measured at accuracy 1e-6 on 3,000 random instants of
-    each of nine tools, against finely sampled runs of accuracy 1e-9: angles agree within 4e-8 rad, rates within 7e-7 of
-    the largest rate.
+    In free motion and in a contact resolved in time a polynomial passes through angles and rates of
+    up to eight samples around the instant, between two ends of contacts. The motion of a sustained
+    contact may have kinks. There the polynomial passes through the samples of one interval and its
+    inner samples. The slopes of normal force and energies are not recorded. These quantities follow
+    cubic splines from one contact to the next. Measured at accuracy 1e-6 on 3,000 random instants
+    of each of nine tools, against finely sampled runs of accuracy 1e-9: angles agree within 4e-8
+    rad, rates within 7e-7 of the largest rate.
 
-    Raises ValueError for a run of one instant.
+    Raises:
+        ValueError: for a run of one instant.
     """
 
     def __init__(self, run: RecordedRun) -> None:
@@ -56,7 +69,8 @@ class Interpolation:
             begin, last = (int(np.abs(run.time - each).argmin()) for each in instants)
             begin = int(np.searchsorted(run.time, run.time[begin], side="right")) - 1
             ends |= {begin, last}
-            # The first sample still has the normal velocity that the impact left, which the second has not.
+            # The first sample still has the normal velocity that the impact left; the second has
+            # none.
             kinks |= {begin, begin + 1, last}
             if contact.history is None and run.inner_samples is not None:
                 kinks |= set(range(begin, last))
@@ -73,12 +87,12 @@ class Interpolation:
             middle = 0.5 * (run.time[first] + run.time[last])
             if not any(each.time < middle < each.time + each.duration for each in lasting):
                 values[:, 0] = (
-                    0.0  # no force in flight, whatever the contact before or after it ends or begins with
+                    0.0  # no force in flight, even if the contact before or after it has one
                 )
             self._splines.append(CubicSpline(run.time[first : last + 1], values))
 
     def __call__(self, time: ArrayLike, side: str = "after") -> Motion:
-        """Return the motion at one instant or several; see Trajectory.at."""
+        """Return the motion at one instant or several; see ``Trajectory.at``."""
         if side not in ("before", "after"):
             raise ValueError(f"side = {side!r}: must be before or after")
         run = self.run
@@ -109,7 +123,7 @@ class Interpolation:
         )
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion up to an instant; see Trajectory.course."""
+        """Return the motion up to an instant; see ``Trajectory.course``."""
         start, end = float(self.run.time[0]), min(until, float(self.run.time[-1]))
         if not end > start:
             raise ValueError(
@@ -119,7 +133,7 @@ class Interpolation:
         time = np.sort(
             np.concatenate([sampled, np.setdiff1d(np.linspace(start, end, points), sampled)])
         )
-        # of two that share an instant the first one
+        # Of two entries at one instant the first one is the state before an impact.
         found = self(time)
         first = np.flatnonzero(np.diff(time) <= 0.0)
         before = self(time[first], "before")
@@ -128,11 +142,16 @@ class Interpolation:
         return found
 
     def normal_force(self, time: Array, side: str) -> Array:
-        """Return the normal force at instants within the run, N, at a hundredth of the cost of the whole motion."""
+        """Return the normal force at instants within the run, N.
+
+        It costs a hundredth of the interpolation of the whole motion.
+        """
         return self._scalars(time, side)[:, 0]
 
     def _scalars(self, instants: Array, side: str) -> Array:
-        """Return normal force, kinetic and potential energy at instants, shape (instants, 3)."""
+        """Return normal force (N), kinetic and potential energy (J) at instants, shape (instants,
+        3).
+        """
         chosen = _chosen(self.run.time, self._smooth, instants, side)
         found = np.empty((instants.size, 3))
         for number in np.unique(chosen):
@@ -163,9 +182,11 @@ def _states(samples: WireMotion) -> Array:
 
 
 def _hermite(time: Array, states: Array, instants: Array) -> Array:
-    """Return values and slopes of one Hermite polynomial per instant, shape (2, instants, columns), by divided differences.
+    """Return values and slopes of one Hermite polynomial for each instant, shape (2, instants,
+    columns).
 
-    ``time`` has the times of each polynomial's samples, shape (instants, samples), ``states`` their values and slopes, shape
+    Divided differences give the polynomials. ``time`` holds the times of each polynomial's samples,
+    shape (instants, samples). ``states`` holds the values and slopes of the samples, shape
     (instants, samples, 2, columns).
     """
     nodes = np.repeat(time, 2, axis=1)
@@ -174,7 +195,7 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
     for order in range(1, nodes.shape[1]):
         step = (nodes[:, order:] - nodes[:, :-order])[..., np.newaxis]
         difference = np.diff(table, axis=1)
-        if order == 1:  # between a node and itself it is the slope
+        if order == 1:  # the divided difference of a node and itself is the slope
             difference[:, ::2], step[:, ::2] = states[:, :, 1], 1.0
         table = difference / step
         coefficients.append(table[:, 0])
@@ -188,7 +209,7 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
 
 
 def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[np.intp]:
-    """Return the number of each instant's piece; where two pieces meet, ``side`` chooses."""
+    """Return the number of the piece of each instant; where two pieces meet, ``side`` decides."""
     starts, ends = time[np.array(pieces)].T
     if side == "after":
         return np.searchsorted(starts, instants, side="right") - 1
@@ -196,7 +217,10 @@ def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[
 
 
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
-    """Return the samples of the polynomial for an instant, on both sides of it as far as there are any at suitable distances."""
+    """Return the numbers of the samples of the polynomial for an instant.
+
+    They lie on both sides of the instant, as far as the piece has samples at suitable distances.
+    """
     first, last = piece
     low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
     chosen = deque([low, low + 1])
@@ -216,7 +240,7 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, .
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:
-    """Return the pieces between kinks and jumps, without those that take no time."""
+    """Return the pieces between kinks and jumps, without pieces of zero length."""
     jumps = np.flatnonzero(np.diff(time) <= 0.0).tolist()
     corners = [
         [start + 1, *sorted(each for each in kinks if start + 1 < each < end), end]

@@ -1,4 +1,7 @@
-"""Access to the module that draws runs, which is in a higher layer and imported only when a picture is requested."""
+"""Access to the module that draws runs.
+
+The module is in a higher layer; it is imported only when a picture is requested.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ DRAWN_BY = "bristle_sim.render.of_run"
 
 @dataclass(frozen=True, slots=True)
 class Html:
-    """HTML that a notebook shows."""
+    """A piece of HTML that a notebook shows."""
 
     text: str
 
@@ -20,5 +23,7 @@ class Html:
 
 
 def drawn_by() -> ModuleType:
-    """Return the module that draws runs, with its functions ``plot``, ``film``, ``view`` and ``summary_page``."""
+    """Return the module that draws runs; its functions are ``plot``, ``film``, ``view`` and
+    ``summary_page``.
+    """
     return import_module(DRAWN_BY)

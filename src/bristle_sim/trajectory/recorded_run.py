@@ -1,4 +1,4 @@
-"""The record of a run, without the interpolation, files, tables and pictures that a trajectory adds to it."""
+"""The record of a run, without the interpolation, files, tables and pictures of a trajectory."""
 
 from __future__ import annotations
 
@@ -13,23 +13,27 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
 
-EXCESS_SAID = 100.0  # error estimate over the requested accuracy from which a run says that it has not reached it
-NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
+# error estimate over the requested accuracy above which the run states the excess
+EXCESS_SAID = 100.0
+NOTABLE = 0.01  # least extreme of the relative motion that is notable, as a fraction of the largest
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class RecordedRun(Motion):
-    """The record of a run: the motion of one bristle at n samples, in SI units and radians, with its events and contacts.
+    """The record of a run: the motion of one bristle at n samples, in SI units and radians, with
+    its events and contacts.
 
     An impact has two samples at the same instant: before and after it.
 
     Attributes:
         time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
-        stop_reason, cost: why the run stopped, and its cost.
+        stop_reason: why the run stopped.
+        cost: cost of the run.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
-        inner_samples: motion between the samples in sustained contact, used by ``Trajectory.at``; None without any.
+        inner_samples: motion between the samples in sustained contact, used by ``Trajectory.at``;
+        None if there is no sustained contact.
     """
 
     events: tuple[Event, ...]
@@ -43,9 +47,11 @@ class RecordedRun(Motion):
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
     ) -> float | None:
-        """Return the time, s, of the first (or last) event of that name up to an instant; None without one.
+        """Return the time of the first (or last) event of a name up to an instant, s; None if there
+        is none.
 
-        Raises ValueError for a name that no event can have.
+        Raises:
+            ValueError: for a name that no event can have.
         """
         recorded = [event.name for event in self.events]
         name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
@@ -54,9 +60,10 @@ class RecordedRun(Motion):
 
     @property
     def notable_events(self) -> tuple[Event, ...]:
-        """All events except extremes of the motion relative to the hub below 1 % of the run's largest.
+        """All events, except extremes of the relative motion below 1 % of the run's largest.
 
-        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets the bar.
+        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets
+        the bar.
         """
         sizes = {
             "largest retraction": abs(self.relative_angle),
@@ -71,7 +78,7 @@ class RecordedRun(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """How to make the run go further, in terms of the obstacle touched last."""
+        """The remedy for the stop of the run, in terms of the obstacle touched last."""
         at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
         return self.stop_detail or self.stop_reason.remedy.format(
             friction="bar_friction" if at_bar else "friction"
@@ -79,9 +86,11 @@ class RecordedRun(Motion):
 
     @property
     def accuracy_not_reached(self) -> str:
-        """The sentence that the error estimate exceeds the requested accuracy a hundredfold, and the remedy; else empty.
+        """Sentence that the error estimate exceeds the requested accuracy a hundredfold; otherwise
+        empty.
 
-        It begins with "accuracy not reached" unless chatter or a touch slower than the error has made the estimate a bound only.
+        The sentence names the remedy. It begins with "accuracy not reached" unless chatter, or a
+        touch slower than the error, has made the estimate a bound only.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
@@ -110,7 +119,10 @@ class RecordedRun(Motion):
         return None
 
     def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity under a key of name and unit, one entry per sample, for tables and files."""
+        """Return every sampled quantity, one entry for each sample, for tables and files.
+
+        The key of a quantity is its name and unit.
+        """
         x_y = ("x", "y")
         links = range(self.angles.shape[1])
         return {
@@ -134,7 +146,11 @@ class RecordedRun(Motion):
 
     @property
     def tool(self) -> Tool:
-        """The tool that was simulated. Raises ValueError if the parameters do not describe one."""
+        """The tool that was simulated.
+
+        Raises:
+            ValueError: if the parameters do not describe a tool.
+        """
         try:
             parts = self.parameters["tool"]
             built = {

@@ -1,4 +1,4 @@
-"""The parts of a run's result: motion, events, contacts and cost."""
+"""The parts of the result of a run: motion, events, contacts and cost."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ WIRE = {
 SAMPLED = WIRE | {
     "hub_angle": ("n", "rad"), "kinetic_energy": ("n", "J"), "potential_energy": ("n", "J"), "normal_force": ("n", "N"),
 }  # fmt: skip
-"""Dimensions and unit of each sampled array of a WireMotion and of a Motion: n instants, l links, c corners, 2 axes."""
+"""Dimensions and unit of each sampled array of a WireMotion and of a Motion.
+
+The dimensions are n instants, l links, c corners and 2 axes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened at an instant, e.g. ``strike`` or ``bar touch``; time in s."""
+    """An event and its time, s; the name is, for example, ``strike`` or ``bar touch``."""
 
     name: str
     time: float
@@ -30,11 +32,16 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """The cost of a run: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
+    """The cost of a run.
 
-    ``error_estimate`` is the method's own estimate of the last state's error relative to the motion's size, or None where
-    the method has none. It is not valid after ``holds_until``, s, because the outcome of an impact there depends on the
-    error, as in a chatter.
+    Attributes:
+        wall_s: wall time, s.
+        cpu_s: CPU time, s.
+        steps: engine steps, or evaluations of the right-hand side.
+        error_estimate: the method's own estimate of the error of the last state, relative to the
+            size of the motion; None if the method has none.
+        holds_until: time up to which the estimate is valid, s. The outcome of the impact at that
+            time depends on the error, as in chatter. None if the estimate is valid to the end.
     """
 
     wall_s: float
@@ -49,10 +56,13 @@ class WireMotion(EqualByValue):
     """The motion of a wire at an array of instants of any shape (...), in SI units and radians.
 
     Attributes:
-        angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
-        centre_line: corners of the wire's centre line from the root over knees and joints to the tip, (x, y) from the
-            hub's centre, shape (..., corners, 2), m; pictures draw these points.
-        centre_line_velocity: of the same corners, m/s.
+        time: the instants, shape (...), s.
+        angles: absolute angle of each link, shape (..., links), rad.
+        rates: absolute rate of each link, shape (..., links), rad/s.
+        centre_line: corners of the wire's centre line from the root over knees and joints to the
+            tip, (x, y) from the hub's centre, shape (..., corners, 2), m; pictures draw these
+            points.
+        centre_line_velocity: velocity of the same corners, m/s.
     """
 
     time: Array
@@ -64,12 +74,15 @@ class WireMotion(EqualByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion(WireMotion):
-    """The motion of a wire with the hub's, energies and forces.
+    """The motion of a wire and of the hub, with energies and the normal force.
 
     Attributes:
-        hub_angle: of the bristle's root, from the direction of the workpart, rad; constant on a hub at rest.
-        kinetic_energy, potential_energy: of the links; of belt, hinges and gravity, J.
-        normal_force: sum over the contacts that last, N; zero in flight and at the instant of an impact.
+        hub_angle: angle of the bristle's root from the direction of the workpart, rad; constant on
+        a hub at rest.
+        kinetic_energy: kinetic energy of the links, J.
+        potential_energy: potential energy of belt, hinges and gravity, J.
+        normal_force: sum of the normal forces of the lasting contacts, N; zero in flight and at the
+        instant of an impact.
         hub_speed: angular velocity of the hub, rad/s.
     """
 
@@ -81,7 +94,7 @@ class Motion(WireMotion):
 
     @property
     def tip(self) -> Array:
-        """Position of the last link's tip, where the centre line ends, shape (..., 2), m."""
+        """Position of the end of the centre line, shape (..., 2), m."""
         return self.centre_line[..., -1, :]
 
     @property
@@ -91,17 +104,21 @@ class Motion(WireMotion):
 
     @property
     def tip_speed(self) -> Array:
-        """Speed of the tip over the workpart, m/s."""
+        """Magnitude of the tip's velocity, m/s."""
         return np.asarray(np.hypot(self.tip_velocity[..., 0], self.tip_velocity[..., 1]))
 
     @property
     def relative_angle(self) -> Array:
-        """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
+        """Angle alpha of the first link relative to the radial direction, rad; negative if the link
+        lags (retraction).
+        """
         return np.asarray(self.angles[..., 0] - self.hub_angle)
 
     @property
     def retraction(self) -> Array:
-        """Angle by which the first link lags the radial direction, rad: minus relative_angle."""
+        """Angle by which the first link lags the radial direction, rad; it is minus
+        ``relative_angle``.
+        """
         return np.asarray(self.hub_angle - self.angles[..., 0])
 
     @property
@@ -111,19 +128,21 @@ class Motion(WireMotion):
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic plus potential energy, J; not constant, as the hub's drive does work."""
+        """Kinetic plus potential energy, J; it is not constant, since the hub's drive does work."""
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactHistory(EqualByValue):
-    """A contact resolved in time; arrays of one length.
+    """The history of a contact resolved in time, in arrays of one length.
 
     Attributes:
-        time: on the run's clock, from the first touch on, s.
-        normal_force, tangential_force: on the tip, N.
-        penetration: m, positive inside the workpart.
-        normal_velocity, tangential_velocity: of the tip, m/s.
+        time: times on the run's clock from the first touch on, s.
+        normal_force: normal force on the tip, N.
+        tangential_force: tangential force on the tip, N.
+        penetration: penetration, m, positive inside the workpart.
+        normal_velocity: normal velocity of the tip, m/s.
+        tangential_velocity: tangential velocity of the tip, m/s.
     """
 
     time: Array
@@ -134,7 +153,9 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity under a key of name and unit, one entry per sample."""
+        """Return every quantity, one entry for each sample; the key of a quantity is its name and
+        unit.
+        """
         units = ("s", "N", "N", "m", "m/s", "m/s")
         named = zip(dataclasses.fields(self), units, strict=True)
         return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
@@ -142,26 +163,39 @@ class ContactHistory(EqualByValue):
 
 @dataclass(frozen=True, slots=True)
 class ContactRecord:
-    """One contact; vectors are (normal, tangential), and the normal points out of the obstacle.
+    """The record of one contact.
+
+    Vectors are (normal, tangential); the normal points out of the obstacle.
 
     Attributes:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
         law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
-        outcome: as named by the impact law, or how a sustained contact ended.
-        time, duration: start and length in s; an instantaneous impact lasts 0 s.
-        impulse: on the moving body, N s.
-        compressive_impulse: up to the end of compression, N s; None where the law knows no phases.
-        compressive_work, restitutive_work: of the impulse on the body, J; of a sustained contact (0, work of friction) and None.
-        velocity_before, velocity_after: of the contact point, m/s.
+        outcome: outcome by the impact law, or the end of a sustained contact.
+        time: start of the contact, s.
+        duration: duration, s; 0 for an instantaneous impact.
+        impulse: impulse on the moving body, N s.
+        compressive_impulse: impulse up to the end of compression, N s; None if the law has no
+        phases.
+        compressive_work: work of the impulse on the body in compression, J; for a sustained contact
+        (0, work of friction).
+        restitutive_work: work of the impulse on the body in restitution, J; None for a sustained
+        contact.
+        velocity_before: velocity of the contact point before the contact, m/s.
+        velocity_after: velocity of the contact point after the contact, m/s.
         angles: absolute angle of every link when the contact began, rad.
-        rates_before, rates_after: absolute rate of every link, rad/s.
-        phases: in order, e.g. ``("compression slip", "restitution slip")``.
-        history: of a contact resolved in time.
-        link: number of the link in contact, from 1 at the root; None for a rigid bristle, and of the reference.
-        neighbour: number of the other bristle in its row, from 1 for the foremost one; None for other obstacles.
-        point: of the wire in contact when it began: ``tip``, ``knee`` (or a joint between links), or ``flank``; empty for a contact
-            of two wires and for a single contact without a pass.
-        place: of that point on the wire's centre line then, (x, y) from the hub's centre, m; None as for ``point``.
+        rates_before: absolute rate of every link before the contact, rad/s.
+        rates_after: absolute rate of every link after the contact, rad/s.
+        phases: phases in order, for example ``("compression slip", "restitution slip")``.
+        history: history of a contact resolved in time; otherwise None.
+        link: number of the link in contact, from 1 at the root; None for a rigid bristle, and in
+        the reference.
+        neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
+        other obstacles.
+        point: part of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
+        links), or ``flank``. It is empty for a contact of two wires and for a single contact
+        without a pass.
+        place: position of that point on the wire's centre line at the start, (x, y) from the hub's
+        centre, m; None where ``point`` is empty.
     """
 
     obstacle: str
@@ -214,7 +248,11 @@ class ContactRecord:
         return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
-        """Return the history under keys of name and unit. Raises ValueError for a contact not resolved in time."""
+        """Return the quantities of the history; the key of a quantity is its name and unit.
+
+        Raises:
+            ValueError: for a contact that was not resolved in time.
+        """
         if self.history is None:
             raise ValueError(
                 f"contact = {self.law}: must be compliant; an impact at an instant has no time series"

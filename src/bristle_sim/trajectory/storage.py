@@ -1,4 +1,7 @@
-"""Trajectory files: an npz archive of arrays, with everything else as JSON. Any other file is refused."""
+"""Trajectory files: npz archives of arrays, with all other data as JSON.
+
+A file of any other kind is refused.
+"""
 
 from __future__ import annotations
 
@@ -33,20 +36,27 @@ if TYPE_CHECKING:
 
 FORMAT = 3  # number of the file format
 MOST_UNPACKED = (
-    256e6  # bytes of arrays that are read from any file: a million samples of a rigid bristle
+    # most bytes of unpacked arrays that any file may hold: a million samples of a rigid bristle
+    256e6
 )
-MOST_PACKED = 100.0  # ratio of unpacked to packed bytes of a larger file: motion packs to a half, rest to a thousandth
+# Largest ratio of unpacked to packed bytes of a larger file: motion packs to a half, rest to a
+# thousandth.
+MOST_PACKED = 100.0
 HISTORY = tuple(each.name for each in dataclasses.fields(ContactHistory))
 PLAIN = {"hub_speed": float, "parameters": dict, "stop_detail": str}
-"""Arrays of a contact's history, and parts of a run that JSON holds as they are, with their types."""
+"""Names of the arrays of a contact's history; and parts of a run that JSON can hold, with their
+types."""
 
 T = TypeVar("T", bound="DataclassInstance")
 
 
 def write(run: RecordedRun, path: str | Path) -> None:
-    """Write everything to one npz file of exactly that name (no suffix is added); it appears only when complete.
+    """Write a run to one npz file of exactly the given name; no suffix is added.
 
-    Raises OSError naming the file, if it cannot be written.
+    The file appears only when it is complete.
+
+    Raises:
+        OSError: if the file cannot be written; the message names it.
     """
     arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLED}
     if run.inner_samples is not None:
@@ -72,11 +82,11 @@ def write(run: RecordedRun, path: str | Path) -> None:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the arguments of a Trajectory that a file stores.
+    """Return the arguments of a Trajectory from a file.
 
     Raises:
-        OSError: if there is no such file or it cannot be read.
-        ValueError: for a file that holds anything else; the message names the fault.
+        OSError: if the file does not exist or cannot be read.
+        ValueError: for a file of any other kind; the message names the fault.
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
@@ -90,7 +100,7 @@ def read(path: Path) -> dict[str, Any]:
         raise
     except (
         Exception
-    ) as error:  # zip, JSON and NumPy each have their own for a file that is something else
+    ) as error:  # zip, JSON and NumPy each raise their own errors for a file of another kind
         raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
 
 
@@ -141,7 +151,10 @@ def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any
 def _arrays(
     stored: Mapping[str, Array], prefix: str, names: Iterable[str], sizes: dict[str, int]
 ) -> dict[str, Array]:
-    """Return stored arrays after checking their dimensions against the known sizes; new dimensions are added to these."""
+    """Return stored arrays after a check of their dimensions against the known sizes.
+
+    Sizes that are new are added to ``sizes``.
+    """
     found = {}
     for name in names:
         array, (letters, _), whole = (
@@ -170,7 +183,9 @@ def _record(kind: type[T], row: dict[str, Any]) -> T:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of a type: a class, a tuple of one length or any, or one of several types."""
+    """Return whether a value is of a type: a class, a tuple of fixed or any length, or a union of
+    types.
+    """
     origin = get_origin(hint)
     parts = get_args(hint)
     if origin in (Union, UnionType):
@@ -190,7 +205,9 @@ def _fits(value: Any, hint: Any) -> bool:
 
 
 def _finite(number: str) -> float:
-    """Return a number of the metadata after a check, as JSON may contain ``NaN`` and ``Infinity``."""
+    """Return a number of the metadata, which must be finite: JSON may contain ``NaN`` and
+    ``Infinity``.
+    """
     _require(number, math.isfinite(float(number)), "be finite")
     return float(number)
 

@@ -1,4 +1,4 @@
-"""A run in five lines of text, and as tables of pandas and xarray."""
+"""A run as five lines of text, and as tables of pandas and xarray."""
 
 from __future__ import annotations
 
@@ -15,15 +15,19 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-EVENTS_SHOWN = 6  # events that a summary names
+EVENTS_SHOWN = 6  # largest number of events in a summary
 
 DIMENSIONS = {"n": "time", "l": "link", "c": "corner", "2": "axis"}
 SINGULAR = {"angles": "angle", "rates": "rate"}
-"""Names of a dataset's dimensions, and of its variables that are not named like the run's arrays."""
+"""Names of the dimensions of a dataset; and its variables whose names differ from the run's
+arrays."""
 
 
 def summary(run: RecordedRun) -> str:
-    """Describe samples, strike, events, stop reason and cost, one line each, and an accuracy that was not reached."""
+    """Return a text of a run: samples, strike, events, stop reason and cost, in one line each.
+
+    A further line says that the accuracy was not reached, if so.
+    """
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     notable = run.notable_events
     contact = run.first_contact("workpart")
@@ -52,9 +56,12 @@ def summary(run: RecordedRun) -> str:
 
 
 def to_dataframe(run: RecordedRun) -> pd.DataFrame:
-    """Return all sampled quantities as a pandas DataFrame, one row per sample; ``attrs["units"]`` holds the units.
+    """Return all sampled quantities as a pandas DataFrame, with one row for each sample.
 
-    Raises ImportError if pandas is not installed.
+    ``attrs["units"]`` holds the units.
+
+    Raises:
+        ImportError: if pandas is not installed.
     """
     library = _installed("pandas")
     frame: pd.DataFrame = library.DataFrame(run.columns())
@@ -67,11 +74,12 @@ def to_dataframe(run: RecordedRun) -> pd.DataFrame:
 def to_xarray(run: RecordedRun) -> xarray.Dataset:
     """Return all sampled quantities as an xarray Dataset with units as attributes.
 
-    Its coordinate ``time`` increases strictly, so that ``interp(time=...)`` works (linearly; ``at`` is of higher
-    order). Where samples share an instant, the later ones are shifted by the smallest step of a double. ``instant`` is
-    the time as recorded.
+    Its coordinate ``time`` increases strictly, so that ``interp(time=...)`` works (linearly;
+    ``Trajectory.at`` is of higher order). Where samples share an instant, the later ones are
+    shifted by the smallest step of a double. ``instant`` is the recorded time.
 
-    Raises ImportError if xarray is not installed.
+    Raises:
+        ImportError: if xarray is not installed.
     """
     ascending = run.time.copy()
     for later in range(1, len(ascending)):

@@ -1,4 +1,6 @@
-"""The trajectory that a simulation returns: samples in time, events, contacts, stop reason and cost."""
+"""The trajectory that a simulation returns: motion in samples, events, contacts, stop reason and
+cost.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CORNER_ROUNDING = 1e-9  # of a piece's length: a touch nearer to its end is one of the corner
+# Largest distance of a touch from a corner at which it is a touch of the corner, as a fraction of
+# the piece's length.
+CORNER_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
@@ -35,14 +39,18 @@ class Trajectory(RecordedRun):
     Attributes:
         time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
-        stop_reason, cost: why the run stopped, and its cost.
+        stop_reason: why the run stopped.
+        cost: cost of the run.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
-        inner_samples: motion between the samples in sustained contact, used by ``at``; None without any.
+        inner_samples: motion between the samples in sustained contact, used by ``at``; None if
+        there is no sustained contact.
     """
 
     def with_places(self, tool: Tool) -> Trajectory:
-        """Return the trajectory with ``point`` and ``place`` of each contact of this tool's wire with the bar or the workpart."""
+        """Return the trajectory with ``point`` and ``place`` set in its contacts with bar and
+        workpart.
+        """
         contacts = []
         for contact in self.contacts:
             line = self.centre_line[int(abs(self.time - contact.time).argmin())]
@@ -52,20 +60,27 @@ class Trajectory(RecordedRun):
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
-        """Return the motion at one or several instants, interpolated between samples; see Interpolation for its accuracy.
+        """Return the motion at one or several instants, interpolated between samples.
+
+        ``Interpolation`` states the accuracy.
 
         Args:
-            time: s, of any shape.
-            side: ``before`` or ``after``: which of the two states to return at the instant of an impact.
+            time: instants, s, of any shape.
+            side: ``before`` or ``after``: the state that is returned at the instant of an impact.
 
-        Raises ValueError for an instant outside the run, another side, or a run of one instant.
+        Raises:
+            ValueError: for an instant outside the run, another side, or a run of one instant.
         """
         return Interpolation(self)(time, side)
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion for drawing: at every sample up to ``until`` and at ``points`` more instants, evenly spaced.
+        """Return the motion for drawing, at every sample up to ``until`` (s) and at ``points``
+        equally spaced instants.
 
-        Two entries share the instant of an impact. Raises ValueError if ``until`` (s) is not after the run's start.
+        Two entries share the instant of an impact.
+
+        Raises:
+            ValueError: if ``until`` is not after the start of the run.
         """
         return Interpolation(self).course(until, points)
 
@@ -82,7 +97,10 @@ class Trajectory(RecordedRun):
         size: tuple[int, int] = (640, 480),
         **options: Any,
     ) -> Path:
-        """Write a film of the run, mp4 or gif, ``size`` in px; for options see ``bristle_sim.render.tool_films.pass_film``."""
+        """Write a film of the run, mp4 or gif, and return its path.
+
+        ``size`` is in pixels. Options are those of ``bristle_sim.render.tool_films.pass_film``.
+        """
         written: Path = drawn_by().film(self, path, fps, size, options)
         return written
 
@@ -94,7 +112,7 @@ class Trajectory(RecordedRun):
     def _repr_html_(self) -> str:
         return str(drawn_by().summary_page(self))
 
-    # These functions of a run are its methods; each stands in the file of its concern.
+    # Functions from the modules of storage and tables, as methods of a run.
     to_dataframe = to_dataframe
     to_xarray = to_xarray
     __repr__ = summary
@@ -102,14 +120,21 @@ class Trajectory(RecordedRun):
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file written by :meth:`save`, under exactly the same name; raises OSError, or ValueError for any other file."""
+        """Read a trajectory from a file that :meth:`save` wrote, under exactly the same name.
+
+        Raises:
+            OSError: if the file cannot be read.
+            ValueError: for a file of any other kind.
+        """
         return cls(**read(Path(path)))
 
 
 def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
-    """Return a record with the point in contact of the wire's centre line, of shape (corners, 2), m.
+    """Return the record of a contact with the point of the wire that is in contact.
 
-    It is the corner at the workpart's surface, or the point nearest to the bar's centre.
+    The point is the corner of the centre line at the workpart's surface, or the point of the centre
+    line nearest to the bar's centre. ``line`` holds the corners of the centre line, shape (corners,
+    2), m.
     """
     if contact.obstacle == "workpart":
         corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
