@@ -17,29 +17,29 @@ from bristle_sim.contact_space.joints import Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.theory.numbers import checked_numbers
 
-MOST_TYPES = (
-    1 << 64
-) - 1  # collision types are machine words, the last of which stands for any type
+# Largest collision type plus 1: types are machine words, and the last word means any type.
+MOST_TYPES = (1 << 64) - 1
 
 
 def refusal(name: str, value: Any, rule: str) -> ValueError:
-    """Return the error, in one line, for a value that breaks a rule."""
+    """Return the ValueError, in one line, for a value that breaks a rule."""
     try:
         text = " ".join(reprlib.repr(value).split())[:100]
-    except ValueError:  # a whole number of thousands of digits, which Python does not write out
+    except ValueError:  # Python does not convert an integer of thousands of digits to text
         text = f"<{type(value).__name__}>"
     return ValueError(f"{name} = {text}: {rule}")
 
 
 @dataclass(frozen=True, slots=True)
 class LocatedImpact(Impact):
-    """An impact with its place, passed to ``report``.
+    """An impact with its time, place and bodies, as passed to ``report``.
 
     Attributes:
-        time: of the touch, since the contact was made.
-        point: world coordinates.
+        time: instant of the touch, since the EnergeticContact was created.
+        point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
-        bodies: the body that the impulse acts on, which is dynamic, and the one that takes the opposite impulse.
+        bodies: the dynamic body on which the impulse acts, and the body on which the opposite
+        impulse acts.
     """
 
     time: float
@@ -49,14 +49,17 @@ class LocatedImpact(Impact):
 
 
 class CollisionRule:
-    """Two collision types, their coefficients and their law, all checked, since a bad value can abort the engine's process.
+    """Two collision types with their coefficients and their impact law.
+
+    All are checked, since a bad value can make the engine abort the process.
 
     Attributes:
         friction: Coulomb's mu in compression and at rest.
         chained: the user's own ``pre_solve`` of these types.
 
     Raises:
-        ValueError: for coefficients out of range, invalid collision types, or a law that is not callable.
+        ValueError: for coefficients out of range, invalid collision types, or a law that is not
+            callable.
     """
 
     def __init__(
@@ -96,7 +99,7 @@ class CollisionRule:
             )
 
     def impact(self, space: ContactSpace, *, rests: bool) -> Impact:
-        """Return the impact by the pair's law, without restitution for a contact that comes to rest."""
+        """Return the impact by the pair's law; a contact that comes to rest has no restitution."""
         return self._call(
             space.inverse_mass,
             space.velocity,

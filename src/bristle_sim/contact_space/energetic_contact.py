@@ -1,8 +1,10 @@
-"""Impact laws in any pymunk space: the engine finds the contacts and keeps resting ones; a law resolves impacts.
+"""Impact laws in any pymunk space: the engine finds contacts and keeps resting ones, a law resolves
+impacts.
 
-Chipmunk restores a fraction of the approach velocity (Newton's restitution) and iterates Coulomb friction; where bodies are
-joined, that can create energy. Here the engine still finds the contacts and solves the joints. A contact that approaches gets
-the impulse of an impact law, Stronge's by default, which acts at once on all bodies connected by joints.
+Chipmunk restores a fraction of the approach velocity (Newton's restitution) and iterates Coulomb
+friction; where bodies are joined, this can create energy. Here the engine still finds the contacts
+and solves the joints. An approaching contact gets the impulse of an impact law, Stronge's by
+default, which acts at once on all bodies connected by joints.
 """
 
 from __future__ import annotations
@@ -25,32 +27,39 @@ class EnergeticContact:
     """Energetic restitution and Coulomb friction between collision types of a space.
 
     Args:
-        space: the pymunk space, in its own units. It can have one EnergeticContact, with any number of pairs.
-        collision_type_a, collision_type_b: of the shapes of the first pair.
+        space: the pymunk space, in its own units. It can have one EnergeticContact, with any number
+            of pairs.
+        collision_type_a, collision_type_b: collision types of the shapes of the first pair.
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
         restitution_friction: mu in restitution; equal to ``friction`` by default.
-        tangential_compliance: eta^2 as in ``energetic_impact``; impacts that are resolved at once (see below) ignore it.
-        resting_speed: contacts that approach more slowly are left to the engine, with ``friction`` and no restitution,
-            so that bodies come to rest. So are those slower than the speed gravity adds in two steps.
-        report: called with a :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each faster impact.
+        tangential_compliance: eta^2 as in ``energetic_impact``; impacts that are resolved at once
+            (see below) ignore it.
+        resting_speed: contacts that approach more slowly are left to the engine, with ``friction``
+        and no restitution, so that bodies come to rest. Contacts slower than the speed that gravity
+        adds in two steps are left to it too.
+        report: called with a :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for
+            each faster impact.
 
     Raises:
-        ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
-            EnergeticContact already.
+        ValueError: for coefficients out of range, for anything but a space and collision types, and
+            if the space has an EnergeticContact already.
 
-    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always with the same duration.
-    Impacts of bodies that touch each other are resolved one by one at the instants of touch, the earliest first, and of
-    simultaneous ones the fastest first. After ``sequence.MOST`` impacts the rest are resolved at once. For a copied or
-    unpickled space :meth:`of` returns its object, without ``report``.
-    Threads may step spaces of their own at the same time; Chipmunk does not allow two threads to use one space at once.
+    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always
+    with the same duration. Impacts of bodies that touch each other are resolved one by one at the
+    instants of touch, the earliest first, and of simultaneous ones the fastest first. After
+    ``sequence.MOST`` impacts the rest are resolved at once. For a copied or unpickled space
+    :meth:`of` returns its object, without ``report``. Threads may step spaces of their own at the
+    same time; Chipmunk does not allow two threads to use one space at once.
 
-    Just before an impact, velocities are projected onto the joints, which only loses energy, as ``energetic_impact`` does (moving
-    kinematic bodies, motors and surface velocities do work of their own). Between impacts the engine may gain energy: it solves
-    joints iteratively, and corrects positions by velocities (``error_bias``, ``collision_bias``; none at 1).
+    Just before an impact, velocities are projected onto the joints, which only loses energy, as
+    ``energetic_impact`` does (moving kinematic bodies, motors and surface velocities do work of
+    their own). Between impacts the engine may gain energy: it solves joints iteratively, and
+    corrects positions by velocities (``error_bias``, ``collision_bias``; none at 1).
 
-    Every kind of joint takes part, a limit only if it pushes; springs, joints with a finite ``max_force`` and joints outside the
-    space do not. Your ``pre_solve`` for the same types is called first, one for any type (None) last.
+    Every kind of joint takes part, a limit only if it pushes; springs, joints with a finite
+    ``max_force`` and joints outside the space do not. Your ``pre_solve`` for the same types is
+    called first, one for any type (None) last.
     """
 
     def __init__(
@@ -105,10 +114,12 @@ class EnergeticContact:
         """Apply an impact law to one more pair of collision types, with its own coefficients.
 
         Args:
-            collision_type_a, collision_type_b: of the shapes; they may be equal.
-            friction, restitution, restitution_friction, tangential_compliance: as for the class; ``law`` interprets them.
-            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it
-                accepts that, and with ``tangential_compliance`` unless it is 0.
+            collision_type_a, collision_type_b: collision types of the shapes; they may be equal.
+            friction, restitution, restitution_friction, tangential_compliance: as for the class;
+                ``law`` interprets them.
+            law: function with the arguments of :func:`~bristle_sim.theory.impact.energetic_impact`.
+            It gets ``stick_compliance`` if it accepts that argument, and ``tangential_compliance``
+            unless that is 0.
         """
         given = (collision_type_a, collision_type_b)
         pair = CollisionRule(
@@ -123,12 +134,13 @@ class EnergeticContact:
         self._attach()
 
     def step(self, duration: float) -> None:
-        """Advance the space by one step of a duration >= 0 and resolve the impacts in it.
+        """Advance the space by one step of a duration >= 0, and resolve the impacts in the step.
 
         Warns:
-            RuntimeWarning: once, if a body moves so far in a step that it passes a shape of its pair without a contact; it
-                states the step that is short enough. Bodies that become fast between two readings of all speeds, at most
-                ``tunnelling.UNWATCHED_STEPS`` steps apart, can pass unnoticed until the next one.
+            RuntimeWarning: once, if a body moves so far in a step that it passes a shape of its
+            pair without a contact. The warning states a step that is short enough. All speeds are
+            read at most ``tunnelling.UNWATCHED_STEPS`` steps apart; a body that becomes fast
+            between two readings can pass unnoticed until the next reading.
         """
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
@@ -157,12 +169,14 @@ class EnergeticContact:
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
-        """Return the EnergeticContact of a space, for example of a copied one, or None."""
+        """Return the EnergeticContact of a space, for example of a copied space; None if it has
+        none.
+        """
         owners = (_owner(each.pre_solve) for each in space._handlers.values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 
     def detach(self) -> None:
-        """Return all contacts to the engine and restore the users' callbacks, as if this object had never been attached."""
+        """Return all contacts to the engine, and restore the callbacks that users had registered."""
         self._attach()
         for types, pair in self.pairs.items():
             self.space._handlers[types].pre_solve = pair.chained
@@ -173,7 +187,7 @@ class EnergeticContact:
         return {**self.__dict__, "report": None, "_callbacks": {}}
 
     def _attach(self) -> None:
-        """Make sure that the callbacks of all pairs run before any that users have registered since."""
+        """Register the callbacks of all pairs before callbacks that users have registered since."""
         for types, pair in self.pairs.items():
             handler = self.space._handlers[types]
             if types not in self._callbacks or handler.pre_solve is not self._callbacks[types]:
@@ -186,7 +200,7 @@ class EnergeticContact:
     def _notice(
         self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any
     ) -> None:
-        """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
+        """Leave a contact at rest to the engine, and make the engine ignore an approaching contact."""
         try:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)

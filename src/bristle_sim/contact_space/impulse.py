@@ -1,19 +1,22 @@
-"""Contact-space inverse mass of any pymunk bodies with any joints, and the impulse that acts on all of them at once.
+"""Contact-space inverse mass of any pymunk bodies with any joints, and the impulse that acts on all
+of them at once.
 
-With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and tangential velocity
-of the first body's point relative to the other's), an impulse p at the contact changes the velocities by
-dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In coordinates scaled by the square root of the mass this is a projection:
-the part (n, t) of M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^T gives
+With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and
+tangential velocity of the first body's point relative to the other's), an impulse p at the contact
+changes the velocities by dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In coordinates scaled by the
+square root of the mass this is a projection: the part (n, t) of M^-1/2 C^T that is orthogonal to
+the columns of A = M^-1/2 J^T gives
 
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
-An orthogonal factorization [A M^-1/2 C^T] = Q R gives that part. The part of n that is orthogonal to t as well is the
-motion in stick. Its square is the compliance in stick, K_nn - K_nt^2/K_tt, a difference that loses its digits where a heavy
-body leaves a sticking tip hardly any compliance. There the impulses are large, and their effects nearly cancel in dV. The
-same dV follows without cancellation from the tip's motion: t dv_t/K_tt, and the motion in stick.
+An orthogonal factorization [A M^-1/2 C^T] = Q R gives that part. The part of n that is also
+orthogonal to t is the motion in stick. Its square is the compliance in stick, K_nn - K_nt^2/K_tt.
+This difference loses its digits where a heavy body leaves a sticking tip hardly any compliance. The
+impulses are then large, and their effects nearly cancel in dV. The same dV follows without
+cancellation from the motion of the tip: t dv_t/K_tt, and the motion in stick.
 
-Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by row (Cox and Higham 1998).
-Static and kinematic bodies have no inverse mass.
+Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by
+row (Cox and Higham 1998). Static and kinematic bodies have no inverse mass.
 """
 
 from __future__ import annotations
@@ -42,33 +45,37 @@ from bristle_sim.contact_space.joints import (
     span,
 )
 
-CANCELS = 100.0  # parts of the tangential velocity over their sum from which that is applied: two digits are kept
+# Sum of the parts of the change of v_t over v_t itself above which the tip's motion is used: two
+# digits have cancelled.
+CANCELS = 100.0
 
 SINGULAR = (
     64.0 * sys.float_info.epsilon
 )  # motion in stick over the normal column below which it is rounding
-
-WEAK = 1e-2  # the same below which it has lost digits worth getting back
-
-OPENS = 1e-9  # rate of a joint at its limit over the bodies' own speeds above which it opens; the rest is rounding
+WEAK = 1e-2  # motion in stick over the normal column below which its lost digits are restored
+# Opening rate of a joint at its limit, over the speeds of the bodies, above which it opens; a
+# smaller rate is rounding.
+OPENS = 1e-9
 
 
 @dataclass(slots=True)
 class ContactSpace:
-    """A contact as an impact law sees it.
+    """The data of a contact that an impact law uses.
 
     Attributes:
         inverse_mass: K, order (normal, tangential), 1/kg (in the scene's units).
         velocity: (v_n, v_t) of the first body's point relative to the other's; v_n < 0 approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
-        response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit tangential impulse,
-            shape (3 bodies, 2).
-        in_stick: that change per unit normal impulse while the point does not slip.
-        stick_compliance: gain of v_n per unit normal impulse in stick, 1/kg; 0 if the point cannot move.
-        limits: rows of the joints that are at a limit, taken as rigid here.
-        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2), in the norm of the
-            kinetic energy.
-        sizes: of the contact's own rows in that norm, for comparison.
+        response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit
+            tangential impulse, shape (3 bodies, 2).
+        in_stick: the same change per unit normal impulse while the point does not slip, shape (3
+        bodies,).
+        stick_compliance: gain of v_n per unit normal impulse in stick, 1/kg; 0 if the point cannot
+            move.
+        limits: rows of the joints that are at a limit; they are treated as rigid.
+        limit_response: impulse of each limit, which must be >= 0, per unit impulse, shape (limits,
+        2), in the norm of the kinetic energy.
+        sizes: lengths of the contact's own rows in that norm, for comparison.
     """
 
     inverse_mass: Array
@@ -82,7 +89,9 @@ class ContactSpace:
     sizes: Array = field(default_factory=lambda: np.zeros(2))
 
     def pulling_limit(self, impulse: Vector) -> JointRow | None:
-        """Return the limit that pulls hardest in an impact with this contact impulse; None if none pulls beyond rounding."""
+        """Return the limit that pulls hardest at a contact impulse; None if no limit pulls beyond
+        rounding.
+        """
         if not self.limits:
             return None
         pushes = self.limit_response @ impulse
@@ -92,7 +101,11 @@ class ContactSpace:
         )
 
     def apply(self, impulse: Vector, velocity_after: Vector | None = None) -> None:
-        """Apply an impulse to all bodies' velocities; ``velocity_after``, if known, keeps them accurate under cancellation."""
+        """Apply an impulse to the velocities of all bodies.
+
+        ``velocity_after``, the contact velocity after the impulse, keeps the result accurate under
+        cancellation.
+        """
         change = self.response @ impulse
         if velocity_after is not None and self.stick_compliance > 0.0:
             coupling, tangential = self.inverse_mass[1].tolist()
@@ -117,16 +130,19 @@ def contact_space(
     released: Collection[pymunk.Constraint] = (),
     connected: Connected | None = None,
 ) -> ContactSpace:
-    """Describe the contact of ``body`` at a world point with ``other``, or with something fixed.
+    """Return the data of the contact of ``body`` at a world point with ``other``, or with a fixed
+    obstacle.
 
     Args:
         body: the body that the impulse acts on; it may be joined to others by any joints.
         point: world coordinates of the contact.
-        normal: unit vector from the other body towards ``body``; the tangent is the normal turned clockwise.
-        other: the body that is touched; it takes the opposite impulse.
-        surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
+        normal: unit vector from the other body towards ``body``; the tangent is the normal turned
+            clockwise.
+        other: the touched body, on which the opposite impulse acts.
+        surface_velocity: velocity of the other body's surface, as of a conveyor, less that of the
+        surface of ``body``; it is added to the motion of the bodies.
         released: joints whose limits take no part.
-        connected: the result of ``joined`` for the two bodies, where it is known already.
+        connected: the result of ``joined`` for the two bodies, if it is known already.
     """
     ends = [body] if other is None else [body, other]
     bodies, joints = connected or joined(ends)
@@ -180,7 +196,11 @@ def _relative_motion(
 
 
 def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
-    """Return the part of the last two columns, (t, n), that is orthogonal to the joints', as basis times triangle."""
+    """Return the part of the last two columns, (t, n), that is orthogonal to the joints' columns.
+
+    Returns:
+        An orthonormal basis of this part, and the triangle with part = basis @ triangle.
+    """
     basis, triangle = np.linalg.qr(columns)
     pivots: list[float] = np.abs(triangle.diagonal()).tolist()
     lengths: list[float] = np.sqrt((columns[:, : joints + 1] ** 2).sum(axis=0)).tolist()
@@ -202,9 +222,10 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
 
 
 def _in_stick(columns: Array, basis: Array, triangle: Array) -> tuple[Array, float]:
-    """Return the motion in stick per unit normal impulse, and the stick compliance; 0 if the point cannot move then.
+    """Return the motion in stick per unit normal impulse, and the compliance in stick.
 
-    A point whose tangential motion is rounding, and is set to zero here, cannot slip: normal impulses move it as in stick.
+    Both are 0 if the point cannot move in stick. A point whose tangential motion is rounding cannot
+    slip: normal impulses move it as in stick. Its tangential motion is set to zero in ``triangle``.
     """
     tangential, normal = np.abs(columns[:, -2:]).max(axis=0).tolist()
     if max(map(abs, triangle[:, 0].tolist())) <= SINGULAR * tangential:
@@ -216,10 +237,12 @@ def _in_stick(columns: Array, basis: Array, triangle: Array) -> tuple[Array, flo
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
-    """Restore the lost digits of the motion in stick (the last column of the basis) and of its part of the normal column.
+    """Restore the lost digits of the motion in stick, the last column of the basis, and of its
+    length.
 
-    Nearly all of it is motion of the heavy bodies; that of the light ones is small compared with the rounding of the whole. The
-    joints and stick, the other columns, determine it, and that correction is accurate (iterative refinement).
+    Nearly all of it is motion of the heavy bodies; the motion of the light ones is small compared
+    with the rounding of the whole. The other columns, the joints and stick, determine it. This
+    correction is accurate (iterative refinement).
     """
     others = basis[:, :-1]
     out = basis[:, -1]
@@ -229,7 +252,10 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
-    """Whether a reached limit is opening already, so that it cannot push; compared in the norm of the kinetic energy."""
+    """Return whether a reached limit is opening already, so that it cannot push.
+
+    The rates are compared in the norm of the kinetic energy.
+    """
     energies = [each.mass * each.velocity.dot(each.velocity) for each in bodies]
     energies += [
         each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf

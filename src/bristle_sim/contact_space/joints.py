@@ -1,21 +1,24 @@
-"""Velocity constraints of pymunk's joints, J V = b, or J V >= b at a joint's limit, and the nearest velocities that obey them.
+"""Velocity constraints of pymunk's joints, and the nearest velocities that obey them.
 
-V holds (v_x, v_y, angular velocity) of each body's mass centre. A joint transmits an impulse only if its force has no bound: in
-an instantaneous impact springs and joints with a finite ``max_force`` transmit none, nor does a joint outside a space. Limits
-(of slide, groove, rotary limit and ratchet joints) push one way only, while they are reached.
+A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y, angular velocity) of each body's
+mass centre. A joint transmits an impulse only if its force has no bound: in an instantaneous impact
+springs and joints with a finite ``max_force`` transmit none, nor does a joint outside a space.
+Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only, while they
+are reached.
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
-    pivot             that velocity, both components
-    groove            that velocity across the groove; along it at the groove's ends
+    pivot             velocity of anchor a relative to anchor b, both components
+    groove            the same velocity across the groove; at its ends also along it
     rotary limit, ratchet   w_b - w_a
     gear              ratio w_b - w_a
     motor             w_b - w_a = -rate
 
 The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 
-After an engine's solver, joints open at some rate: its tolerance, and velocity that it adds to correct their positions. With
-A = M^-1/2 J^T the smallest change of M^1/2 V that closes the joints is dU = -A (A^T A)^+ (J V - b). With b = 0 (no motors) the
-energy falls by |dU|^2/2: it is a plastic impact of the joints. Limits take part only if they would be passed, and only push.
+After the engine's solver the joints open at some rate: its tolerance, and the velocity that it adds
+to correct positions. With A = M^-1/2 J^T the smallest change of M^1/2 V that closes the joints is
+dU = -A (A^T A)^+ (J V - b). With b = 0 (no motors) the energy falls by |dU|^2/2, as in a plastic
+impact of the joints. Limits take part only if they would be passed, and only push.
 """
 
 from __future__ import annotations
@@ -42,17 +45,16 @@ Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 _SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
 REACHED = 1e-9
-"""A limit counts as reached within this distance (relative to the joint's length, or in rad): positions are rounded."""
+"""Largest distance from a limit that counts as reached, over the joint's length, or in rad;
+positions are rounded."""
+CLOSED = 1e-14  # opening rate below which it is rounding, as a fraction of the terms of its sum
 
-CLOSED = 1e-14  # a rate below this fraction of the terms that it is the sum of is rounding
-
-DEPENDENT = (
-    1e-12  # singular values below this fraction of the largest belong to joints that repeat others
-)
+# Singular value over the largest below which a joint repeats other joints.
+DEPENDENT = 1e-12
 
 
 class JointRow(NamedTuple):
-    """One row of J V = rate, or of J V >= rate for a limit, which can only push."""
+    """One row of J V = rate; for a limit, which can only push, of J V >= rate."""
 
     joint: pymunk.Constraint
     entries: tuple[Entry, ...]
@@ -60,7 +62,10 @@ class JointRow(NamedTuple):
     limit: bool = False
 
     def excess(self) -> tuple[float, float]:
-        """Return J V - rate at the bodies' velocities, and the sum of its terms' sizes, which scales its rounding."""
+        """Return J V - rate at the bodies' velocities, and the sum of the sizes of its terms.
+
+        The second number scales the rounding of the first.
+        """
         value = -self.rate
         size = abs(self.rate)
         for body, x, y, turn in self.entries:
@@ -83,7 +88,7 @@ def mass_centre(body: pymunk.Body) -> Vector:
 
 
 def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Return the row entry for the velocity of a body's world point along a direction."""
+    """Return a body's entry in the Jacobian row of a world point's velocity along a direction."""
     x, y = direction
     arm_x, arm_y = _arm(body, point)
     return body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)
@@ -95,7 +100,11 @@ def _arm(body: pymunk.Body, point: Vector) -> Vector:
 
 
 def joined(ends: Sequence[pymunk.Body]) -> Connected:
-    """Return the dynamic bodies connected by joints that transmit impulses, the lightest first, and those joints."""
+    """Return the dynamic bodies that joints connect to ``ends``, the lightest first, and those
+    joints.
+
+    Only joints that transmit impulses count.
+    """
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
     bodies: dict[pymunk.Body, None] = {}
     joints: list[pymunk.Constraint] = []
@@ -103,7 +112,7 @@ def joined(ends: Sequence[pymunk.Body]) -> Connected:
         body = waiting.pop()
         if body not in bodies:
             bodies[body] = None
-            # The wrapper's copy of the set takes longer than a look whether there are any.
+            # The property copies the set of joints; the check without a copy is faster.
             for joint in body.constraints if body._constraints else ():
                 if joint not in joints and _transmits_impulse(joint):
                     joints.append(joint)
@@ -144,7 +153,7 @@ def scaled_columns(
 
 
 def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
-    """Return the rows of a joint; none for limits that are not reached.
+    """Return the Jacobian rows of a joint, J V = rate; a limit that is not reached has none.
 
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
@@ -157,14 +166,17 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 def _across(
     joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
 ) -> JointRow:
-    """Return the row of the velocity of body a's end relative to body b's along a direction."""
+    """Return the row of the velocity of body a's end relative to body b's end along a direction."""
     a = point_entry(joint.a, ends[0], direction, 1.0)
     b = point_entry(joint.b, ends[1], direction, -1.0)
     return JointRow(joint, (a, b), 0.0, limit)
 
 
 def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
-    """Return the rows of joints between two anchors, which coincide, keep their distance, or keep it within limits."""
+    """Return the rows of a joint between two anchors.
+
+    The anchors coincide, keep their distance, or keep it within limits.
+    """
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
         a_x, a_y = _arm(joint.a, ends[0])
@@ -183,13 +195,16 @@ def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) ->
 
 
 def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
-    """Return the distance between two points and the direction from one to the other; (0, 0) where they coincide."""
+    """Return the distance between two points and the unit vector from the first to the second.
+
+    The vector is (0, 0) if the points coincide.
+    """
     span = pymunk.Vec2d(end[0] - start[0], end[1] - start[1])
     return span.length, span.normalized()
 
 
 def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
-    """Return rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
+    """Return the rows that keep the anchor of body b on a segment of body a."""
     start = world(joint.a, joint.groove_a)
     anchor = world(joint.b, joint.anchor_b)
     length, (x, y) = _between(start, world(joint.a, joint.groove_b))
@@ -238,13 +253,18 @@ def _turning(joint: Any) -> list[JointRow]:
 
 
 def of_length_one(columns: Array) -> Array:
-    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
+    """Return the columns scaled to length 1.
+
+    Joints of rotation and of translation have different units.
+    """
     lengths = np.sqrt((columns**2).sum(axis=0))
     return np.asarray(columns / np.where(lengths > 0.0, lengths, 1.0))
 
 
 def span(columns: Array) -> Array:
-    """Return an orthonormal basis of the columns' span, shape (rows, rank); columns may be dependent."""
+    """Return an orthonormal basis of the span of columns, shape (rows, rank); the columns may be
+    dependent.
+    """
     directions, sizes, _ = np.linalg.svd(of_length_one(columns), full_matrices=False)
     return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
 
@@ -252,7 +272,11 @@ def span(columns: Array) -> Array:
 def joint_basis(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
 ) -> tuple[Array, Array]:
-    """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of M^-1/2; limits are rigid."""
+    """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of
+    M^-1/2.
+
+    Reached limits are treated as rigid.
+    """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
     return span(columns) if rows else columns, scale
@@ -261,7 +285,9 @@ def joint_basis(
 def allowed_part(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array
 ) -> Array:
-    """Return the part of velocity changes, shape (3 bodies), that the joints permit: the orthogonal projection onto it."""
+    """Return the part of velocity changes, shape (3 bodies,), that the joints permit, by orthogonal
+    projection.
+    """
     rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
     return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
@@ -270,12 +296,13 @@ def allowed_part(
 def close_joints(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True
 ) -> None:
-    """Apply the least change of velocity, in the norm of the kinetic energy, at which no joint opens.
+    """Apply the least change of velocity, in the norm of the kinetic energy, after which no joint
+    opens.
 
-    Limits are ignored unless ``with_limits``.
+    Limits are ignored unless ``with_limits`` is set.
 
     Raises:
-        RuntimeError: if limits take turns at pushing without end.
+        RuntimeError: if no set of pushing limits is found.
     """
     rows = [row for joint in joints for row in joint_rows(joint) if with_limits or not row.limit]
     if not rows:
@@ -298,7 +325,10 @@ def close_joints(
 def _least_change(
     columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]
 ) -> Array:
-    """Return the dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
+    """Return the shortest dU with rates + A^T dU = 0.
+
+    At a limit rates + A^T dU must be >= 0, and so must its impulse.
+    """
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):
         rigid = columns[:, active]

@@ -1,6 +1,6 @@
-"""Divide the contacts of a step into those at rest, which the engine keeps, and impacts, which a law resolves.
+"""The division of a step's contacts into contacts at rest, for the engine, and impacts, for a law.
 
-Contacts are read by direct engine calls, without wrappers: a space at rest has many.
+Contacts are read by direct engine calls, without wrappers, since a space at rest has many contacts.
 """
 
 from __future__ import annotations
@@ -23,26 +23,28 @@ from bristle_sim.contact_space.touching import (
 )
 
 STEPS_OF_GRAVITY = 2.0
-"""An approach no faster than gravity's gain in this number of steps counts as rest: one step passes before the engine finds a
-new contact, and a bounce that lasts less than two cannot be resolved."""
+"""Largest approach speed at rest, over the speed that gravity adds in one step.
 
-OUT_OF_REACH = (
-    1e100  # a surface velocity apart, at which the engine's contact has no impulse to give
-)
+One step passes before the engine finds a new contact, and a bounce shorter than two steps cannot be
+resolved."""
+
+# Surface velocity of separation at which the engine's contact has no impulse.
+OUT_OF_REACH = 1e100
 
 
 class RestFilter:
-    """Keep the engine from responding to contacts that approach faster than at rest.
+    """Makes the engine ignore contacts that approach faster than contacts at rest.
 
     Attributes:
         space: the space.
-        resting_speed: a contact that approaches more slowly is at rest.
-        resting: the largest approach that counts as rest in this step; negative until a contact needs it.
+        resting_speed: approach speed below which a contact is at rest, as given by the user.
+        resting: largest approach speed at rest in this step; negative until the first contact.
         at_rest: arbiters and rules of this step's contacts that are left to the engine.
-        impacts: contacts of this step to which the engine does not respond.
-        skipped: their shapes.
-        jammed: contacts that jammed in the last step; they are left to the engine while they last.
-        motion: motion in the step of the bodies of skipped contacts and of bodies joined to them.
+        impacts: contacts of this step that the engine ignores.
+        skipped: shapes of the ignored contacts.
+        jammed: shapes of contacts that jammed in the last step; such contacts are left to the
+        engine while they last.
+        motion: motion in this step of the bodies of ignored contacts and of bodies joined to them.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -56,37 +58,38 @@ class RestFilter:
         self.jammed: set[Shapes] = set()
         self._still_jammed: set[Shapes] = set()
         self._bodies: Any = (
-            None  # room for an arbiter's bodies within a step; a copy cannot take it along
+            None  # memory for an arbiter's bodies within a step; it cannot be copied
         )
 
     def begin(self, resting_speed: float) -> None:
-        """Begin a step."""
+        """Begin a step with a given resting speed."""
         self.resting_speed = resting_speed
         self.resting = -1.0
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
-        """End a step: contacts that jammed and were not met again are over."""
+        """End a step: jammed contacts that the engine has not found again are over."""
         self._bodies = None
         if self.jammed:
             self.jammed = self._still_jammed
             self._still_jammed = set()
 
     def clear(self) -> None:
-        """Forget the contacts of the step."""
+        """Discard the contacts of the step."""
         self.at_rest.clear()
         self.impacts.clear()
         self.skipped.clear()
         self.motion.clear()
 
     def collisions(self) -> list[Collision]:
-        """Return the contacts of the step, those at rest included."""
+        """Return the contacts of the step, including those at rest."""
         return [*[Collision(raw, rule) for raw, rule in self.at_rest], *self.impacts]
 
     def filter_impact(self, rule: CollisionRule, raw: Any) -> None:
-        """Leave a contact at rest to the engine, with the rule's friction and no restitution; make it ignore an impact.
+        """Let the engine resolve a contact at rest, or make it ignore an impact.
 
-        ``raw``: the engine's own arbiter. Contacts at rest are many: their shapes are not even looked up.
+        At rest the contact has the rule's friction and no restitution. ``raw`` is the engine's own
+        arbiter. Contacts at rest are many, so their shapes are not looked up.
         """
         if self._bodies is None:
             return
@@ -108,7 +111,10 @@ class RestFilter:
             self._skip(rule, raw)
 
     def _skip(self, rule: CollisionRule, raw: Any) -> None:
-        """Make the engine keep the contact and wake its bodies, but take it to fly apart, and to have no overlap to reduce."""
+        """Make the engine ignore a contact, but keep it and wake its bodies.
+
+        The engine takes the contact to separate, without an overlap to reduce.
+        """
         shapes = shapes_of(raw)
         for shape in shapes:
             if shape.body is not None:
@@ -127,9 +133,10 @@ class RestFilter:
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
-    """Return the approach speed of the fastest point, and the bodies' speeds there, which scale its rounding.
+    """Return the approach speed of the fastest point, and the speeds of the bodies at that point.
 
-    ``bodies``: where the engine writes the bodies.
+    The latter scale the rounding of the former. ``bodies`` is the memory to which the engine writes
+    the bodies.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)

@@ -1,7 +1,9 @@
-"""Impacts of one step, one by one: the earliest touch first, of simultaneous ones the fastest, until no point approaches.
+"""Impacts of one step, resolved one by one until no point approaches.
 
-An impact at one point can drive others of the same bodies, or of bodies joined to them, into their surfaces. Bodies connected
-by contacts and joints are a group; groups are independent.
+The earliest touch is first; of simultaneous touches the fastest is first.
+
+An impact at one point can drive others of the same bodies, or of bodies joined to them, into their
+surfaces. Bodies connected by contacts and joints are a group; groups are independent.
 """
 
 from __future__ import annotations
@@ -20,19 +22,22 @@ from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, Shapes, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
-COLLAPSE = 12  # impacts at one point after which its group is resolved at once: it would bounce without end
+# impacts at one point after which its group is resolved at once, against endless bounces
+COLLAPSE = 12
 
 MOST = 40
-"""Number of single impacts in a group after which all of it is resolved at once; this bounds the cost of a step."""
-
-LOOKED = 8  # impacts in a group after which its points that approach are counted; MOST is a multiple of it
+"""Number of single impacts after which a whole group is resolved at once, to bound the cost of a
+step."""
+LOOKED = 8  # impacts of a group between two counts of its approaching points; a divisor of MOST
 
 
 class Groups:
-    """Contact points of a step, read when an impact first reaches their bodies, and the groups of bodies that they connect.
+    """Contact points of a step, and the groups of bodies that they connect.
+
+    Contact points are read when an impact first reaches their bodies.
 
     Attributes:
-        points: contact points of each body that has been read.
+        points: contact points of each body whose points have been read.
         impacts: number of impacts so far in each group, by the group's representative body.
     """
 
@@ -67,7 +72,7 @@ class Groups:
         return body
 
     def unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Merge bodies into one group, adding up their impacts."""
+        """Merge bodies into one group and add up their impacts."""
         first, *others = dict.fromkeys(map(self.head, bodies))
         for each in others:
             self._heads[each] = first
@@ -75,15 +80,16 @@ class Groups:
 
 
 class ImpactSequence:
-    """Resolve the contacts that approach at the end of a step.
+    """Resolves the approaching contacts at the end of a step.
 
     Args:
-        contacts: contacts of the step; the engine ignores those in ``skipped``, and keeps others that approach slowly.
-        report: called with each faster impact, or None.
+        contacts: contacts of the step, of which the engine ignores those in ``skipped``.
+        report: function that is called with each impact faster than rest, or None.
         end: time of the end of the step.
 
     Attributes:
-        struck: bodies with new velocities, and how long before the end of the step they got them.
+        struck: bodies with new velocities; the value is the time from the change of velocity to the
+        end of the step.
         jammed: shapes of contacts that no impulse can separate.
     """
 
@@ -100,7 +106,7 @@ class ImpactSequence:
         self.jammed: set[Shapes] = set()
 
     def resolve(self) -> None:
-        """Resolve all contacts that approach, and those that their impacts reach."""
+        """Resolve all approaching contacts, and the contacts that their impacts reach."""
         groups = self._groups
         self._measure(
             groups.read(
@@ -120,12 +126,15 @@ class ImpactSequence:
                 self._strike(point)
 
     def _too_many(self, head: pymunk.Body, impacts: int) -> bool:
-        """Whether a group has had ``MOST`` impacts, or is expected to, from its impacts so far and its approaching points."""
+        """Return whether a group has had ``MOST`` impacts, or is expected to.
+
+        The expectation is based on its impacts so far and its approaching points.
+        """
         waiting = sum(1 for each in self._approaching if self._groups.head(each.bodies[0]) is head)
         return impacts + waiting > MOST or impacts * waiting > 2 * MOST or impacts == MOST
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
-        """Determine which points approach."""
+        """Measure points, and add them to the approaching points or remove them."""
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             least = 0.0 if point.key in self._filter.skipped else self._filter.resting
@@ -138,7 +147,9 @@ class ImpactSequence:
                 self._approaching.pop(point, None)
 
     def _latest(self, point: TouchingPoint) -> float:
-        """Return the time before the end of the step since which both bodies have had their present velocities."""
+        """Return the time before the end of the step since which both bodies have had their present
+        velocities.
+        """
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
     def _rests(self, approach: float, point: TouchingPoint) -> bool:
@@ -149,7 +160,7 @@ class ImpactSequence:
             self._report(point.located(impact, self._end))
 
     def _strike(self, point: TouchingPoint) -> None:
-        """Resolve one point at the instant of its touch."""
+        """Resolve the impact at one point at the instant of its touch."""
         point.impacts += 1
         motion = self._motion
         groups = self._groups
@@ -185,7 +196,10 @@ class ImpactSequence:
         )
 
     def _strike_all(self, point: TouchingPoint) -> None:
-        """Resolve all contacts of a point's group, directly or over further bodies, at once, at the end of the step."""
+        """Resolve all contacts of a point's group at once, at the end of the step.
+
+        The group includes bodies that are connected over further bodies.
+        """
         reached: dict[pymunk.Body, None] = {}
         groups = self._groups
         waiting = [body for body in point.bodies if body.body_type == pymunk.Body.DYNAMIC]
@@ -212,7 +226,7 @@ class ImpactSequence:
                 self._record(each, impact)
 
     def _impact(self, point: TouchingPoint, connected: Connected) -> tuple[ContactSpace, Impact]:
-        """Return the impact in which limits of joints only push: one that would pull takes no part."""
+        """Return the impact in which joint limits only push; a limit that would pull takes no part."""
         first, second = point.bodies
         place, normal, _ = point.overlap
         slide = point.surface_velocity

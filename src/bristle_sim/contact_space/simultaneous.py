@@ -1,18 +1,21 @@
-"""Resolve many simultaneous contacts at once, at a bounded cost, without ever gaining energy.
+"""Many simultaneous contacts resolved at once, at a bounded cost and without a gain of energy.
 
-With the contacts' rows B in coordinates scaled by the square root of the mass, orthogonal to the joints' rows, impulses p
-change the contact velocities by W p, W = B^T B, and the kinetic energy by p.(v + W p/2). The compression ends with the
-impulses that make every contact part or keep closed, within the friction cones (Moreau's plastic impact):
+With the contacts' rows B in coordinates scaled by the square root of the mass, orthogonal to the
+joints' rows, impulses p change the contact velocities by W p, W = B^T B, and the kinetic energy by
+p.(v + W p/2). The compression ends with the impulses that make every contact part or keep closed,
+within the friction cones (Moreau's plastic impact):
 
     v_n >= 0,  p_n >= 0,  v_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(v_t).
 
-Without friction's cone they minimise that energy, so they are found by projected gradients with Nesterov's momentum, restarted
-where it leads uphill (O'Donoghue and Candes 2015). The step is 1/D with a diagonal D >= W: D_ii sums, over both bodies, the
-body's part of W_ii times its number of rows. Up to ``FEW`` contacts are then solved exactly, each open, sticking or slipping (a
-semismooth Newton method), because with very different masses gradients need too many iterations. Restitution adds e p_n and e
-p_t (Poisson), and another plastic impact if that drives contacts together. As p.v <= -p.W p for plastic impulses, (1 + e) p
-loses energy for every e <= 1; the sum p of all is scaled by at most -2 p.v/(p.W p), which keeps them in the cones. So no energy
-is gained even if the iteration has not converged.
+Without friction cones these impulses minimise the energy. They are found by projected gradients
+with Nesterov's momentum, restarted where it leads uphill (O'Donoghue and Candes 2015). The step is
+1/D with a diagonal D >= W: D_ii sums, over both bodies, the body's part of W_ii times its number of
+rows. Up to ``FEW`` contacts are then solved exactly, each open, sticking or slipping (a semismooth
+Newton method), because with very different masses gradients need too many iterations. Restitution
+adds e p_n and e p_t (Poisson), and another plastic impact if it drives contacts together. As p.v <=
+-p.W p for plastic impulses, (1 + e) p loses energy for every e <= 1. The sum p of all impulses is
+scaled by at most -2 p.v/(p.W p), which keeps them in the cones. So no energy is gained even if the
+iteration has not converged.
 """
 
 from __future__ import annotations
@@ -31,25 +34,26 @@ from bristle_sim.contact_space.joints import close_joints, joined, joint_basis
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
 from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
-ITERATIONS = 40  # of a plastic impact: impulses spread over a chain of about as many bodies
-
-SETTLED = 1e-4  # change of the impulses in an iteration, as a fraction of the largest, with which they are as good as found
-
-FEW = 40  # contacts up to which a plastic impact is solved exactly: some 2 ms
-
-NEWTON_ROUNDS = 20  # of that solution; five or so are enough
-
-EXACT = 1e-9  # fraction of the largest impulse, and of the largest velocity, by which an exact solution may miss its conditions
+# largest number for a plastic impact: impulses spread over a chain of about 40 bodies
+ITERATIONS = 40
+SETTLED = 1e-4  # change of the impulses in the last iteration, as a fraction of the largest impulse
+FEW = 40  # largest number of contacts of a plastic impact that is solved exactly, in some 2 ms
+NEWTON_ROUNDS = 20  # largest number of rounds of the exact solution; about five are enough
+# Error of the conditions of an exact solution, as a fraction of the largest impulse and of the
+# largest velocity.
+EXACT = 1e-9
 
 
 @dataclass(slots=True)
 class Contacts:
-    """Contacts of bodies, order of rows (normal, tangential), in coordinates scaled by the square root of the mass.
+    """Contacts of bodies in coordinates scaled by the square root of the mass.
+
+    The order of rows is (normal, tangential); m is the number of contacts.
 
     Attributes:
         rows: factors of the scaled velocities of the first and second body, shape (2 rows, m, 6).
-        places: of these bodies' velocities, shape (m, 6).
-        velocity: v, shape (m, 2).
+        places: indices of these bodies' velocities, shape (m, 6).
+        velocity: contact velocity v, shape (m, 2).
         friction: mu, shape (m,).
         joints: orthonormal basis of the joints' rows, shape (3 bodies, rank).
     """
@@ -61,7 +65,9 @@ class Contacts:
     joints: Array
 
     def change(self, impulse: Array) -> Array:
-        """Return the change of the scaled velocities by impulses of shape (m, 2), shape (3 bodies,)."""
+        """Return the change of the scaled velocities, shape (3 bodies,), by impulses of shape (m,
+        2).
+        """
         parts = impulse[:, :1] * self.rows[0]
         parts += impulse[:, 1:] * self.rows[1]
         change = np.bincount(self.places.ravel(), parts.ravel(), len(self.joints))
@@ -70,11 +76,15 @@ class Contacts:
         )
 
     def gain(self, change: Array) -> Array:
-        """Return the change of the contact velocities by that of the scaled velocities, shape (m, 2)."""
+        """Return the change of the contact velocities, shape (m, 2), by a change of the scaled
+        velocities.
+        """
         return np.asarray(np.einsum("rmx,mx->mr", self.rows, change.take(self.places)))
 
     def plastic(self, velocity: Array) -> Array:
-        """Return the impulses, shape (m, 2), of a plastic impact from these contact velocities."""
+        """Return the impulses, shape (m, 2), of a plastic impact that starts at given contact
+        velocities.
+        """
         sizes = (self.rows**2).reshape(2, len(velocity), 2, 3).sum(axis=-1)
         ends = self.places[:, ::3]
         count = np.bincount(ends.ravel(), np.full(ends.size, 2.0))
@@ -99,7 +109,10 @@ class Contacts:
         return impulse if len(velocity) > FEW else self._exact(velocity, impulse)
 
     def _exact(self, velocity: Array, impulse: Array) -> Array:
-        """Refine an estimate of a plastic impact's impulses by Newton's method; return the estimate if that fails."""
+        """Refine the estimated impulses of a plastic impact by Newton's method.
+
+        If the method fails, return the estimate.
+        """
         count = len(velocity)
         speeds = velocity.ravel()
         scaled = np.zeros((len(self.joints), count, 2))
@@ -144,7 +157,7 @@ class Contacts:
         return self._in_cone(found.reshape(-1, 2)) if part.all() and kept.all() else impulse
 
     def _in_cone(self, impulse: Array) -> Array:
-        """Project impulses (in place) onto the friction cone: they push, and friction is within its limit."""
+        """Project impulses, in place, onto the friction cone: p_n >= 0 and |p_t| <= mu p_n."""
         np.maximum(impulse[:, 0], 0.0, out=impulse[:, 0])
         bound = self.friction * impulse[:, 0]
         np.minimum(np.maximum(impulse[:, 1], -bound, out=impulse[:, 1]), bound, out=impulse[:, 1])
@@ -163,7 +176,7 @@ class Contacts:
         return fraction * first, fraction * second
 
     def records(self, first: Array, second: Array) -> list[Impact]:
-        """Return each contact's record, from its impulses of compression and restitution."""
+        """Return the record of each contact from its impulses of compression and of restitution."""
         middle = self.velocity + self.gain(self.change(first))
         after = middle + self.gain(self.change(second))
         nothing = np.zeros_like(first)
@@ -192,13 +205,14 @@ def resolve_at_once(
     rests: Callable[[float, TouchingPoint], bool],
     motion: StepMotion,
 ) -> list[Impact]:
-    """Apply the impact at all points to the velocities of the bodies that touch here and of those joined to them.
+    """Apply the impact at all points to the velocities of their bodies and of bodies joined to
+    them.
 
-    It is at the end of the step; the engine's velocities are half a step ahead. ``rests``: whether an approach at a point has
-    no restitution.
+    The impact is at the end of the step; the engine's velocities are half a step ahead of it.
+    ``rests`` returns whether an approach at a point has no restitution.
 
     Returns:
-        The record of each point. The works of all of them sum up to the change of the kinetic energy.
+        The record of each point. The sum of all works is the change of the kinetic energy.
     """
     ends = list(dict.fromkeys(body for point in points for body in point.bodies))
     index = {body: at for at, body in enumerate(dict.fromkeys([*joined(ends)[0], *ends]))}
@@ -247,7 +261,11 @@ def resolve_at_once(
 
 
 def _close_joints(index: dict[pymunk.Body, int], motion: StepMotion) -> Array:
-    """Close the joints of bodies, with reached limits as rigid; return a basis of their scaled rows, shape (3 bodies, rank)."""
+    """Close the joints of bodies, and return a basis of the joints' scaled rows, shape (3 bodies,
+    rank).
+
+    Reached limits are treated as rigid.
+    """
     found = [np.zeros((3 * len(index), 0))]
     left = [body for body in index if body._constraints]
     while left:

@@ -1,13 +1,15 @@
-"""How bodies moved in the engine's last step, and points where shapes touch, traced back to the instant of touch within it.
+"""Motion of bodies in the engine's last step, and contact points, traced back to the instant of
+touch.
 
-The engine moves positions by the old velocity and then changes velocities, a leapfrog: with V before a step of length h and
-V + g after it, V is the velocity at the middle of the drift and V + g that half a step after the end. At the time s before
-the end of the step
+The engine is a leapfrog: it moves positions by the old velocity, and then changes velocities. With
+V before a step of length h and V + g after it, V is the velocity at the middle of the step, and V +
+g the velocity half a step after its end. At the time s before the end of the step
 
     x_s = x - s (V_end - g)    and    V_s = V_end - (s/h + 1/2) g.
 
-The same two lines lead back to the end after an impact at that instant has changed V_s. For e* = 1 the energy that the leapfrog
-keeps, V^2/2 of the end of the step and m g x, is then kept exactly in gravity; any other error is of second order in h.
+After an impact at that instant has changed V_s, the same equations lead back to the end of the
+step. For e* = 1 the energy that the leapfrog conserves, V^2/2 at the end of the step and m g x, is
+then conserved exactly in gravity. Any other error is of second order in h.
 """
 
 from __future__ import annotations
@@ -25,14 +27,14 @@ from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpac
 from bristle_sim.contact_space.joints import Connected, Vector, allowed_part, mass_centre
 from bristle_sim.theory.impact import Impact
 
-APPROACH_ROUNDING = (
-    1e-9  # fraction of the bodies' speed at a point below which its approach is rounding
-)
+APPROACH_ROUNDING = 1e-9  # approach over the bodies' speed at a point, below which it is rounding
 
 HALVINGS = 4
-"""Most trials in the search for a touch. Each goes back half as far as the one before, until the shapes overlap there."""
+"""Largest number of trials in the search for a touch.
 
-FARTHER = 1.5  # a touch is at most this many times as long ago as it seems at the end of the step
+Each trial goes back half as far as the trial before, until the shapes overlap."""
+# Largest time since a touch, over its estimate by the overlap and velocity at the end of the step.
+FARTHER = 1.5
 
 Shapes = frozenset[pymunk.Shape]
 
@@ -41,28 +43,31 @@ _BODY = ffi.typeof("cpBody *[1]")
 
 
 def room_for_bodies() -> tuple[Any, Any]:
-    """Return the memory to which the engine writes the two bodies of an arbiter; no two threads may share it."""
+    """Return memory to which the engine writes the two bodies of an arbiter; threads must not share
+    it.
+    """
     return ffi.new(_BODY), ffi.new(_BODY)
 
 
 Motion = tuple[float, float, float]
-"""v_x, v_y and angular velocity, or their change by forces, joints and contacts at rest in the step."""
+"""v_x, v_y and angular velocity, or their changes in a step by forces, joints and contacts at
+rest."""
 
 NONE = (0.0, 0.0, 0.0)
 
 
 def velocity_of(body: pymunk.Body) -> Motion:
-    """Return a body's velocities."""
+    """Return a body's velocities v_x and v_y and its angular velocity."""
     velocity = lib.cpBodyGetVelocity(body._body)
     return velocity.x, velocity.y, lib.cpBodyGetAngularVelocity(body._body)
 
 
 class StepMotion:
-    """Velocities before a step, and their gains in it, for bodies that impacts may set in motion.
+    """Changes of velocity in a step of the bodies that impacts may set in motion.
 
     Attributes:
-        duration: of the step.
-        gains: changes of velocity, by body; bodies that are not listed moved uniformly.
+        duration: length of the step.
+        gains: change of velocity of each body; bodies that are not listed moved uniformly.
     """
 
     def __init__(self) -> None:
@@ -71,13 +76,16 @@ class StepMotion:
         self._groups: list[Connected] = []
 
     def note(self, connected: Connected) -> None:
-        """Record velocities of jointed bodies within the step, before the engine changes them."""
+        """Record the velocities of jointed bodies before the engine changes them in the step."""
         if connected[0] and connected[0][0] not in self.gains:
             self._groups.append(connected)
             self.gains.update({body: velocity_of(body) for body in connected[0]})
 
     def finish(self, duration: float) -> None:
-        """Compute the gains after the step; a part that the joints do not permit is a correction of them, not motion."""
+        """Compute the gains after the step.
+
+        A part of a gain that the joints do not permit is a correction of the joints, not motion.
+        """
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
@@ -97,15 +105,19 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return how many gains the velocities change by from a time before the end of the step to after it."""
+        """Return the number of gains between the velocity at a time before the end of the step and
+        that after the step.
+        """
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
-        """Return a body's velocities after the step, its gains and its mass centre."""
+        """Return a body's velocities after the step, their gains in it and the body's mass centre."""
         return velocity_of(body), self.gains.get(body, NONE), mass_centre(body)
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies forward or back by a time, as the engine moves them within the step."""
+        """Move bodies forward by a time, or back by a negative one, with the velocities within the
+        step.
+        """
         for body in bodies if time else ():
             raw = body._body
             x, y, w = velocity_of(body)
@@ -117,7 +129,7 @@ class StepMotion:
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
     def kick(self, bodies: Iterable[pymunk.Body], steps: float) -> None:
-        """Add a multiple of the gain to the velocities."""
+        """Add a multiple of the gains to the velocities of bodies."""
         for body in bodies:
             if body in self.gains:
                 x, y, w = velocity_of(body)
@@ -127,14 +139,16 @@ class StepMotion:
 
 
 class Overlap(NamedTuple):
-    """World coordinates of a contact, unit vector towards the first body, and overlap."""
+    """World coordinates of a contact, unit vector towards the first body, and depth of the overlap."""
 
     point: Vector
     normal: Vector
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Extrapolate place and normal linearly from this overlap through a later one."""
+        """Extrapolate point and normal linearly from this overlap through another one; ``factor``
+        is 1 there.
+        """
         x, y = self.point
         u, v = later.point
         n_x, n_y = self.normal
@@ -148,12 +162,12 @@ class Overlap(NamedTuple):
 
 
 def overlaps(found: Any) -> list[Overlap]:
-    """Return the overlaps of the engine's contact points, with normals towards their first shape."""
+    """Return the overlaps of the engine's contact points, with normals towards the first shape."""
     x, y = found.normal.x, found.normal.y
     ends = [
         (found.points[index].pointA, found.points[index].pointB) for index in range(found.count)
     ]
-    # The distance that the engine gives has the sign of one order of the shapes only.
+    # The sign of the engine's own distance is right for one order of the shapes only.
     return [
         Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y)
         for a, b in ends
@@ -161,7 +175,7 @@ def overlaps(found: Any) -> list[Overlap]:
 
 
 def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
-    """Return the shapes of the engine's own arbiter."""
+    """Return the two shapes of the engine's own arbiter."""
     first = ffi.new(_SHAPE)
     second = ffi.new(_SHAPE)
     lib.cpArbiterGetShapes(arbiter, first, second)
@@ -171,9 +185,11 @@ def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
 
 
 class Collision(NamedTuple):
-    """A contact that the engine has found: its arbiter, its pair, and its data from before the engine was made to ignore it.
+    """A contact that the engine found: its arbiter, its rule and, if the engine ignores it, its
+    earlier data.
 
-    The data are shapes, overlaps and surface velocity. Outside callbacks an arbiter may have its shapes in the other order.
+    The data are the shapes, overlaps and surface velocity from before the engine was made to ignore
+    the contact. Outside callbacks an arbiter may have its shapes in the other order.
     """
 
     arbiter: Any
@@ -181,14 +197,16 @@ class Collision(NamedTuple):
     data: tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector] | None = None
 
     def bodies(self) -> list[pymunk.Body]:
-        """Return the dynamic ones of the two bodies, in any order."""
+        """Return the dynamic bodies of the contact, in any order."""
         first, second = room_for_bodies()
         lib.cpArbiterGetBodies(self.arbiter, first, second)
         both = [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in (first, second)]
         return [each for each in both if each.body_type == pymunk.Body.DYNAMIC]
 
     def points(self) -> list[TouchingPoint]:
-        """Return the points where the shapes touch; empty for a sensor and for ignored contacts."""
+        """Return the points where the shapes touch; an empty list for a sensor and for contacts
+        that users ignore.
+        """
         arbiter = self.arbiter
         if not lib.cpArbiterGetProcessCollision(arbiter):
             return []
@@ -218,15 +236,19 @@ class TouchingPoint:
     """A point where two shapes touch, during one step.
 
     Attributes:
-        pair: the pair of the shapes.
-        shapes, bodies: the first body is dynamic.
-        surface_velocity: of the second body's surface less that of the first, as conveyors have it.
-        overlap: where they touch, at the end of the step or at the instant of touch; its depth is that at the end.
+        pair: rule of the two collision types.
+        shapes: the two shapes.
+        bodies: the two bodies; the first is dynamic.
+        surface_velocity: velocity of the second body's surface, as of a conveyor, less that of the
+        first.
+        overlap: point and normal at the end of the step or at the instant of touch, and depth at
+        the end of the step.
         drift: speed at which the overlap grew during the step.
-        time: of the touch, before the end of the step.
-        approach: speed at which the bodies approach at that instant.
-        speed: largest speed of the two bodies here so far, which scales the rounding of ``approach``.
-        impacts: number of impacts here so far.
+        time: time from the touch to the end of the step.
+        approach: approach speed of the bodies at the touch.
+        speed: largest speed of the two bodies at the point so far, which scales the rounding of
+        ``approach``.
+        impacts: number of impacts at the point so far.
     """
 
     pair: CollisionRule
@@ -248,7 +270,8 @@ class TouchingPoint:
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
         """Compute the approach and the time of the touch from the present velocities.
 
-        ``since``: time before the end of the step at which velocities changed; ``latest``: the touch is not before that.
+        ``since`` is the time before the end of the step at which velocities changed last. The touch
+        is at most ``latest`` before the end of the step.
         """
         (at_x, at_y), (x, y), depth = self.overlap
         growth = self.surface_velocity[0] * x + self.surface_velocity[1] * y
@@ -272,7 +295,9 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move the bodies that take part back to the touch, and read its place from their shapes on the way."""
+        """Move ``bodies`` back to the instant of touch, and correct that instant and the place on
+        the way.
+        """
         time = self.time
         after = self._look() if time else None
         for _ in range(HALVINGS if after else 0):
@@ -291,7 +316,11 @@ class TouchingPoint:
         self.time = 0.0
 
     def _look(self) -> Overlap | None:
-        """Return the shapes' overlap at the bodies' present places, the one nearest to that known; None without any."""
+        """Return the overlap of the shapes at the bodies' present places; None if they do not
+        touch.
+
+        Of several overlaps it is the one nearest to the known point.
+        """
         first, second = (each._shape for each in self.shapes)
         lib.cpShapeCacheBB(first)
         lib.cpShapeCacheBB(second)
@@ -299,7 +328,7 @@ class TouchingPoint:
         return min(found, key=lambda each: math.dist(each.point, self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
-        """Return the record of an impact here; ``end``: of the step."""
+        """Return the record of an impact at the point; ``end`` is the time of the end of the step."""
         place = end - self.time, self.overlap.point, self.overlap.normal, self.bodies
         entries = *[getattr(impact, each.name) for each in fields(Impact)], *place
         return LocatedImpact(*entries)

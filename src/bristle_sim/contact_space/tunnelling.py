@@ -1,9 +1,11 @@
-"""Shapes that pass each other within one step: the engine looks for contacts only at its ends, so it misses them.
+"""A warning of shapes that pass each other within one step.
 
-The engine separates two shapes by the shortest way out, which leads back only while their middles have not passed each other. With
-least extents a and b and the speed v of approach, some step of length h ends in time if v h <= (a + b)/2. A body that
-moves farther is followed along the straight line of its next step. It passes a shape that this line meets, if it does not touch
-it at the beginning and is beside or beyond it at the end. Other shapes count as standing still; turning is not followed.
+The engine looks for contacts only at the ends of steps. It separates two shapes in the direction of
+least overlap, which leads back only while their middles have not passed each other. With least
+extents a and b and the approach speed v, a step of length h is short enough if v h <= (a + b)/2. A
+body that moves farther is followed along the straight line of its next step. It passes a shape on
+this line if it does not touch the shape at the beginning and is beside or beyond it at the end.
+Other shapes are treated as at rest; rotation is not followed.
 """
 
 from __future__ import annotations
@@ -17,19 +19,21 @@ import pymunk
 from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
 UNWATCHED_STEPS = 16
-"""Steps from one reading of all speeds to the next while no body is fast: reading them takes 5 us, a step in flight 1 us."""
+"""Steps between two readings of all speeds while no body is fast.
+
+A reading takes 5 us, a step in flight 1 us."""
 
 Types = tuple[int, int]
 
 
 class TunnellingWatch:
-    """Warn once when a body passes a shape that it should collide with.
+    """Warns once if a body passes a shape with which it should collide.
 
-    All speeds are read in every step while one of them is fast or the number of shapes has changed, otherwise in each
-    sixteenth step. Least extents are computed when the number of shapes changes.
+    All speeds are read in every step while one of them is fast or the number of shapes has changed,
+    otherwise in each sixteenth step. Least extents are computed when the number of shapes changes.
 
     Attributes:
-        warned: whether the warning has been given; nothing is watched after that.
+        warned: whether the warning has been given; speeds are not read after that.
     """
 
     def __init__(self) -> None:
@@ -39,7 +43,9 @@ class TunnellingWatch:
         self._least_extent = 0.0
 
     def watch(self, space: pymunk.Space, pairs: Collection[Types], duration: float) -> None:
-        """Look ahead before a step of this duration."""
+        """Check the speeds before a step of a given duration, and warn if a body passes a shape in
+        it.
+        """
         if self._unwatched and len(space._shapes) == self._shapes:
             self._unwatched -= 1
             return
@@ -92,7 +98,7 @@ class TunnellingWatch:
 
 
 def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types]) -> bool:
-    """Whether the engine would find a contact that has an impact law, if the two overlapped."""
+    """Return whether an overlap of two shapes would be a contact with an impact law."""
     types = (shape.collision_type, other.collision_type)
     moving = pymunk.Body.DYNAMIC in (_body_type(shape), _body_type(other))
     solid = not (shape.sensor or other.sensor)

@@ -1,11 +1,13 @@
-"""The tool and its parts, in SI units and radians, with the dissertation's operating point as default.
+"""The tool and its parts, in SI units and radians; the defaults are the dissertation's operating
+point.
 
-Every default names its source. "Zhang 2020" is J. Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*,
-PhD dissertation, Marquette University, 2020.
+Every default names its source. "Zhang 2020" is J. Zhang, *Analysis of Bristle-Tip Impact Crater for
+Wire Impact Tool*, PhD dissertation, Marquette University, 2020.
 
-Axes: the hub's centre is the origin, x runs along the workpart in the direction in which the tip travels, y is the
-workpart's outward normal. Angles of hub and bristle are measured from the direction that points at the workpart (-y),
-positive in the hub's sense of rotation; a bristle at angle phi points from its root along (sin phi, -cos phi).
+Axes: the hub's centre is the origin, x runs along the workpart in the direction in which the tip
+travels, y is the workpart's outward normal. Angles of hub and bristle are measured from the
+direction of the workpart (-y), positive in the hub's sense of rotation. A bristle at the angle phi
+points from its root along (sin phi, -cos phi).
 """
 
 from bristle_sim.parameters.experiments import (

@@ -1,4 +1,4 @@
-"""Parameters of experiments: a release, a strike, a pendulum, neighbours; and of studies of many runs."""
+"""Parameters of experiments, as a release, a strike or a pendulum, and of studies of many runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 
 def speed_ratio_at_strike() -> Any:
-    """Declare the bristle's rate over the hub's speed."""
+    """Declare the ratio of the bristle's rate to the hub's speed at the strike."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
     return quantity(
         3.23,
@@ -22,7 +22,7 @@ def speed_ratio_at_strike() -> Any:
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
-    """Declare the angle gamma of a strike, in degrees."""
+    """Declare the impact angle gamma, deg."""
     return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg: {meaning} [{source}]")
 
 
@@ -47,7 +47,11 @@ class Strike(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
-    """Stiffness of a contact resolved in time, given by its half periods as a frictionless spring on a rigid bristle's K."""
+    """Stiffness of a contact resolved in time.
+
+    It is given by a duration: half periods of a frictionless spring on the inverse mass K of a
+    rigid bristle.
+    """
 
     duration: float = quantity(
         7.1e-5,
@@ -56,7 +60,7 @@ class ContactStiffness(Declared):
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:
-        """Return k = (pi (1 + e*)/(2 T))^2/K_nn, N/m, with K_nn of the rigid bristle, 1/kg."""
+        """Return k = (pi (1 + e*)/(2 T))^2/K_nn, N/m; K_nn is that of the rigid bristle, 1/kg."""
         return (0.5 * math.pi * (1.0 + restitution) / self.duration) ** 2 / inverse_mass
 
 
@@ -120,7 +124,7 @@ class DoublePendulum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
-    """Bristles that follow each other in one plane, and friction and restitution between two wires."""
+    """Bristles in one row, and friction and restitution between two wires."""
 
     bristles: int = count(
         2,
@@ -149,7 +153,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """Whether a run is also compared with the independent solution."""
+    """The choice whether a run is also compared with the independent solution."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"
@@ -164,7 +168,7 @@ MEDIUM = "ISO 2768-1 medium"
 
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
-    """Resolution of the maps, and the processes that compute them."""
+    """Resolution of the maps, and number of processes that compute them."""
 
     points: int = count(25, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
     half_width: float = quantity(
@@ -198,7 +202,9 @@ def _spread(default: float, key: str, unit: str, source: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Spreads(Declared):
-    """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
+    """Half-widths of the intervals of the inputs, in the inputs' units; an input with 0 stays at
+    its value.
+    """
 
     hub_speed: float = _spread(
         2.618, "hub_speed", "rad/s", "assumed: 1 %, a hand-held drive under load"
@@ -228,9 +234,10 @@ class Spreads(Declared):
 class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
 
-    In a Sobol sequence of 26 dimensions, two for each of 13 inputs, the first 64 points leave pairs of dimensions correlated:
-    indices are then off by up to 0.4, which the bootstrap does not show; with 128 by 0.2, with 256 by 0.1, with 512 by 0.03
-    (tried on a linear model).
+    A Sobol sequence of 26 dimensions has two for each of 13 inputs. Its first 64 points leave pairs
+    of dimensions correlated, so indices are off by up to 0.4, which the bootstrap does not show.
+    With 128 points the error is 0.2, with 256 points 0.1, with 512 points 0.03 (tried on a linear
+    model).
     """
 
     samples: int = count(

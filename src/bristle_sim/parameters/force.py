@@ -1,4 +1,4 @@
-"""Parameters of force history, crater, measured impacts, and the map of the film."""
+"""Parameters of force history, crater, measured impacts and the map of the film."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bristle_sim.units import Declared, count, declared_field, quantity, shown, 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A declared text: the name of a file, or the heading or number of one of its columns; None where there is none."""
+    """Declaration of a text: the name of a file or folder, or the heading or number of a column."""
 
     key: str
     source: str
@@ -94,9 +94,10 @@ class Measurement(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory(Declared):
-    """The contact compared with a force curve.
+    """The contact that is compared with a force curve.
 
-    Where None, ``speed_ratio`` gives the curve's compressive impulse, and ``compression_time`` is the curve's.
+    If ``speed_ratio`` is None, it is the ratio that gives the curve's compressive impulse. If
+    ``compression_time`` is None, it is that of the curve.
     """
 
     speed_ratio: float | None = quantity(
@@ -114,7 +115,7 @@ class ForceHistory(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Crater(Declared):
-    """A bristle's tip that cuts."""
+    """The cut of a bristle's tip."""
 
     speed_ratio: float = speed_ratio_at_strike()
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
@@ -142,7 +143,7 @@ class Crater(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Measured(Declared):
-    """The law that is compared with measured impacts, and the user's own file of such impacts."""
+    """The law that is compared with measured impacts, and the user's own file of measured impacts."""
 
     tangential_compliance: float = quantity(
         1.15,
@@ -157,7 +158,10 @@ class Measured(Declared):
 
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
-    """The map over contact stiffness and wire damping, the camera of the nearest pass, and the folder of finished cases."""
+    """The map over contact stiffness and wire damping.
+
+    Camera of the pass nearest to the map's best case, and folder of finished cases, are here too.
+    """
 
     durations: int = count(
         8, "2 <= map_durations <= 200: contact durations of the map, in equal ratios [chosen]"

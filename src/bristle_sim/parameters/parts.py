@@ -11,15 +11,15 @@ from bristle_sim.units import ANY, Computed, Declared, Range, choice, count, dec
 Vector = tuple[float, float]
 
 PRINTED_BELT_STIFFNESS = (
-    0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
+    0.00041  # printed as "N m/rad" (Zhang 2020, eq. 2.2), which can only be meant per degree
 )
-USUAL_HUB_SPEEDS = (
-    1.0,
-    1500.0,
-)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
-USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad: the printed number, which is per degree, is less
+# Usual hub speeds, rad/s: 10 to 14 000 rpm. A speed in rpm that is typed without its unit is
+# larger.
+USUAL_HUB_SPEEDS = (1.0, 1500.0)
+USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad; the printed number, which is per degree, is below
 
-# of the wire; Zhang 2020, figs. 2.7, eq. 2.2, sec. 4.1
+# Mass (kg), length (m), diameter (m) and density (kg/m^3) of the wire (Zhang 2020, fig. 2.7, eq.
+# 2.2, sec. 4.1).
 PRINTED_MASS = 8.387e-5
 PRINTED_LENGTH = 0.027
 PRINTED_DIAMETER = 7.1e-4
@@ -27,8 +27,7 @@ PRINTED_DENSITY = PRINTED_MASS / (
     math.pi / 4.0 * PRINTED_DIAMETER**2 * PRINTED_LENGTH
 )  # 7,845.78 kg/m^3: steel
 USUAL_MASSES = (PRINTED_MASS / 100.0, PRINTED_MASS * 100.0)  # kg
-
-RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
+RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p, rad (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
 CONTACT_KEYS = ("contact", "contact_duration", "tangential_compliance")  # keys of the law of impact
 SURFACE_KEYS = (
@@ -45,7 +44,7 @@ SHAPE_KEYS = (
 
 @dataclass(frozen=True, slots=True)
 class Hub(Declared):
-    """Rotating hub that keeps its speed."""
+    """Rotating hub of constant speed."""
 
     speed: float = quantity(
         261.8,
@@ -61,7 +60,7 @@ class Hub(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Belt(Declared):
-    """Flexible belt: a torsion spring, perhaps damped, at the bristle's root."""
+    """Flexible belt: a torsion spring at the bristle's root, with or without damping."""
 
     stiffness: float = quantity(
         math.degrees(PRINTED_BELT_STIFFNESS),
@@ -77,17 +76,21 @@ class Belt(Declared):
 
 
 def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
-    """Return the density times the wire's volume, kg: the printed mass times ratios that are 1 for the printed wire."""
+    """Return the density times the wire's volume, kg.
+
+    It is the printed mass times ratios that are 1 for the printed wire.
+    """
     section = (diameter / PRINTED_DIAMETER) ** 2
     return PRINTED_MASS * section * (length / PRINTED_LENGTH) * (density / PRINTED_DENSITY)
 
 
 @dataclass(frozen=True, slots=True)
 class Bristle(Declared):
-    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends.
+    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that
+    bends.
 
-    A mass that is not given is that of the wire's volume, and follows when ``dataclasses.replace`` changes length, diameter or
-    density; one that is given stays.
+    A mass that is not given is the density times the wire's volume; it changes if
+    ``dataclasses.replace`` changes length, diameter or density. A given mass stays.
     """
 
     length: float = quantity(
@@ -159,7 +162,10 @@ class Bristle(Declared):
 
     @property
     def path(self) -> tuple[Vector, ...]:
-        """Return the centre line's corners from root to tip, seen from the root with the shank along (0, -1), m."""
+        """Corners of the centre line from the knee, if any, to the tip, m.
+
+        The root is the origin, and the shank points along (0, -1).
+        """
         if self.knee_angle_deg == 0.0:
             return ((0.0, -self.length),)
         shank = self.knee_position * self.length
@@ -169,12 +175,12 @@ class Bristle(Declared):
 
     @property
     def tip(self) -> Vector:
-        """Return the end of the centre line, seen from the root as in ``path``, m."""
+        """End of the centre line in the axes of ``path``, m."""
         return self.path[-1]
 
     @property
     def centre(self) -> Vector:
-        """Return the centre of mass, seen from the root as in ``path``, m."""
+        """Centre of mass in the axes of ``path``, m."""
         if self.knee_angle_deg == 0.0:
             return (0.0, -0.5 * self.length)
         (x, y), (u, v), rest = *self.path, 1.0 - self.knee_position
@@ -182,7 +188,9 @@ class Bristle(Declared):
 
     @property
     def inertia_about_centre(self) -> float:
-        """Return the moment of inertia about the centre of mass, m L^2/12 (2.22) for a straight bristle, kg m^2."""
+        """Moment of inertia about the centre of mass, kg m^2; m L^2/12 for a straight bristle
+        (2.22).
+        """
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 12.0
         x, y = self.centre
@@ -190,7 +198,10 @@ class Bristle(Declared):
 
     @property
     def inertia_about_root(self) -> float:
-        """Return the moment of inertia about the root, m (a^2 + a b + b^2)/3 of each straight piece from a to b, kg m^2."""
+        """Moment of inertia about the root, kg m^2.
+
+        A straight piece of mass m from a to b has m (a^2 + a b + b^2)/3.
+        """
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 3.0
         (x, y), (u, v), knee = *self.path, self.knee_position
@@ -203,7 +214,10 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the bar radius that makes the printed bar position touch the wire at the printed retraction angle."""
+    """Return the radius of the bar, m, that touches the wire at the printed retraction.
+
+    The bar stands at its printed position.
+    """
     hub_radius = 0.0275
     length = PRINTED_LENGTH
     tip_radius = math.sqrt(
@@ -214,7 +228,7 @@ def _bar_radius() -> float:
 
 @dataclass(frozen=True, slots=True)
 class Bar(Declared):
-    """Accelerator bar: a fixed circle on the incoming side, rigid."""
+    """Accelerator bar: a fixed, rigid circle on the incoming side."""
 
     radius: float = quantity(
         _bar_radius(),
@@ -243,7 +257,7 @@ class Bar(Declared):
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Return the centre of the bar, (-S_H, -S_V), m."""
+        """Centre of the bar, (-S_H, -S_V), m."""
         return (-self.horizontal, -self.vertical)
 
 
@@ -269,7 +283,7 @@ class Surface(Declared):
 
     @property
     def friction_in_restitution(self) -> float:
-        """Return mu_2, equal to mu_1 unless given."""
+        """Friction mu_2 in restitution; equal to mu_1 unless given."""
         return self.friction if self.restitution_friction is None else self.restitution_friction
 
 
@@ -286,7 +300,7 @@ class Workpart(Surface):
 
 @dataclass(frozen=True, slots=True)
 class Contact(Declared):
-    """Contact law: energetic impact, a compliance resolved in time, or the engine's own."""
+    """Law of impact: energetic, a compliance resolved in time, or the engine's own contact."""
 
     law: str = choice(
         "contact: law of impact: by energy, resolved in time on a spring, or the engine's own"

@@ -21,20 +21,19 @@ from bristle_sim.units import (
     shown,
 )
 
-START = (
-    -math.pi / 2.0
-)  # rad; hub angle at the start of a pass, a quarter turn before the direction of the workpart
-CLEAR_OF_BAR = math.radians(
-    5.0
-)  # rad; hub angle from an earlier start to the touch, far more than the rounding of a gap
+# Hub angle at the start of a pass, rad: a quarter turn before the direction of the workpart.
+START = -math.pi / 2.0
+# Turn of the hub from an earlier start to the touch of the bar, rad: far more than the rounding of
+# a gap.
+CLEAR_OF_BAR = math.radians(5.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Tool(Declared):
-    """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
+    """The bristle-blasting tool.
 
-    The default is the dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), its belt stiffness read per degree.
-
+    A ``bar`` or ``workpart`` of None is absent. Gravity, m/s^2, acts along -y. The default is the
+    dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), with its belt stiffness read per degree.
     Raises ValueError for a part of the wrong class.
     """
 
@@ -77,12 +76,15 @@ class Tool(Declared):
             )
 
     def replace(self, **changes: Any) -> Tool:
-        """Return a tool with other values, ``tool.replace(hub_speed="3000 rpm", friction=0.4, bar=None)``.
+        """Return a tool with other values, as in ``tool.replace(hub_speed="3000 rpm", friction=0.4,
+        bar=None)``.
 
-        Names are the keys of the command line, or those of whole parts; numbers are in SI units, or texts with a unit.
+        Names are the keys of the command line, or those of whole parts; numbers are in SI units, or
+        texts with a unit.
 
         Raises:
-            ValueError: in one line, for an unknown name, a value that is refused, or a key of an absent part.
+            ValueError: for an unknown name, a refused value, or a key of an absent part; the
+            message is one line.
         """
         found = dict[str, Any]()
         places = {key: part for part, keys in tool_keys().items() for key in keys}
@@ -97,7 +99,7 @@ class Tool(Declared):
                 if key in keys and key not in found:
                     values[keys[key][0]] = (
                         float(value) if isinstance(value, Computed) else value
-                    )  # given from now on
+                    )  # the copied mass is a given one
             owner: Any = found.get(part, getattr(self, part)) if part else self
             if values and owner is None:
                 raise ValueError(f"{part} = None: must be present where one of its keys is given")
@@ -107,9 +109,10 @@ class Tool(Declared):
 
     @property
     def start_hub_angle(self) -> float:
-        """Return the hub angle at the start of a pass, rad; by default -pi/2 if the wire is then clear of the bar and behind it.
+        """Hub angle at the start of a pass, rad.
 
-        Otherwise the start is CLEAR_OF_BAR before the wire meets the bar.
+        By default it is -pi/2, if the wire is then clear of the bar and behind it. Otherwise the
+        start is CLEAR_OF_BAR before the wire meets the bar.
         """
         if self.start_hub_angle_deg is not None:
             return math.radians(self.start_hub_angle_deg)
@@ -118,12 +121,14 @@ class Tool(Declared):
 
     @property
     def bar_meeting_angle(self) -> float | None:
-        """Return the hub angle at which the undeflected wire first touches the bar, rad; None if it passes under the bar.
+        """Hub angle at which the undeflected wire first touches the bar, rad; None if it passes
+        under the bar.
 
-        Seen from the hub's centre, with the root's direction as real axis, the bar's centre is S e^{i phi}, phi falling. It
-        touches a straight piece of direction e^{i eta}, at the distance h from the hub's centre, where
-        S sin(phi - eta) = h + r_b + d/2, and a corner rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2.
-        The largest phi comes first.
+        Seen from the hub's centre, with the root's direction as real axis, the bar's centre is S
+        e^{i phi}, with phi falling. The bar touches a straight piece of direction e^{i eta}, at the
+        distance h from the hub's centre, where S sin(phi - eta) = h + r_b + d/2. It touches a
+        corner rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2. The
+        touch with the largest phi comes first.
         """
         if self.bar is None:
             return None
@@ -145,9 +150,10 @@ class Tool(Declared):
 
     @property
     def workpart_depth(self) -> float:
-        """Return the distance of the workpart's surface below the hub's centre, tip circle less Delta, m.
+        """Distance of the workpart's surface below the hub's centre, m: radius of the tip's circle
+        less Delta.
 
-        The tip circle of an undeflected straight bristle has the radius r_h + L.
+        The tip's circle of an undeflected straight bristle has the radius r_h + L.
         """
         if self.workpart is None:
             raise ValueError("workpart = None: must be a Workpart where its depth is requested")
@@ -156,21 +162,25 @@ class Tool(Declared):
 
     @property
     def bar_reach(self) -> float:
-        """Return the distance from the bar's centre at which the wire's centre line touches the bar, r_b + d/2, m."""
+        """Distance from the bar's centre at which the wire's centre line touches the bar, r_b +
+        d/2, m.
+        """
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its reach is requested")
         return self.bar.radius + self.bristle.wire_diameter / 2.0
 
     @property
     def bar_clearance(self) -> float:
-        """Return the largest radius from the hub's centre that passes under the bar, S - r_b - d/2, m."""
+        """Largest radius about the hub's centre that passes under the bar, S - r_b - d/2, m."""
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its clearance is requested")
         return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
 
     @property
     def belt_damping(self) -> float:
-        """Return the torsional damping c = 2 zeta sqrt(k_T I), N m s/rad, with the bristle's damping ratio on the belt."""
+        """Torsional damping c = 2 zeta sqrt(k_T I), N m s/rad; zeta is the damping ratio of the
+        bristle on the belt.
+        """
         return (
             2.0
             * self.belt.damping_ratio
@@ -186,11 +196,14 @@ PARTS: dict[str, tuple[type, ...]] = {
     "workpart": (Workpart, type(None)),
     "contact": (Contact,),
 }
-"""The classes of a tool's parts, with NoneType for a part that may be absent."""
+"""Classes of a tool's parts; NoneType means that the part may be absent."""
 
 
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return the keys of each part of a tool ("" is the tool itself), each with its field and declaration."""
+    """Return the keys of each part of a tool, each with its field and declaration.
+
+    The part "" is the tool itself.
+    """
     parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
     return {
         part: {each.key: (name, each) for name, each in declarations(of).items()}
