@@ -45,21 +45,21 @@ class EnergeticContact:
         ValueError: for coefficients out of range, for anything but a space and collision types, and
             if the space has an EnergeticContact already.
 
-    Call :meth:`step` instead of ``space.step``, which leaves contacts to the engine, and always
-    with the same duration. Impacts of bodies that touch each other are resolved one by one at the
-    instants of touch, the earliest first, and of simultaneous ones the fastest first. After
+    Call :meth:`step`, always with the same duration, instead of ``space.step``, which leaves all
+    contacts to the engine. Impacts of bodies that touch each other are resolved one by one at the
+    instants of touch, the earliest first; of simultaneous impacts the fastest is first. After
     ``sequence.MOST`` impacts the rest are resolved at once. For a copied or unpickled space
-    :meth:`of` returns its object, without ``report``. Threads may step spaces of their own at the
-    same time; Chipmunk does not allow two threads to use one space at once.
+    :meth:`of` returns its EnergeticContact, without ``report``. Threads may step different spaces
+    at the same time; Chipmunk does not permit two threads in one space.
 
-    Just before an impact, velocities are projected onto the joints, which only loses energy, as
-    ``energetic_impact`` does (moving kinematic bodies, motors and surface velocities do work of
-    their own). Between impacts the engine may gain energy: it solves joints iteratively, and
-    corrects positions by velocities (``error_bias``, ``collision_bias``; none at 1).
+    Just before an impact, velocities are projected onto the joints. The projection and the impact
+    only lose energy, but moving kinematic bodies, motors and surface velocities do work. Between
+    impacts the engine may gain energy: it solves joints iteratively, and corrects positions by
+    velocities (``error_bias``, ``collision_bias``; none at 1).
 
-    Every kind of joint takes part, a limit only if it pushes; springs, joints with a finite
-    ``max_force`` and joints outside the space do not. Your ``pre_solve`` for the same types is
-    called first, one for any type (None) last.
+    Every kind of joint takes part, a limit only if it pushes. Springs, joints with a finite
+    ``max_force`` and joints outside the space take no part. Your ``pre_solve`` for the same types
+    is called first, a ``pre_solve`` for any type (None) last.
     """
 
     def __init__(

@@ -45,8 +45,8 @@ from bristle_sim.contact_space.joints import (
     span,
 )
 
-# Sum of the parts of the change of v_t over v_t itself above which the tip's motion is used: two
-# digits have cancelled.
+# Parts of the change of v_t, over v_t before and after, above which the tip's motion is used.
+# Two digits have cancelled there.
 CANCELS = 100.0
 
 SINGULAR = (

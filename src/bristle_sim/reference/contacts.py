@@ -1,10 +1,13 @@
-"""Contacts of wires with bar, workpart and each other: gaps, and the levers of forces at them.
+"""Contacts of wires with bar, workpart and each other: gaps, and Jacobian rows of the contact
+velocities.
 
-The normal n points from the obstacle to the wire, the tangent is t = -i n. A contact is on the flank of a straight piece,
-whose normal turns with its link, or on a corner (between two pieces, or the wire's end), whose normal turns as the corner
-slides around the bar. With the velocities of the wire's surface in contact,
+The normal n points from the obstacle to the wire; the tangent is t = -i n. A contact on the flank
+of a straight piece has a normal that turns with its link. A contact on a corner (between two
+pieces, or the wire's end) has a normal that turns as the corner slides around the bar. The
+velocities of the wire's surface at the contact obey
 
-    v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' = J_t theta'' + bias_t.
+  v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' =
+  J_t theta'' + bias_t.
 """
 
 from __future__ import annotations
@@ -30,7 +33,15 @@ class Point(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Kinematics of a contact at one instant; ``along`` is its place along a flat surface, m."""
+    """Kinematics of a contact at one instant, in SI units.
+
+    Attributes:
+        gap: gap between wire and obstacle, m.
+        normal_row, tangential_row: J_n and J_t.
+        velocity: (v_n, v_t), m/s.
+        bias: (bias_n, bias_t), m/s^2.
+        along: position of the contact along a flat surface, m.
+    """
 
     gap: float
     normal_row: Array
@@ -42,10 +53,15 @@ class Touch(NamedTuple):
 
 @dataclass(slots=True)
 class Spring:
-    """The spring of a compliant contact, and its state.
+    """The springs of a compliant contact and their state.
 
-    The penetration is measured from where the contact began, ``surface``: in the dent that another one has left, below the
-    workpart's. The foot of a tangential spring is at ``anchor`` while it sticks.
+    Attributes:
+        law: stiffness, restitution and friction of the contact.
+        surface: gap at which the contact began, m. It is negative in the dent of an earlier
+            contact; the penetration is measured from it.
+        anchor: position of the tangential spring's foot while it sticks, m.
+        deepest: deepest penetration, m.
+        loading: whether the spring loads.
     """
 
     law: ContactSpring
@@ -56,15 +72,15 @@ class Spring:
 
     @property
     def left(self) -> float:
-        """Penetration at which the force is back at zero, m."""
+        """Penetration at which the force is zero after unloading, m."""
         return self.law.residual(self.deepest)
 
     def force(self, gap: float) -> float:
-        """Return the normal force at a gap to the undented obstacle, N."""
+        """Return the normal force at a gap, N; the gap is measured to the undented obstacle."""
         return self.law.normal_force(self.surface - gap, None if self.loading else self.deepest)
 
     def rub(self, touch: Touch, slip: int) -> float | None:
-        """Return the tangential force, N; None where the contact is rigid along the surface."""
+        """Return the tangential force, N; None if the contact is rigid along the surface."""
         if not self.law.compliance:
             return None
         if slip:
@@ -72,11 +88,14 @@ class Spring:
         return self.law.tangential_force(touch.along, self.anchor)
 
     def foot(self, touch: Touch, slip: int) -> float:
-        """Return the foot's velocity in the sense of its slip, m/s; without a tangential spring that of the point."""
+        """Return the velocity of the foot in the sense of its slip, m/s.
+
+        Without a tangential spring it is the velocity of the contact point.
+        """
         return slip * self.law.foot_velocity(touch.velocity, slip, loading=self.loading)
 
     def stretch(self, touch: Touch, pull: float) -> None:
-        """Let the foot stick where the tangential force is now ``pull``, N."""
+        """Place the foot so that the tangential force is ``pull``, N, and let it stick."""
         self.anchor = self.law.foot(touch.along, pull)
 
 
@@ -90,9 +109,17 @@ def touch_of(
     spin: float,
     moving: complex,
 ) -> Touch:
-    """Assemble a contact from its normal, the surface point, the normal's rate of turn and that point's own velocity.
+    """Return the kinematics of a contact.
 
-    ``moving`` is the velocity of the place of contact, which slides along the wire's material.
+    Args:
+        chain: the links.
+        motion: kinematics of the links.
+        link: number of the link in contact.
+        gap: gap, m.
+        normal: unit normal.
+        point: contact point on the wire's surface.
+        spin: angular velocity of the normal, rad/s.
+        moving: velocity of the place of contact, which slides along the wire's material, m/s.
     """
     velocity = motion.velocity[link]
     rate = motion.rates[link]
@@ -110,7 +137,10 @@ def touch_of(
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A circle that touches the wire's pieces and corners from any side; ``reach`` is its radius and the wire's, r_b + d/2."""
+    """A circle that touches the wire's pieces and corners from any side.
+
+    ``reach`` is the sum of the radii of circle and wire, r_b + d/2, m.
+    """
 
     centre: complex
     reach: float
@@ -119,7 +149,12 @@ class Bar:
     compliance: float = 0.0
 
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
-        """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
+        """Return the foot of the bar's centre on each piece, m from the piece's start, and the gap,
+        m.
+
+        The foot may lie beyond the piece; the gap is that of the nearest point on the piece. Shapes
+        are (..., pieces).
+        """
         links, starts, directions, lengths = chain.pieces
         turn = motion.turn[..., links]
         joint = motion.joint[..., links]
@@ -130,7 +165,7 @@ class Bar:
         return foot, np.abs(nearest - self.centre) - self.reach
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap of every piece, m, shape (..., pieces)."""
+        """Return the gap between the bar and every piece, m, shape (..., pieces)."""
         return self.feet(chain, motion)[1]
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
@@ -156,14 +191,16 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class Workpart:
-    """The half-plane y < -depth, which the wire's end and its knees touch."""
+    """The half-plane y < -depth, which the wire's end and its knees can touch."""
 
     depth: float
     surface: Surface
     compliance: float = 0.0  # eta^2
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
+        """Return the height of each corner of ``chain.corners`` above the surface, m, shape (...,
+        corners).
+        """
         corners = list(chain.corners)
         links = chain.pieces.links[corners]
         ends = chain.pieces.ends[corners] * motion.turn[..., links]
@@ -181,7 +218,7 @@ class Workpart:
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
-    """Return a tool's obstacles by name."""
+    """Return the obstacles of a tool by name."""
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)
@@ -195,7 +232,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
 
 
 def follows(chain: Chain, piece: int) -> bool:
-    """Return whether a piece begins where the one before it ends, and not at a wire's root."""
+    """Return whether a piece begins at the end of another piece, and not at a wire's root."""
     return piece > 0 and piece - 1 not in chain.tips
 
 
@@ -205,7 +242,9 @@ def dot(first: complex, second: complex) -> float:
 
 
 class WirePairs:
-    """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
+    """All pairs of wires of a row as one obstacle; the piece of a contact is the number of its
+    pair.
+    """
 
     name = "wire"
     compliance = 0.0
@@ -216,7 +255,7 @@ class WirePairs:
         self.pairs = list(itertools.combinations(range(wires), 2))
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap of every pair, m."""
+        """Return the gap of every pair of wires, m."""
         return np.array(
             [self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs]
         )
@@ -253,7 +292,12 @@ class WirePairs:
     def _nearest(
         chain: Chain, motion: Kinematics, first: int, second: int
     ) -> tuple[float, int, tuple[float, float]]:
-        """Return the distance of two centre lines, the wire whose end is nearest, and both distances from the roots, m."""
+        """Return the nearest points of two centre lines.
+
+        Returns:
+            Distance of the points, m; number (0 or 1) of the wire whose end is one of them; and
+            their distances from the roots, m.
+        """
         length = chain.length
         along = chain.ends * motion.turn / chain.length
         found = []

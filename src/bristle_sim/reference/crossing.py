@@ -1,8 +1,9 @@
-"""The instants of a step at which a function changes its sign: events and extremes; no short dip is stepped over.
+"""The instants of a step at which a function changes its sign: events and extremes.
 
-A smooth function on a short interval is its Chebyshev series to rounding, and a companion matrix gives all the roots of the
-series at once. Where 17 points do not resolve the function (a kink, a jump) the interval is halved. The roots only separate
-intervals of one sign; the crossing itself is bracketed and located on the function.
+No short dip is missed. A smooth function on a short interval is its Chebyshev series to rounding,
+and a companion matrix gives all roots of the series at once. If 17 points do not resolve the
+function (a kink, a jump), the interval is halved. The roots only separate intervals of one sign;
+the crossing itself is bracketed and located on the function.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from bristle_sim.reference.events import Event, Follow, Value
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log, Record
 from bristle_sim.reference.system import Instant, State, System
 
-IDLE = 10.0  # a highest relative rate below this multiple of its rounding is no motion
+IDLE = 10.0  # least highest relative rate of a motion, in units of its rounding
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
@@ -29,17 +30,15 @@ NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = 2.0 / (DEGREE + 1) * chebyshev.chebvander(NODES, DEGREE).T
 WEIGHTS[0] *= 0.5
 
-DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
-MOST_PIECES = (
-    400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
-)
-SERIES_ROUNDING = (
-    1e-13  # the series' last coefficients are rounding below this fraction of the function's size
-)
+DEEPEST = 24  # largest number of halvings: they confine a jump to 6e-8 of the interval
+# Largest number of pieces: a kink or a jump takes fifty, a function of pure rounding takes all.
+MOST_PIECES = 400
+# Last coefficients of a series below which they are rounding, as a fraction of the function's size.
+SERIES_ROUNDING = 1e-13
 
 
 def nodes(start: float, end: float) -> Array:
-    """Return the 17 times of an interval, ascending, at which a series takes a function's values."""
+    """Return the 17 times of an interval at which a series samples a function, ascending."""
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
@@ -53,10 +52,14 @@ def _resolved(series: Array, values: Array, resolution: float) -> bool:
 def crossings(
     function: Function, start: float, end: float, resolution: float, before: int = 0
 ) -> list[tuple[float, int]]:
-    """Return every change of sign in [start, end], s, in order: its time, s, and +1 to positive or -1 to negative.
+    """Return every change of sign of a function in [start, end], in order of time.
 
-    Values of the function within ``resolution`` of zero have no sign of their own: they take the one that went before.
-    ``before`` is the sign at the start where the first values have none; 0 means that the first sign is no change.
+    Values within ``resolution`` of zero have no sign of their own; they take the sign before them.
+    ``before`` is the sign at the start if the first values have none; with 0 the first sign is no
+    change.
+
+    Returns:
+        Pairs of the time, s, and +1 for a change to positive or -1 for a change to negative.
     """
     edges = {start, end}
     waiting = [(start, end, DEEPEST)]
@@ -81,7 +84,7 @@ def crossings(
 
 
 def _roots(series: Array, left: float, right: float) -> list[float]:
-    """Return the real roots of a series in its interval."""
+    """Return the real roots of a series in its interval, as times."""
     sizes = np.abs(series)
     if sizes[0] > sizes[1:].sum() or not sizes.any():
         return []
@@ -94,7 +97,10 @@ def _roots(series: Array, left: float, right: float) -> list[float]:
 def _sign_changes(
     function: Function, probes: Array, values: Array, resolution: float, before: int
 ) -> Iterator[tuple[float, int]]:
-    """Locate the root between each pair of successive probes of opposite sign; probes without a sign are left out."""
+    """Yield the root between each pair of successive probes of opposite sign, and the new sign.
+
+    Probes without a sign are left out.
+    """
     signed = np.flatnonzero(np.abs(values) > resolution).tolist()
     sign = before
     last = 0
@@ -107,7 +113,10 @@ def _sign_changes(
 
 
 def _root(function: Function, left: float, right: float, already: float) -> float:
-    """Return the root between two times, s; the left one if the function ``already`` has the right one's sign there."""
+    """Return the root of a function between two times, s.
+
+    If the value ``already`` at the left time has the right one's sign, return the left time.
+    """
     if already >= 0.0:  # by rounding, at the start of the search
         return float(left)
     return float(
@@ -118,7 +127,14 @@ def _root(function: Function, left: float, right: float, already: float) -> floa
 
 
 class Step(NamedTuple):
-    """A step of the integrator: its motion, times -> states, and the instants at its nodes, see the module ``crossing``."""
+    """A step of the integrator.
+
+    Attributes:
+        system: the links and their contacts.
+        motion: function that returns the states at times.
+        instants: instants at the times of ``nodes``.
+        start, end: start and end of the step, s.
+    """
 
     system: System
     motion: Callable[[Array], list[State]]
@@ -127,7 +143,10 @@ class Step(NamedTuple):
     end: float
 
     def sign(self, value: Value, resolution: float) -> int | None:
-        """Return the sign that a function of an instant has throughout the step, 0 if it is rounding; None if it may change."""
+        """Return the sign that a function of an instant has throughout the step.
+
+        It is 0 if the function is rounding, and None if the sign may change.
+        """
         values = np.array([value(each) for each in self.instants])
         if np.abs(values).max() <= resolution:
             return 0
@@ -138,14 +157,16 @@ class Step(NamedTuple):
         return int(np.sign(series[0])) if certain else None
 
     def along(self, value: Value) -> Callable[[Array], Array]:
-        """Return a function of an instant as one of times."""
+        """Return a function of an instant as a function of times."""
         return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
 
 
 def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
-    """Return the time of the first event on a step of the integrator, s, and its consequence; else the step's end and None.
+    """Return the time of the first event on a step, s, and its consequence; without an event the
+    step's end and None.
 
-    A function that is zero but for rounding has the sign from which its event changes it: the event is still to come.
+    A function that is zero to rounding has the sign from which its event changes it: the event is
+    still to come.
     """
     end = step.end
     follow = None
@@ -167,7 +188,10 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
 
 
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
-    """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
+    """Return the obstacles and pieces that can touch in a step.
+
+    No gap closes faster than the points of the links move.
+    """
     chain = system.chain
     top_speed = chain.speed * chain.hub_radius + float(
         np.abs(chain.ends) @ np.abs(instant.state.rates)
@@ -180,9 +204,13 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
 
 
 def note_extremes(log: Log, own: Record, step: Step) -> float | None:
-    """Record a wire's largest lag and highest relative rate in a step; return the time at which one of them ends the run.
+    """Record a wire's largest retraction and highest relative rate in a step.
 
-    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    The hinges of a wire of several links vibrate, so that its first link has no single highest
+    rate, and none is recorded.
+
+    Returns:
+        The time at which one of the extremes ends the run, s, or None.
     """
     system = step.system
     chain = own.chain
@@ -217,7 +245,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     )
     if ahead and not own.seen(
         "bar touch"
-    ):  # within half a turn of the root: the bristle has not been thrown yet
+    ):  # the bar is within half a turn ahead of the root: the bristle has not been thrown yet
         return None
     for time in zeros(acceleration, rounding * system.fastest, -1):
         if step.along(rate)(np.array([time]))[0] > IDLE * rounding:

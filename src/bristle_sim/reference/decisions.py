@@ -1,4 +1,6 @@
-"""The consequences of an event: impacts, the contacts that stay closed, the senses of their slip, the end of a run."""
+"""The consequences of an event: impacts, sustained contacts, the senses of their slip, and the end
+of a run.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +18,26 @@ from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 
-LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
-MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
-AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
+# Lowest height of a rebound, over hub radius plus length; after a lower one the contact is
+# sustained.
+LOWEST_REBOUND = 1e-10
+MOST_AT_ONCE = 64  # number of impacts of a single wire at one instant at which the wire is jammed
+AT_ONCE = 1e-10  # duration of one instant, times the fastest rate, rad
 
 
 def close_contact(system: System, log: Log, name: str, piece: int, state: State) -> State:
-    """Record a touch, then resolve impacts and decide which contacts are sustained."""
+    """Record a touch, resolve its impacts, and determine the sustained contacts; return the new
+    state.
+    """
     new = _place(system, name, piece, state)
     log.touched(new, state.time)
     return decide(system, log, state, new)
 
 
 def _place(system: System, name: str, piece: int, state: State) -> Point:
-    """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
+    """Return the place at which a piece is touched: its flank, the corner at its end, or the corner
+    before it.
+    """
     if isinstance(system.obstacles[name], Workpart):
         return Point(name, system.chain.corners[piece], True)
     if isinstance(system.obstacles[name], WirePairs):
@@ -41,9 +49,13 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
 
 
 def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
-    """Resolve impacts among the closed contacts, then find which of them stay closed; return the state after it.
+    """Resolve impacts among the closed contacts, then determine the contacts that stay closed.
 
-    Raises Finished if the run ends here.
+    Returns:
+        The state afterwards.
+
+    Raises:
+        Finished: if the run ends here.
     """
     begun = [] if new is None or new in system.rigid else [_begun(system, state, new)]
     touching = sorted([*system.sustained, *begun], key=lambda each: each.spring is not None)
@@ -91,7 +103,8 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
         and (stiffness := _stiffness(instant, touch, point)) is not None
     ):
         surface = obstacle.surface
-        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
+        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law uses a
+        # mean instead.
         compliance = obstacle.compliance if obstacle.compliance >= LEAST_COMPLIANCE else 0.0
         law = ContactSpring(
             stiffness,
@@ -105,10 +118,10 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
 
 
 def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
-    """Return the stiffness of a wire's contacts with the workpart, N/m; None where they are rigid.
+    """Return the stiffness of a wire's contacts with the workpart, N/m; None if they are rigid.
 
-    It follows from the requested duration of the first one: by the impact law for a rigid wire; for a wire of several links by
-    the frictionless motion that it had if its hinges were rigid.
+    It follows from the requested duration of the first contact. A rigid wire obeys the impact law.
+    For a wire of several links the motion is frictionless, with rigid hinges.
     """
     system = instant.system
     chain = instant.system.chain
@@ -132,7 +145,10 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
 def _impact(
     instant: Instant, touch: Touch, surface: Surface, compliance: float
 ) -> tuple[Impact, Array]:
-    """Return an impact by the energetic law, and the change of all rates by a normal and by a tangential unit impulse."""
+    """Return an impact by the energetic law, and the response of all rates.
+
+    The response is the change of the rates by a normal and by a tangential unit impulse.
+    """
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(instant.mass, rows.T)
     inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
@@ -143,7 +159,10 @@ def _impact(
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
-    """Return the sense in which a tangential spring's foot slides, 0 where it sticks; limit the force to the friction cone."""
+    """Return the sense in which a tangential spring's foot slides; 0 if it sticks.
+
+    The spring's force is limited to the friction cone.
+    """
     touch = instant.touch(each.point)
     mu = system.friction(each.point, spring)
     pull = spring.rub(touch, each.slip) or 0.0
@@ -157,7 +176,7 @@ def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> 
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
-    """Record a sustained contact that ends."""
+    """Record a sustained contact at its end."""
     normal, tangential = system.at(state).touch(each.point).velocity
     for own in log.of(each.point):
         own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
@@ -166,7 +185,9 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
 def end_compression(
     system: System, log: Log, each: Sustained, spring: Spring, state: State
 ) -> State:
-    """Begin a compliant contact's restitution, or end the contact where there is none."""
+    """End the compression of a compliant contact: begin its restitution or, without restitution,
+    end it.
+    """
     spring.deepest = spring.surface - system.at(state).touch(each.point).gap
     change_phase(system, each, spring, state)
     each.compression = each.sums
@@ -178,7 +199,10 @@ def end_compression(
 
 
 def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
-    """Begin restitution, or compression again: the tangential force stays, within the cone of the other friction."""
+    """Change a spring from loading to unloading or back.
+
+    The tangential force stays, within the cone of the new friction.
+    """
     touch = system.at(state).touch(each.point)
     if each.slip and (pull := spring.rub(touch, each.slip)) is not None:
         spring.stretch(touch, pull)
@@ -187,7 +211,7 @@ def change_phase(system: System, each: Sustained, spring: Spring, state: State) 
 
 
 def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
-    """Record a compliant contact whose force is back at zero, and remove it."""
+    """Record a compliant contact whose force has fallen to zero, and remove it."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
     log.released(each.point, state.time)
@@ -202,7 +226,7 @@ def move_contact(system: System, each: Sustained, point: Point, state: State) ->
 
 
 def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:
-    """Resolve the impacts at an instant one after the other, the fastest approach first."""
+    """Resolve the impacts at an instant one by one, the fastest approach first."""
     while points:
         instant = system.at(state)
         approaches = [instant.touch(point).velocity[0] for point in points]
@@ -213,7 +237,7 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
-    """Resolve one impact by the energetic law, and record it."""
+    """Resolve and record one impact by the energetic law."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     touch = instant.touch(point)

@@ -1,4 +1,5 @@
-"""Events that end an interval of smooth motion: an obstacle is touched, or a sustained contact changes."""
+"""Events that end an interval of smooth motion: the touch of an obstacle, or a change of a
+sustained contact."""
 
 from __future__ import annotations
 
@@ -26,20 +27,29 @@ from bristle_sim.settings import StopReason
 Value = Callable[[Instant], float]
 Follow = Callable[
     [State], State
-]  # the consequence of an event: the state before it -> the state after it
-INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
-PAST = 1e-13  # a contact has passed a corner by this fraction of the length: rounding does not bring it back
+]  # consequence of an event: function of the state before it that returns the state after it
+INSIDE = 1e-13  # overlap at a located touch, over hub radius plus length: 100 roundings of a gap
+# distance of a contact beyond a passed corner, over the length, against its return by rounding
+PAST = 1e-13
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
-GAP_ROUNDING = 1e-15  # rounding of a gap, as a fraction of hub radius and length
+GAP_ROUNDING = 1e-15  # rounding of a gap, over hub radius plus length
 
 LOCKED = 1e-6
-"""Friction is about to lock a contact, whose force then grows without bound, at this fraction of the frictionless response."""
+"""Response to a normal force with friction, over that without, at which friction is about to lock a
+contact.
+
+The force then grows without bound."""
 
 
 class Event(NamedTuple):
-    """A function of an instant whose change of sign in one direction ends an interval, and its consequence.
+    """A function of an instant whose change of sign in one direction ends an interval.
 
-    The gap of an obstacle and a piece has a ``place``: it is not evaluated while it is far from closing.
+    Attributes:
+        value: the function.
+        direction: sign of the function after the event.
+        resolution: magnitude below which the function is rounding.
+        follow: consequence of the event.
+        place: obstacle and piece of a gap. A gap is not evaluated while it is far from closing.
     """
 
     value: Value
@@ -50,7 +60,7 @@ class Event(NamedTuple):
 
 
 def events_of(system: System, log: Log, state: State) -> list[Event]:
-    """Return the events that can end the interval which begins at a state."""
+    """Return the events that can end the interval that begins at a state."""
 
     def upright(own: Record, instant: Instant) -> float:
         return (0.5 * math.pi) ** 2 - own.relative(instant.state) ** 2
@@ -76,7 +86,9 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
-    """Return the events at which an obstacle is touched, or left where a compliant contact has indented it."""
+    """Return the events at which a piece touches an obstacle, or leaves the dent of an earlier
+    compliant contact.
+    """
     inside = INSIDE * system.size
     found = []
 
@@ -100,7 +112,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether a piece's nearest point, or its corner, is in contact already."""
+    """Return whether the nearest point of a piece, or its corner, is in contact already."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
     if isinstance(system.obstacles[obstacle], Workpart):
         return any(point.piece == system.chain.corners[piece] for point in points)
@@ -109,18 +121,22 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 
 
 def _force_events(system: System, log: Log, number: int) -> list[Event]:
-    """Return the events of a rigid sustained contact: its force falls to zero, or friction locks it."""
+    """Return the events of a rigid sustained contact: its force falls to zero, or friction locks
+    it.
+    """
     acceleration = ROUNDING * system.size * system.fastest**2
 
     def pressing(at: Instant) -> float:
-        """Return force times response, m/s^2, a product that stays bounded where friction locks the contact."""
+        """Return normal force times response, m/s^2; the product stays bounded where friction locks
+        the contact."""
         acting = at.contacts[number]
         response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
         # Beyond zero by rounding, so that the decision that follows finds the contact open.
         return float(at.balance.normal[number]) * response + acceleration
 
     def free(at: Instant) -> float:
-        """Return the response to a normal force with friction, divided by the one without."""
+        """Return the response to a normal force with friction over the response without
+        friction."""
         touch = at.contacts[number].touch
         ratio = at.contacts[number].ratio
         return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
@@ -150,7 +166,9 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
 
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
-    """Return the events of a spring: compression ends, or unloading ends at zero force or by reloading."""
+    """Return the events of a spring: the end of compression, of the force in unloading, or of
+    unloading itself.
+    """
     speed = ROUNDING * system.size * system.fastest
     depth = max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
 
@@ -166,7 +184,8 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
     if spring.loading:
         return [Event(opening, 1, speed, partial(end_compression, system, log, each, spring))]
-    # Beyond the rounding of a gap, or the contact would turn and load again at one instant.
+    # The margin exceeds the rounding of a gap; otherwise the contact would unload and load at one
+    # instant.
     deeper = partial(above, spring.deepest + ROUNDING * system.size)
     return [
         Event(
@@ -180,7 +199,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
 
 def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
-    """Return the events at which slip of a sustained contact stops or begins."""
+    """Return the events at which the slip of a sustained contact stops or begins."""
     each = system.sustained[number]
     go_on = partial(decide, system, log)
     mu = system.friction(each.point, each.spring)
@@ -206,9 +225,7 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
 
     if not mu:
         return []
-    if (
-        slip
-    ):  # slip that begins after stick may start from a velocity that is rounding, of either sign
+    if slip:  # slip after stick starts from a velocity that is rounding, of either sign
         return [Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on)]
     return [Event(beyond(cone, force) if each.spring else cone, -1, force, go_on)]
 
@@ -220,7 +237,7 @@ def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     past = PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
-        # From the far side of the end by rounding, the contact passes it only as it moves on.
+        # A contact beyond the end by rounding passes it only when it has moved on by the margin.
         level = direction * (max(direction * end, direction * float(feet[piece])) + past)
         foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
         return Event(

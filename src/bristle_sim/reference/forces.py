@@ -1,12 +1,12 @@
-"""Forces of sustained contacts on a wire of links, and which of them act.
+"""Forces of sustained contacts on a wire of links, and the choice of the contacts that act.
 
-A sustained contact c keeps its gap closed with a force N_c >= 0; it slips with friction -mu sign(v_t) N_c, or sticks with a
-force T_c inside the friction cone. Accelerations and forces solve
+A sustained contact c keeps its gap closed with a force N_c >= 0. It slips with friction -mu
+sign(v_t) N_c, or sticks with a force T_c inside the friction cone. Accelerations and forces solve
 
     M theta'' - sum_c (J_n + f_c J_t)^T N_c - sum_stick J_t^T T_c = forces,    J_n theta'' = -bias_n,    J_t theta'' = -bias_t,
 
-with f_c = -mu sign(v_t) in slip and 0 in stick. Which contacts act, and how, is the complementarity problem that every
-contact either pushes or opens; there are few of them, so all combinations are tried.
+with f_c = -mu sign(v_t) in slip and 0 in stick. Every contact either pushes or opens. This is a
+complementarity problem; contacts are few, so all combinations of stick, slip and opening are tried.
 """
 
 from __future__ import annotations
@@ -22,12 +22,21 @@ from bristle_sim.reference.contacts import Touch
 
 STICK = 0
 
-EDGE = 1e-10  # at the edge of the friction cone both stick and slip are consistent but for rounding; slip is then taken
+# Relative distance from the edge of the friction cone at which a contact slips; stick and slip
+# differ by rounding there.
+EDGE = 1e-10
 
 
 class Acting(NamedTuple):
-    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and the forces of its springs, if
-    any."""
+    """A closed contact.
+
+    Attributes:
+        touch: its kinematics.
+        friction: Coulomb's mu.
+        slip: sign of its slip; 0 in stick.
+        push: normal force of its spring, N; None if it is rigid.
+        rub: tangential force of its spring, N; None without a tangential spring.
+    """
 
     touch: Touch
     friction: float
@@ -37,7 +46,10 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Return whether friction makes it stick; a rigid contact that by itself keeps a single link at rest needs none."""
+        """Whether friction holds the contact.
+
+        A rigid contact that by itself keeps a single link at rest needs no friction for that.
+        """
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
         rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
@@ -45,12 +57,12 @@ class Acting(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """Tangential over normal force in slip, -mu sign(v_t)."""
+        """Ratio of the tangential to the normal force in slip, -mu sign(v_t)."""
         return -self.friction * self.slip
 
 
 class Balance(NamedTuple):
-    """Accelerations, rad/s^2, and the normal and tangential forces of the contacts, N."""
+    """Accelerations of the links, rad/s^2, and normal and tangential forces of the contacts, N."""
 
     accelerations: Array
     normal: Array
@@ -58,7 +70,7 @@ class Balance(NamedTuple):
 
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
-    """Solve for the accelerations and the contact forces."""
+    """Return the accelerations and the contact forces that solve the equations of motion."""
     if not contacts:
         return Balance(
             np.asarray(np.linalg.solve(mass, forces), dtype=float), np.zeros(0), np.zeros(0)
@@ -96,12 +108,17 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
 def acting(
     mass: Array, forces: Array, contacts: Sequence[Acting], still: float
 ) -> tuple[tuple[int, int], ...] | None:
-    """Return which closed contacts stay closed, as (index, sign of slip), or None if no combination is consistent.
+    """Return the closed contacts that stay closed; None if no combination is consistent.
 
     Args:
-        mass, forces: of the links.
-        contacts: closed contacts without an opening velocity. The sense of their slip is determined here.
+        mass: mass matrix of the links, kg m^2.
+        forces: generalized forces on the links, N m.
+        contacts: closed contacts without an opening velocity. The sense of their slip is determined
+            here.
         still: tangential velocity below which a contact may stick, m/s.
+
+    Returns:
+        Pairs of the contact's index and the sign of its slip.
     """
     options: list[tuple[int | None, ...]] = []
     for each in contacts:
@@ -121,7 +138,9 @@ def acting(
 def _consistent(
     mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
-    """Return whether every chosen contact pushes within its friction cone and every other one opens."""
+    """Return whether every chosen contact pushes within its friction cone and every other contact
+    opens.
+    """
     try:
         found = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
@@ -138,7 +157,9 @@ def _consistent(
 
 
 def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
-    """Return whether a rigid contact pushes without locking, and a sticking contact is within its friction cone."""
+    """Return whether a rigid contact pushes without locking, and a sticking one is within its
+    friction cone.
+    """
     if each.push is None and (
         normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)
     ):
@@ -147,7 +168,10 @@ def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> boo
 
 
 def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, still: float) -> bool:
-    """Return whether slip that begins from rest has its own sense, or a single link's contact at rest stays so."""
+    """Return whether a contact that slips from rest accelerates in the sense of its slip.
+
+    For a single link's contact at rest, return whether it stays at rest.
+    """
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True
     terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])
@@ -158,9 +182,10 @@ def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, st
 
 
 def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
-    """Return a contact's normal acceleration per normal force with its friction, J_n M^-1 (J_n + f J_t)^T, 1/kg.
+    """Return the normal acceleration of a contact by its normal force and friction, J_n M^-1 (J_n +
+    f J_t)^T, 1/kg.
 
-    Where it is not positive, friction locks the contact.
+    If it is not positive, friction locks the contact.
     """
     return float(
         touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row)
@@ -168,7 +193,10 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
-    """Return the smallest changes of angles and rates, in the metric of the mass, that close gaps and stop their opening."""
+    """Return the smallest changes of angles and rates that close gaps and stop their opening.
+
+    They are smallest in the metric of the mass.
+    """
     rows = np.array([touch.normal_row for touch in touches])
     response = np.linalg.solve(mass, rows.T)
     amounts = np.array([[touch.gap, touch.velocity[0]] for touch in touches])

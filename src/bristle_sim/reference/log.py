@@ -1,4 +1,4 @@
-"""The record of a run: samples of all wires, and events and contacts of each."""
+"""The record of a run: samples of all wires, and the events and contacts of each wire."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ LARGEST_RETRACTION = "largest retraction"
 
 
 class Finished(Exception):
-    """Ends a run; the arguments are the reason and the state."""
+    """Exception that ends a run; its arguments are the stop reason and the state."""
 
 
 class Record:
-    """Events and contacts of one wire; ``first`` is the number of its first link."""
+    """Events and contacts of one wire; ``first`` is the number of the wire's first link."""
 
     def __init__(self, chain: Chain, first: int) -> None:
         self.chain = chain
@@ -46,11 +46,11 @@ class Record:
         return float(state.angles[self.links][0] - self.chain.hub_angle(state.time))
 
     def event(self, name: str, time: float) -> None:
-        """Note an event."""
+        """Record an event."""
         self.events.append(Event(name, time))
 
     def seen(self, name: str) -> bool:
-        """Return whether an event of that name has been noted."""
+        """Return whether an event of a name has been recorded."""
         return any(each.name == name for each in self.events)
 
     def note_largest_retraction(self, states: Sequence[State]) -> None:
@@ -71,7 +71,10 @@ class Record:
         hit: Impact,
         rounding: float,
     ) -> None:
-        """Record an impact between the states before and after it; ``rounding`` is that of a rate, rad/s."""
+        """Record an impact between the states before and after it.
+
+        ``rounding`` is the rounding of a rate, rad/s.
+        """
         before = self.own(state).rates[0]
         speed = self.chain.speed
         if before < speed - rounding and self.own(after).rates[0] > speed + rounding:
@@ -94,7 +97,7 @@ class Record:
     def lasting(
         self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str
     ) -> None:
-        """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
+        """Record a sustained contact that ends with a velocity, (normal, tangential) in m/s."""
         if last.time <= each.since.time:
             return
         compression = each.sums if each.compression is None else each.compression
@@ -112,7 +115,7 @@ class Record:
     def _contact(
         self, point: Point, since: State, until: State, given: dict[str, Any], **words: Any
     ) -> None:
-        """Record a contact between two states with its (normal, tangential) pairs."""
+        """Record a contact between two states; ``given`` holds its (normal, tangential) pairs."""
         first, last = self.own(since), self.own(until)
         pairs: dict[str, Any] = {
             name: (float(normal), float(along)) for name, (normal, along) in given.items()
@@ -131,7 +134,7 @@ class Record:
     def trajectory(
         self, samples: Sequence[State], normal_force: Array, reason: StopReason, **run: Any
     ) -> Trajectory:
-        """Return the finished result."""
+        """Return the trajectory of the wire at the samples."""
         chain = self.chain
         time, angles, rates = (
             np.array(column) for column in zip(*map(self.own, samples), strict=True)
@@ -157,10 +160,11 @@ class Record:
 
 
 class Log:
-    """The records of all wires of a run; ``interval`` is the time between samples, s.
+    """The records of all wires of a run.
 
-    ``pairs`` are the two wires of each contact between wires, by its number. A sample is a state and the sums of the normal
-    and the tangential force on each wire, N.
+    ``interval`` is the time between samples, s. ``pairs`` holds the two wires of each contact
+    between wires, by its number. A sample is a state with the sums of normal and of tangential
+    force on each wire, N.
     """
 
     def __init__(
@@ -176,16 +180,16 @@ class Log:
         self.pairs = pairs
         self.samples: list[tuple[State, Array]] = []
         self.impacts: list[float] = []
-        self.marks: list[float] = []  # instants of the motion stored next that are to be sampled
+        self.marks: list[float] = []  # further instants to be sampled, s
 
     def of(self, point: Point) -> Sequence[Record]:
-        """Return the records of the wires that touch in a contact."""
+        """Return the records of the wires in a contact."""
         if point.obstacle == "wire":
             return [self.records[each] for each in self.pairs[point.piece]]
         return self.records if len(self.records) == 1 else [self.records[point.piece]]
 
     def sample(self, instant: Instant) -> None:
-        """Store a state with the contacts' forces, unless it was stored last."""
+        """Store a state with the contact forces, unless it equals the last sample."""
         forces = np.zeros((len(self.records), 2))
         state = instant.state
         for number, each in enumerate(instant.system.sustained):
@@ -203,7 +207,10 @@ class Log:
         self.samples.append((state, forces))
 
     def times(self, start: float, end: float) -> list[float]:
-        """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
+        """Return the times of samples between a start and an end, both excluded, s.
+
+        They are the multiples of the sampling interval and the marked instants.
+        """
         count = np.arange(
             math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float
         )
@@ -214,13 +221,13 @@ class Log:
         ]
 
     def touched(self, point: Point, time: float) -> None:
-        """Note a touch; a wire's first one of the workpart is its strike."""
+        """Record a touch; a wire's first touch of the workpart is its strike."""
         for own in self.of(point):
             strike = point.obstacle == "workpart" and not own.seen(STRIKE)
             own.event(STRIKE if strike else f"{point.obstacle} touch", time)
 
     def released(self, point: Point, time: float) -> None:
-        """Note the end of a contact."""
+        """Record the end of a contact."""
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
 
@@ -232,7 +239,10 @@ class Log:
             raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:
-        """Record that friction or geometry locks the wires; return the exception that ends the run."""
+        """Record a jam, and return the exception that ends the run.
+
+        Friction or geometry locks the wires in a jam.
+        """
         for record in self.records:
             record.event("jam", state.time)
         return Finished(StopReason.JAM, state)

@@ -1,19 +1,21 @@
-"""Equations of motion of wires of rigid links on a hub that keeps its speed, in the links' absolute angles.
+"""Equations of motion of wires of rigid links on a hub of constant speed, in the links' absolute
+angles.
 
-Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given as it is in the unstressed wire
-at angle 0, shank along -i, and turns with e^{i theta}. With u_k from a link's joint to the next one and g_k to its centre
-of mass, the centre of link i is at
+Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given for the
+unstressed wire at angle 0, whose shank points along -i; it turns with e^{i theta}. With u_k from a
+link's joint to the next joint and g_k to its centre of mass, the centre of link i is at
 
     c_i = z_0(t) + sum_k a_ik e^{i theta_k},    a_ik = u_k for k < i, g_i for k = i, 0 otherwise,
 
-and Lagrange's equations in the theta are, with W_jk = sum_i m_i conj(a_ij) a_ik and B_j = sum_i m_i a_ij,
+and Lagrange's equations in the theta are, with W_jk = sum_i m_i conj(a_ij) a_ik and B_j = sum_i m_i
+a_ij,
 
     sum_k [Re(conj(E_j) W_jk E_k) + J_j delta_jk] theta_k'' =
         sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
 
-The links are equally long along the wire; one that holds the wire's knee is bent. Belt and hinges are torsion springs and
-dampers; all are relaxed when every link has the hub's angle. Wire k of a row has its own hub angle, psi_k + omega t, and
-root; nothing but contacts couples the links of two wires.
+The links are equally long along the wire; a link with the wire's knee is bent. Belt and hinges are
+torsion springs and dampers; all are relaxed when every link has the hub's angle. Wire k of a row
+has its own root at the hub angle psi_k + omega t. Only contacts couple the links of two wires.
 """
 
 from __future__ import annotations
@@ -33,7 +35,14 @@ Complexes = NDArray[np.complex128]
 
 
 class Pieces(NamedTuple):
-    """The straight pieces of the wires' centre lines: their links, starts and directions from these links' joints, lengths."""
+    """The straight pieces of the wires' centre lines.
+
+    Attributes:
+        links: number of the link of each piece.
+        starts: start of each piece from its link's joint, m.
+        directions: unit vector along each piece.
+        lengths: length of each piece, m.
+    """
 
     links: NDArray[np.int_]
     starts: Complexes
@@ -42,14 +51,14 @@ class Pieces(NamedTuple):
 
     @property
     def ends(self) -> Complexes:
-        """Ends of the pieces, from the links' joints."""
+        """End of each piece from its link's joint, m."""
         return np.asarray(self.starts + self.lengths * self.directions)
 
 
 class Kinematics(NamedTuple):
-    """Positions and motion of the links' first joints, SI units; arrays of shape (..., n) over the links.
+    """Positions and motion of the links' first joints, in SI units; shapes (..., n) over the links.
 
-    ``turn`` is e^{i theta}, ``acceleration`` that of the joints if every theta'' were 0.
+    ``turn`` is e^{i theta}. ``acceleration`` is the acceleration of the joints for theta'' = 0.
     """
 
     turn: Complexes
@@ -60,16 +69,17 @@ class Kinematics(NamedTuple):
 
 
 class Chain:
-    """The links, springs and hub of one or several wires as plain numbers, SI units; arrays over the links.
+    """The links, springs and hub of one or several wires as plain numbers, in SI units.
 
-    ``masses`` and ``inertias``, about their middles, are those of the pieces.
-    ``before`` has a 1 in row k and column i where link k is before link i on its wire, ``first`` where a link begins one;
-    ``apart`` turns the links' angles into differences from the link before. ``tips`` are the pieces that end at a wire's
-    tip, ``corners`` those whose end can touch a flat surface: before a knee too.
+    Arrays run over the links. ``masses`` and ``inertias``, about their middles, are those of the
+    pieces. ``before`` has a 1 in row k and column i where link k is before link i on its wire;
+    ``first`` has a 1 where a link begins a wire. ``apart`` turns the links' angles into differences
+    from the link before. ``tips`` are the pieces that end at a wire's tip. ``corners`` are the
+    pieces whose end can touch a flat surface, at the tip or at a knee.
     """
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
-        """Cut a tool's bristle into its links, once for each hub angle that a wire starts at."""
+        """Divide a tool's bristle into links, once for each hub angle at which a wire starts."""
         bristle = tool.bristle
         links = tool.bristle.links
         count = len(start_hub_angles)
@@ -112,7 +122,7 @@ class Chain:
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angle(self, time: Any) -> Any:
-        """Return the hub's angle, psi_0 + omega t, rad, of the first wire."""
+        """Return the hub angle of the first wire, psi_0 + omega t, rad."""
         return self.start_hub_angles[0] + self.speed * time
 
     def _hub_angles(self, time: Any) -> Array:
@@ -140,11 +150,11 @@ class Chain:
         return np.asarray(inertia - torques @ self.apart.T)
 
     def _twists(self, values: Array, hub: Any) -> Array:
-        """Return each link's value less that of the link before it, or the hub's."""
+        """Return the value of each link less that of the link before it, or less that of the hub."""
         return np.asarray(values @ self.apart - hub * self.first)
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
-        """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
+        """Return positions and velocities of the joints, and their accelerations for theta'' = 0."""
         turn = np.exp(1j * angles)
         root = self.roots(time)
         arms = self.ends * turn
@@ -157,13 +167,20 @@ class Chain:
         )
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
-        """Return d(velocity along a direction)/d(theta') of the point at ``arm`` (in the plane) from a link's joint."""
+        """Return the derivatives of a point's velocity along a direction with respect to the rates
+        theta'.
+
+        The point is at ``arm`` from the link's joint, in the axes of the plane.
+        """
         row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link].real
         row[link] = (np.conj(direction) * 1j * arm).real
         return np.asarray(row)
 
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
-        """Return the root of a lone wire and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
+        """Return the corners of a single wire's centre line, m, and their velocities, m/s.
+
+        They are the root and the end of every piece, shape (..., pieces + 1).
+        """
         motion = self.kinematics(time, angles, rates)
         links = [0, *self.pieces.links]
         arms = np.array([0j, *self.pieces.ends]) * motion.turn[..., links]
@@ -172,7 +189,9 @@ class Chain:
         ] * arms
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
-        """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
+        """Return the kinetic energy of all links, and the potential energy of belt, hinges and
+        gravity, J.
+        """
         twists = self._twists(angles, self._hub_angles(time))
         places, velocities, turning = self.pieces_motion(time, angles, rates)
         kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(
@@ -197,10 +216,11 @@ class Chain:
 
     @property
     def fastest_rate(self) -> float:
-        """An upper bound of the rates at which free motion changes, rad/s.
+        """Upper bound of the rates at which free motion changes, rad/s.
 
-        The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
-        stiffness against mass), the highest rate of its damping, and the hub's speed.
+        It is the sum of three rates: the highest natural frequency of the straight chain in the
+        centrifugal field (the largest eigenvalue of stiffness against mass), the highest rate of
+        the chain's damping, and the hub's speed.
         """
         spring, damper = (
             (self.apart * each) @ self.apart.T for each in (self.stiffness, self.damping)
@@ -223,7 +243,7 @@ class Chain:
 
 
 def _hinge(tool: Tool) -> tuple[float, float]:
-    """Return stiffness, N m/rad, and damping, N m s/rad, of the hinge between two links."""
+    """Return the stiffness (N m/rad) and damping (N m s/rad) of the hinge between two links."""
     bristle = tool.bristle
     links = tool.bristle.links
     if links == 1:
@@ -235,7 +255,9 @@ def _hinge(tool: Tool) -> tuple[float, float]:
 
 
 def _cut(bristle: Bristle, links: int) -> Pieces:
-    """Cut the centre line into links of equal length along the wire, and these where it bends."""
+    """Divide the centre line into links of equal length along the wire, and the links into straight
+    pieces.
+    """
     corners = [0j, *(complex(*corner) for corner in bristle.path)]
     borders = [bristle.length * number / links for number in range(links + 1)]
     cut: list[tuple[int, complex, complex, float]] = []

@@ -1,10 +1,12 @@
-"""The pass of a wire of links: intervals of smooth motion with any contacts sustained, and events between them.
+"""The pass of a wire of links: intervals of smooth motion with sustained contacts, and events
+between them.
 
-scipy's DOP853 integrates an interval, with the impulses and works of sustained contacts as further unknowns; after every
-step the state is projected on the closed gaps (Hairer, Lubich and Wanner, Geometric Numerical Integration, IV.4). The
-interval ends at the first event: an obstacle is touched, a contact's force falls to zero, its place passes a corner of the
-wire, slip stops or begins. After an event, impacts are resolved, the fastest approach first, and it is decided which of the
-closed contacts stay.
+SciPy's DOP853 integrates an interval; impulses and works of sustained contacts are further
+unknowns. After every step the state is projected onto the closed gaps (Hairer, Lubich and Wanner,
+Geometric Numerical Integration, IV.4). The interval ends at the first event: the wire touches an
+obstacle, the force of a contact falls to zero, a contact passes a corner of the wire, or slip stops
+or begins. After an event impacts are resolved, the fastest approach first. Then the closed contacts
+that stay closed are determined.
 """
 
 from __future__ import annotations
@@ -28,9 +30,10 @@ from bristle_sim.settings import StopReason
 
 @dataclass(slots=True)
 class Run:
-    """One run of a system from a state up to a time, s.
+    """One run of a system from a state to a time ``end``, s.
 
-    ``tolerance`` is the integrator's relative tolerance; ``most_evaluations`` of the right-hand side stop the run.
+    ``tolerance`` is the integrator's relative tolerance. The run stops after ``most_evaluations``
+    of the right-hand side.
     """
 
     system: System
@@ -42,7 +45,7 @@ class Run:
     evaluations: int = 0
 
     def run(self) -> StopReason:
-        """Run to the end and return the reason for stopping."""
+        """Run to the end, and return the reason of the stop."""
         reason = StopReason.END
         wedged = False
         self._sample(self.state)
@@ -64,22 +67,23 @@ class Run:
                 each,
                 "end of run" if reason is StopReason.END else str(reason),
             )
-        if wedged:  # without the forces, which have no bound
+        if wedged:  # the last sample has no contact forces, since they have no bound
             self.system.sustained = []
             self._sample(self.state)
         return reason
 
     def _interval(self) -> Follow:
-        """Integrate to the next event; return its consequence."""
+        """Integrate to the next event, and return its consequence."""
         events = events_of(self.system, self.log, self.state)
         solver = self._solver()
         while solver.status == "running":
             if self.evaluations > self.most_evaluations:
                 raise Finished(StopReason.STEP_BUDGET, self.state)
-            with np.errstate(over="ignore", invalid="ignore"):  # in a step that fails
+            with np.errstate(over="ignore", invalid="ignore"):  # a step that fails may overflow
                 solver.step()
             if solver.status == "failed":
-                # A contact that loses its lever within an instant: two wires lie flat on each other.
+                # With rigid contacts, a contact has lost its lever: two wires lie flat on each
+                # other.
                 raise (
                     self.log.jam(self.state)
                     if self.system.rigid
@@ -99,7 +103,11 @@ class Run:
     def _follow(
         self, events: list[Event], values: Callable[[Any], Array], start: float, end: float
     ) -> Follow | None:
-        """Store the motion on a step up to its end or the first event, and return the consequence of that."""
+        """Store the motion of a step up to its end or its first event.
+
+        Returns:
+            The consequence of the event, or None.
+        """
 
         def motion(times: Array) -> list[State]:
             pairs = zip(times.tolist(), values(times).T, strict=True)
@@ -131,7 +139,9 @@ class Run:
         return follow
 
     def _solver(self) -> DOP853:
-        """Return an integrator that begins at the state, with an absolute tolerance for each unknown."""
+        """Return an integrator that starts at the present state, with an absolute tolerance for
+        each unknown.
+        """
         chain = self.system.chain
         size = self.system.size
         fastest = self.system.fastest
@@ -157,7 +167,11 @@ class Run:
         )
 
     def _derivative(self, time: float, values: Array) -> Array:
-        """Return the derivatives of angles and rates, and the forces and powers of the sustained contacts."""
+        """Return the derivatives of all unknowns.
+
+        They are the rates and accelerations of the links, and the forces and powers of the
+        sustained contacts.
+        """
         instant = self.system.at(self._state(time, values))
         if not instant.contacts:
             return np.concatenate([instant.state.rates, instant.balance.accelerations])
@@ -168,7 +182,7 @@ class Run:
         return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])
 
     def _state(self, time: float, values: Array) -> State:
-        """Return the state that the unknowns hold."""
+        """Return the state in an array of unknowns."""
         return State(time, *values[: 2 * self.system.chain.links].reshape(2, -1))
 
     def _sample(self, state: State) -> None:

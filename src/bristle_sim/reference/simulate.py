@@ -1,4 +1,4 @@
-"""A pass of one wire or of a row of straight rigid bristles, and one compliant strike: check, run, return the results."""
+"""Passes of one wire or of a row of straight rigid bristles, and one compliant strike."""
 
 from __future__ import annotations
 
@@ -23,21 +23,20 @@ from bristle_sim.settings import EVENTS, StopReason, checked_name
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 from bristle_sim.units import ANY, quantity, validate
 
-METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
-
-PERIODS_AT_REST = 3.0  # natural periods of the bristle that a run with a hub at rest lasts
+METHOD = "scipy DOP853"  # mark of the reference in a trajectory's parameters
+PERIODS_AT_REST = 3.0  # duration of a run on a resting hub, in natural periods of the bristle
 SAMPLES_PER_PERIOD = 64
 MOST_SAMPLES = 2e6
-FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
-SAMPLES_OF_STRIKE = 200  # in the longest time of a contact
-MOST_RADIANS = 1e5  # radians of the fastest motion that a run may last
+FINEST = 1e-13  # smallest relative tolerance of the integrator: five hundred roundings
+SAMPLES_OF_STRIKE = 200  # number of samples in the longest permitted time of a contact
+MOST_RADIANS = 1e5  # longest run, times the fastest rate, rad
 
 requested = functools.partial(quantity, usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """The arguments of a run, checked."""
+    """The checked arguments of a run."""
 
     start_hub_angle: float = requested(START, "-1e6 <= start_hub_angle <= 1e6 rad")
     start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
@@ -70,29 +69,36 @@ def simulate_reference(
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    A wire moves as the module ``mechanics`` says; flight of a straight rigid bristle is
-    I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. A touch obeys the
-    energetic impact law. A sustained contact keeps its gap closed with a force that pushes. A rebound too low to be
-    distinguished from rounding (1e-10 of hub radius and length) counts as none, so that taps become a sustained contact.
+    A wire obeys the equations of the module ``mechanics``. The flight of a straight rigid bristle
+    is I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) =
+    0. A touch obeys the energetic impact law. A sustained contact keeps its gap closed with a force
+    that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius and
+    length) counts as none, so that taps become a sustained contact.
 
     Args:
-        tool: its bar and workpart may be None.
+        tool: the tool; its bar and workpart may be None.
         start_hub_angle: psi at t = 0, rad; by default ``tool.start_hub_angle``.
-        start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
-        hub_turn: angle by which the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
-        duration: length of the run instead, s.
-        accuracy: relative, of the motion; the integrator's tolerance is a hundredth of it, but at least 1e-13.
-        stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just after the impact.
-        sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
-        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; by default it
-            follows from the duration that the tool's contact law gives the first contact, else the contact is rigid.
+        start_relative_angle: alpha at t = 0, rad, within a quarter turn.
+        start_relative_rate: rate of alpha at t = 0, rad/s.
+        hub_turn: turn of the hub in the run, rad. On a resting hub the run lasts three natural
+        periods of the bristle.
+        duration: duration of the run, s, in place of ``hub_turn``.
+        accuracy: relative accuracy of the motion; the integrator's tolerance is a hundredth of it,
+        but at least 1e-13.
+        stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just
+        after the impact.
+        sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
+        turn, whichever is shorter.
+        contact_stiffness: stiffness of the contact with the workpart, a spring with energetic
+        restitution, N/m. By default it follows from the duration of the first contact in the tool's
+        contact law; without a duration the contact is rigid.
 
     Returns:
-        The trajectory, with the events of ``stop_reason``. ``cost.steps`` counts right-hand sides.
+        The trajectory. Its ``cost.steps`` counts the evaluations of the right-hand side.
 
     Raises:
-        ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
-            fastest motion.
+        ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5
+            radians of its fastest motion.
     """
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
     start = (angle, start_relative_angle, start_relative_rate)
@@ -114,21 +120,24 @@ def simulate_row_reference(
 ) -> tuple[Trajectory, ...]:
     """Simulate a row of straight rigid bristles that touch each other, bar and workpart.
 
-    All start together, radial and turning with the hub, each a pitch behind the one before it. A touch of two wires obeys
-    the energetic impact law with both wires' inverse mass.
+    All bristles start together, radial and at rest relative to the hub. Each stands a pitch behind
+    the bristle before it. A touch of two wires obeys the energetic impact law with the inverse mass
+    of both wires.
 
     Args:
-        tool: with a straight rigid bristle.
-        bristles: their number.
-        pitch: angle between neighbours' roots, rad.
-        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
-        hub_turn: after which the last bristle's pass ends, from its passage through the foremost one's start, rad.
-        requested: further arguments of ``simulate_reference``. The hub angle at the start is the foremost bristle's. The run
-            stops after the touch or release named by ``stop_after`` when every bristle has had one.
+        tool: a tool with a straight rigid bristle.
+        bristles: number of bristles.
+        pitch: angle between the roots of neighbours, rad.
+        neighbour_friction: coefficient of friction between two wires.
+        neighbour_restitution: energetic coefficient of restitution between two wires.
+        hub_turn: turn of the hub in the last bristle's pass, from the hub angle at which the
+        foremost bristle starts, rad.
+        requested: further arguments of ``simulate_reference``. The hub angle at the start is that
+        of the foremost bristle. The run stops when every bristle has had the event ``stop_after``.
 
     Returns:
-        One trajectory for each bristle, the foremost first, at common instants. A touch of two wires is the event
-        ``wire touch`` of both.
+        One trajectory for each bristle, the foremost first, at common instants. A touch of two
+        wires is the event ``wire touch`` of both.
     """
     start = {"start_hub_angle": tool.start_hub_angle}
     request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **(start | requested))
@@ -144,7 +153,11 @@ def _simulate(
     start_hub_angles: Sequence[float],
     touches: Mapping[str, WirePairs],
 ) -> tuple[Trajectory, ...]:
-    """Run all links, of one wire or of several that touch each other; return a trajectory for each wire."""
+    """Simulate all links, of one wire or of several wires that touch each other.
+
+    Returns:
+        A trajectory for each wire.
+    """
     wall = clock.perf_counter()
     cpu = clock.process_time()
     fixed = obstacles_of(tool)
@@ -202,7 +215,8 @@ def _check_start(chain: Chain, obstacles: Mapping[str, Bar | Workpart], start: S
 
 def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
-    # Natural rate of the wire on its belt, with rigid hinges, and c/I, twice the rate at which it decays, rad/s.
+    # Natural rate of the wire on its belt with rigid hinges, and c/I, twice the rate of its decay,
+    # rad/s.
     inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
     field = abs(complex(chain.moments.sum())) * (chain.hub_radius * chain.speed**2 + chain.gravity)
     swing = math.sqrt((float(chain.stiffness[0]) + field) / inertia)
@@ -231,7 +245,9 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
 
 
 class TooStiffError(ValueError):
-    """The wire or its contact is so stiff that the explicit integrator takes too many evaluations."""
+    """Error: the wire or its contact is so stiff that the explicit integrator takes too many
+    evaluations.
+    """
 
 
 def strike_reference(
@@ -245,16 +261,20 @@ def strike_reference(
     accuracy: float = 1e-9,
     most_evaluations: int = 20_000,
 ) -> ContactRecord:
-    """Return the first contact of a wire's end with the workpart by a :class:`bristle_sim.reference.contacts.Spring`, with its history.
+    """Return the first contact of a wire's end with the workpart on springs, with its history.
+
+    The springs are those of :class:`bristle_sim.reference.contacts.Spring`.
 
     Args:
-        tool: with a workpart, at whose surface the wire's end approaches it; its bar is left out.
-        hub_angle: psi when the end touches, rad.
-        angles, rates: absolute angles and rates of the links then, rad and rad/s.
-        stiffness: of the contact, N/m.
-        longest: the contact must end within this time, s.
-        accuracy: relative accuracy requested; the integrator's tolerance is a hundredth of it.
-        most_evaluations: of the right-hand side; the contact of a usual wire of 8 links takes a thousand.
+        tool: a tool with a workpart; its bar is ignored.
+        hub_angle: psi at the touch, rad. The wire's end is then at the surface and approaches it.
+        angles: absolute angles of the links at the touch, rad.
+        rates: absolute rates of the links at the touch, rad/s.
+        stiffness: stiffness of the contact, N/m.
+        longest: time within which the contact must end, s.
+        accuracy: requested relative accuracy; the integrator's tolerance is a hundredth of it.
+        most_evaluations: largest number of evaluations of the right-hand side; the contact of a
+        usual wire of 8 links takes a thousand.
 
     Raises:
         ValueError: if the contact lasts too long.

@@ -1,4 +1,6 @@
-"""A chain among its obstacles: the contacts that are sustained, and the touches, forces and accelerations in a state."""
+"""A chain among its obstacles: sustained contacts, and the touches, forces and accelerations in a
+state.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +18,14 @@ from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
-RATE_ROUNDING = 1e-13  # of rate over fastest rate, per radian turned: measured 3e-15 in a turn, 7e-15 in 80 turns
-REST = 1e-10  # a velocity below this fraction of the fastest point's bound is rest: rounding of stiff hinges
+# Rounding of a rate over the fastest rate, for each radian turned; measured 3e-15 in a turn, 7e-15
+# in 80 turns.
+RATE_ROUNDING = 1e-13
+REST = 1e-10  # largest velocity at rest, over the bound of all velocities: rounding of stiff hinges
 
 
 class State(NamedTuple):
-    """Time, and absolute angles and rates of the links; s, rad, rad/s."""
+    """Time (s), and absolute angles (rad) and rates (rad/s) of the links."""
 
     time: float
     angles: Array
@@ -30,10 +34,16 @@ class State(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Sustained:
-    """A contact that lasts: its place, the sense of its slip (0 sticks), its start, and its spring if it is compliant.
+    """A lasting contact.
 
-    ``sums`` are the normal and tangential impulse, N s, and the normal and tangential work, J; ``compression`` those up to
-    the last end of a compliant contact's compression.
+    Attributes:
+        point: its place on the wire.
+        slip: sense of its slip; 0 in stick.
+        since: state at its start.
+        velocity_before: velocity of the contact point at the start, (normal, tangential), m/s.
+        spring: its spring; None if it is rigid.
+        sums: normal and tangential impulse, N s, and normal and tangential work, J.
+        compression: the same sums at the last end of a compliant contact's compression.
     """
 
     point: Point
@@ -46,10 +56,11 @@ class Sustained:
 
 
 class System:
-    """A chain, its obstacles by name, and the contacts that are sustained now.
+    """A chain, its obstacles by name, and its sustained contacts.
 
-    Contacts with the workpart are springs if their stiffness, N/m, or the duration of the first one, s, is given, from
-    which the stiffness follows when a wire first touches; all other contacts are rigid.
+    Contacts with the workpart are springs if their stiffness (N/m) is given, or the duration (s) of
+    the first contact. From the duration the stiffness follows when a wire first touches the
+    workpart. All other contacts are rigid.
     """
 
     def __init__(
@@ -75,11 +86,13 @@ class System:
 
     @property
     def rigid(self) -> list[Point]:
-        """Places of the sustained contacts that are not compliant."""
+        """Places of the rigid sustained contacts."""
         return [each.point for each in self.sustained if each.spring is None]
 
     def friction(self, point: Point, spring: Spring | None = None) -> float:
-        """Return the coefficient of friction of a contact, that of restitution where its spring unloads."""
+        """Return the coefficient of friction of a contact; while its spring unloads, that of
+        restitution.
+        """
         surface = self.obstacles[point.obstacle].surface
         return (
             surface.friction
@@ -88,7 +101,7 @@ class System:
         )
 
     def still(self, state: State) -> float:
-        """Return the velocity that counts as rest, m/s."""
+        """Return the largest velocity at rest, m/s."""
         return (
             REST
             * self.size
@@ -96,11 +109,15 @@ class System:
         )
 
     def rate_rounding(self, state: State) -> float:
-        """Return the rounding of a link's rate, rad/s: that of its angle times the fastest rate."""
+        """Return the rounding of a link's rate, rad/s: the rounding of its angle times the fastest
+        rate.
+        """
         return RATE_ROUNDING * self.fastest * max(1.0, float(np.abs(state.angles).max()))
 
     def closed(self, state: State) -> State:
-        """Return the nearest state at which the gaps of rigid sustained contacts are closed and do not open."""
+        """Return the nearest state at which the gaps of rigid sustained contacts are closed and do
+        not open.
+        """
         if not (points := self.rigid):
             return state
         instant = self.at(state)
@@ -109,7 +126,9 @@ class System:
 
 
 class Instant:
-    """A state with its kinematics and balance of forces, each computed once where it is needed."""
+    """A state with its kinematics and balance of forces; each is computed once, when it is first
+    used.
+    """
 
     def __init__(self, system: System, state: State) -> None:
         self.system = system
@@ -133,7 +152,7 @@ class Instant:
 
     @cached_property
     def forces(self) -> Array:
-        """Generalized forces without contacts, N m."""
+        """Generalized forces on the links without contacts, N m."""
         return self.system.chain.forces(*self.state, self.turn)
 
     def touch(self, point: Point) -> Touch:
@@ -141,7 +160,7 @@ class Instant:
         return self.system.obstacles[point.obstacle].touch(self.system.chain, self.motion, point)
 
     def acting(self, sustained: Iterable[Sustained]) -> list[Acting]:
-        """Return sustained contacts with their kinematics."""
+        """Return sustained contacts with their kinematics and spring forces."""
         found = []
         for each in sustained:
             touch = self.touch(each.point)
@@ -157,7 +176,7 @@ class Instant:
 
     @cached_property
     def contacts(self) -> list[Acting]:
-        """The contacts that are sustained."""
+        """The sustained contacts with their kinematics."""
         return self.acting(self.system.sustained)
 
     @cached_property
@@ -166,14 +185,14 @@ class Instant:
         return balance(self.mass, self.forces, self.contacts)
 
     def gaps(self, name: str) -> Array:
-        """Return the gap of every piece of the wire to an obstacle, m."""
+        """Return the gap between every piece of the wire and an obstacle, m."""
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
 
     @cached_property
     def feet(self) -> Array:
-        """The foot of the bar's centre on every piece, m from its start."""
+        """Foot of the bar's centre on every piece, m from the piece's start."""
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
         return bar.feet(self.system.chain, self.motion)[0]
