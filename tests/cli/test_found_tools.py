@@ -10,7 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import bristle_sim as bs
 from bristle_sim.cli import command
+from bristle_sim.cli.explore.bench import assignments_of, run_of
+from bristle_sim.cli.scripts import main_scenario
 
 EVERYDAY = [(2500.0, 40.0, 1.0), (3400.0, 30.0, 1.0)]
 """Hub speed, rpm, length, mm, and belt stiffness over the default; the bar stands at 112 and 89 degrees."""
@@ -26,6 +29,11 @@ OTHERS = {
     "whole_tool": [],
     "inertia_driven": [],
     "neighbours": ["--set", "search=no", "--set", "pitch_deg=40"],
+    "oblique_impact": [],
+    "bent_bristles": [],
+    "crater_depth": [],
+    "force_history": [],
+    "flexible_wire": ["--set", "wire_links=2"],
 }
 
 
@@ -58,5 +66,10 @@ def test_a_tool_that_was_found_runs_everywhere(
         if name == "cue_and_impact":
             assert "not released by a bar" not in printed.out
             assert ", radial, " in printed.out.replace("\n ", "")
+        if name == "crater_depth":
+            assert "no chip" not in printed.out  # the cut keeps its own friction
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert command.main(["compare", file, file]) == 0
+    scenario = main_scenario()
+    found = run_of(scenario, assignments_of(bs.read_tool(file), scenario), [])
+    assert ", radial, " in found["answer"]

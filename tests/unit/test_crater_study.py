@@ -61,8 +61,8 @@ def test_everything_agrees_at_the_operating_point():
     assert row(found, "contact_energy_depth").printed is None
     assert MEASURED == 1.3e-4
     assert found.answer == (
-        "Merchant's plies cut 139 µm (printed 140 µm), work and energy 9.65 mm (printed 75.8 µm), the simulated contact 104 µm to"
-        " 172 µm; measured 130 µm."
+        "Merchant's plies cut 139 µm (printed 140 µm), work and energy 9.65 mm (printed 75.8 µm), or 75.8 µm by the ratio of sums in (4.66),"
+        " the simulated contact 104 µm to 172 µm; measured 130 µm."
     )
     assert found.extra["measured_crater_depth"] == 1.3e-4
 

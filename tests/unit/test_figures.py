@@ -16,7 +16,7 @@ from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, reached, verdict
 from bristle_sim.render.dissertation_figures import contact_sheet, draw
-from bristle_sim.render.style import add_panel, blank_figure
+from bristle_sim.render.style import add_panel, blank_figure, span_at_least
 from figure_faults import faults
 
 PASSES = (
@@ -41,7 +41,7 @@ OTHERS = {
     "bent_bristles": ("friction=0.9", "knee_angle_deg=60", "penetration=-0.01"),
     "inertia_driven": ("", "belt_stiffness=0.1", "penetration=-0.01"),
     "neighbours": ("pitch_deg=15 search=no", "pitch_deg=50 search=no"),
-    "crater_depth": ("", "friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
+    "crater_depth": ("", "cutting_friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
     "force_history": ("", "restitution=0.6"),
     "whole_tool": ("", "hub_speed=500 friction=0.6"),
     "film": ("wire_links=2 map_durations=3 map_dampings=2 workers=1",),
@@ -167,3 +167,13 @@ def test_a_fault_is_seen():
     for shift in (0.0, 0.05):
         axes.text(0.5, 0.5 + shift, "words")
     assert {each.split()[0] for each in faults(figure)} == {"empty", "cut:", "a", "overlap:", "not"}
+
+
+def test_an_axis_of_equal_values_shows_no_rounding():
+    """Values that differ by 1e-8 would fill the axis, and its numbers would have an offset."""
+    axes = blank_figure(4.0, 4.0).add_axes((0.2, 0.2, 0.7, 0.7))
+    axes.plot([0.0, 1.0], [28.67543, 28.67543 * (1.0 + 1e-8)])
+    span_at_least(axes, 0.02)
+    low, high = axes.get_ylim()
+    assert high - low == pytest.approx(0.02 * 28.67543, rel=0.05)
+    assert not axes.yaxis.get_major_formatter().get_useOffset()

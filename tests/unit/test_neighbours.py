@@ -62,6 +62,14 @@ def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
         )
 
 
+def test_a_touch_that_changes_nothing_is_said_to_change_nothing():
+    """Long bristles on a slow hub touch at 3.5 ms and strike at 12 ms, as a bristle alone does."""
+    tool = Tool().replace(hub_speed="1500 rpm", bristle_length="40 mm")
+    answer = neighbours(tool, Neighbours(search="no"), Settings(accuracy=1e-4)).answer
+    assert "spoils" not in answer
+    assert "after a touch, as a bristle alone does." in answer
+
+
 def test_the_answer_names_pitches_and_what_a_touch_does():
     """Each number is that of the table; there is a row for each bristle, whose first one strikes as if alone."""
     found = report(search="yes")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 from bristle_sim.comparison import WIDTH, Report
-from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.parameters import CONTACT_KEYS, PARTS, SHAPE_KEYS, Tool
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
 from bristle_sim.units import (
     Choice,
@@ -150,6 +150,8 @@ class Scenario:
     def assignments_from(self, path: str) -> tuple[list[str], list[str]]:
         """Return the assignments that a tool's file makes, and a warning for each value that the scenario does not use.
 
+        A shape of the wire and a law of impact that are a tool's defaults leave the scenario's own, such as a bent wire.
+
         Raises:
             ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
                 an absent part.
@@ -173,6 +175,8 @@ class Scenario:
                 value = (known | keys)[key][0].parse(text)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
+            if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == known[key][1]:
+                continue  # a tool that is as usual leaves the scenario its own wire and law
             if key in keys:
                 assignments.append(f"{key}={text}")
             elif value != known[key][1]:

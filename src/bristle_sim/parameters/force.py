@@ -121,7 +121,7 @@ class Crater(Declared):
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
     friction: float = quantity(
         0.5,
-        "1e-6 <= friction <= 1e9: coefficient of friction between tip and workpart while it cuts"
+        "1e-6 <= cutting_friction <= 1e9: coefficient of friction between tip and workpart while it cuts"
         " [Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31]",
     )
     shear_yield_stress: float = quantity(

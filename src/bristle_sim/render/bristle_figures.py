@@ -157,6 +157,9 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
+LEAST_SPAN = 0.02  # of an axis over its largest value: less would show rounding as scatter
+
+
 @style.styled()
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
@@ -203,6 +206,7 @@ def neighbours_figure(
                     label=f"{least:.2f}°: {words}",
                 )
         axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
+        style.span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():
             style.say(axes, "no strike at any pitch")
     handles, _ = axes.get_legend_handles_labels()

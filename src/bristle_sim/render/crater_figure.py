@@ -60,7 +60,7 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
         name = f"Merchant, {crater.plies:g} plies"
         rows.append((name, float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE))
         rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
-    rows.append(("work and energy, 5 plies", ratio, GREEN))
+    rows.append(("ratio of sums (4.66), 5 plies", ratio, GREEN))
     if force is not None and force.shear_plane_emerges:
         rows.append(("simulated force", force.depth_from_force, VERMILION))
         rows.append(("simulated energy", force.depth_from_energy, VERMILION))

@@ -167,3 +167,12 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     with complete_or_absent(target) as partial, styled():
         figure.savefig(partial, format=kind, metadata=undated)
     return target
+
+
+def span_at_least(axes: Axes, fraction: float) -> None:
+    """Widen the y axis to a fraction of its largest value, and write its numbers without an offset."""
+    low, high = axes.get_ylim()
+    missing = fraction * max(abs(low), abs(high)) - (high - low)
+    if missing > 0.0:
+        axes.set_ylim(low - 0.5 * missing, high + 0.5 * missing)
+    axes.ticklabel_format(axis="y", useOffset=False)

@@ -103,7 +103,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     words = "C for the measured depth"
     constant = _constant_deg(crater)
     remarks = [
-        f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
+        f"measured: {1e6 * MEASURED:.0f} µm (fig. 4.13)",
         "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
         " place (4.66) prints a ratio of two sums.",
         *([f"no chip by (4.35): {study.no_chip}"] if study.no_chip else []),
@@ -137,7 +137,10 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:
         contact = f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
-    energy = f"work and energy {shown('energy_crater_depth')}"
+    ratio = chapter_4.energy_crater_depth_ratio(
+        5, study.impact_angle, compression_time=study.crater.compression_time
+    )
+    energy = f"work and energy {shown('energy_crater_depth')}, or {amount(float(ratio), 'm')} by the ratio of sums in (4.66)"
     return f"Merchant's plies cut {chip}, {energy}, {contact}; measured {amount(MEASURED, 'm')}."
 
 

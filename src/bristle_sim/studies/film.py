@@ -241,7 +241,7 @@ def _table(variants: list[dict[str, Any]]) -> Table:
         "the nearest pair, but",
         "touches",
         "compression, us",
-        "crater, um",
+        "crater, µm",
         "slide forward, mm",
     )
     factors = dict(zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True))

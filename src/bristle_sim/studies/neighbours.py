@@ -41,6 +41,10 @@ SAMPLES_PER_PERIOD = (
     150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
 )
 
+UNCHANGED = (
+    1e-3  # Relative change of the impulse by a neighbour below which its three digits are the same
+)
+
 STRIKE = {
     name: STATE.get(name) or IMPACT[name]
     for name in ("lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
@@ -136,24 +140,28 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
     whole = known["least_pitch_whole_pass_deg"]
     own = known["least_pitch_to_own_strike_deg"]
-    apart = (
-        ""
-        if whole is None
-        else f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
-    )
-    apart += "" if own is None else f" and a touch spoils the next strike below {own:.2f}°"
+    struck = last["normal_final_impulse"]
+    alone = strike_values(row.tool, row.lone)["normal_final_impulse"]
+    touched = bool(last["touches_before_strike"])
+    unchanged = touched and struck and alone and abs(struck - alone) <= UNCHANGED * abs(alone)
+    apart = ""
+    if whole is not None:
+        apart = f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
+    if own is not None:
+        effect = "touch before a strike" if unchanged else "a touch spoils the next strike"
+        apart += f" and {effect} below {own:.2f}°"
     apart += ". " if apart else ""
     number = row.neighbours.bristles
     pitch = f"{row.neighbours.pitch_deg:g}°"
-    struck = last["normal_final_impulse"]
     if struck is None:
         return (
             f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
         )
-    alone = strike_values(row.tool, row.lone)["normal_final_impulse"]
-    touched = "after a touch" if last["touches_before_strike"] else "untouched until then"
-    compared = "" if alone is None else f" a bristle alone has {amount(alone, 'N s')}"
-    return f"{apart}At {pitch} bristle {number} strikes with {amount(struck, 'N s')}, {touched};{compared}."
+    before = "after a touch" if touched else "untouched until then"
+    compared = "" if alone is None else f"; a bristle alone has {amount(alone, 'N s')}"
+    if unchanged:
+        compared = ", as a bristle alone does"
+    return f"{apart}At {pitch} bristle {number} strikes with {amount(struck, 'N s')}, {before}{compared}."
 
 
 def _strikes_table(strikes: Sequence[Values]) -> Table:
