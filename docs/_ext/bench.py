@@ -20,7 +20,7 @@ from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from bristle_sim.cli.explore import bench
+from bristle_sim.cli.explore import bench, searches
 from bristle_sim.cli.explore.server import server
 from bristle_sim.cli.scripts import main_scenario
 
@@ -48,7 +48,6 @@ def picture(assignments: list[str], path: Path) -> bool:
         page = browser.new_page(viewport=SIZE)
         page.goto(f"http://127.0.0.1:{serving.server_port}/?{query}")
         page.wait_for_selector("body[data-shown]")
-        page.fill("#instant", "4000")
         page.screenshot(path=str(path))
         browser.close()
     serving.shutdown()
@@ -68,14 +67,12 @@ class BenchDirective(SphinxDirective):
         """Return the address, the answer, and the picture if one is requested."""
         assignments, pass_of = self.options.get("set", "").split(), main_scenario()
         if "radial" in self.options:
-            found = bench.radial_bar(pass_of, assignments)
+            found = searches.radial_bar(pass_of, assignments)
             assignments += [f"{key}={value}" for key, value in found["assignments"].items()]
         found = bench.run_of(pass_of, [], assignments)
         address = "/?" + "&".join(assignments) if assignments else "/"
         shown: list[nodes.Node] = [nodes.literal_block(address, address, language="text")]
-        shown.append(
-            nodes.paragraph(text=found.get("answer") or found["error"], classes=["answer"])
-        )
+        shown.append(nodes.paragraph(text=found["answer"], classes=["answer"]))
         if "picture" in self.options:
             name = (
                 "bench_"
@@ -86,7 +83,7 @@ class BenchDirective(SphinxDirective):
             made.parent.mkdir(exist_ok=True)
             if made.exists() or picture(assignments, made):
                 uri = f"/_made/{name}"
-                shown.append(nodes.image(uri=uri, alt=f"The bench: {found.get('answer', '')}"))
+                shown.append(nodes.image(uri=uri, alt=f"The bench: {found['answer']}"))
         return shown
 
 

@@ -77,7 +77,7 @@ def exact_text(value: float, key: str, unit: str) -> str:
 
     The unit is the displayed one, or the declared one where its text is shorter or the only exact one.
     """
-    own = f"{value!r} {'' if unit == '1' else unit}".rstrip()
+    own = f"{repr(value).removesuffix('.0')} {'' if unit == '1' else unit}".rstrip()
     shown, size = display_unit(key, unit)
     for digits in range(1, 18):
         number = f"{value / size:.{digits}g}"

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from bristle_sim.cli.output import format_value, json_of, print_line, write_text
+from bristle_sim.cli.output import json_of, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import aligned
 from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.limits import limits
-from bristle_sim.units import Range, likely_key
+from bristle_sim.studies.limits import Change, limits
+from bristle_sim.units import Range, displayed, likely_key
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -48,13 +48,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     low, high = (float(declared.parse(end)) for end in ends.split(":"))
     changes = limits(tool, accuracy=1e-8, **{key: (low, high)})
     unit = "" if declared.unit == "1" else f" {declared.unit}"
-    answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome does not change."
-    if changes:
-        places = ", ".join(
-            f"at {format_value(each.at)}{unit} ({each.below}, then {each.above})"
-            for each in changes
-        )
-        answer = f"Between {format_value(low)} and {format_value(high)}{unit} of {key} the outcome changes {places}."
+    answer = limits_in_words(declared, low, high, changes)
     found = [{"at": each.at, "below": each.below, "above": each.above} for each in changes]
     text = json_of("limits", answer, values, changes=found)
     if target is not None:
@@ -64,3 +58,12 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     table = ["", *aligned(rows, 0)] if changes else []
     print_line(text if options.json == "-" else "\n".join([answer, *table]))
     return 0
+
+
+def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[Change]) -> str:
+    """Return the sentence on the changes of the outcome between two values of a key."""
+    between = f"Between {displayed(declared, low)} and {displayed(declared, high)} of {declared.key} the outcome"
+    places = [
+        f"at {displayed(declared, each.at)} ({each.below}, then {each.above})" for each in changes
+    ]
+    return f"{between} changes {', '.join(places)}." if places else f"{between} does not change."

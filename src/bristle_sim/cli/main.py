@@ -162,7 +162,7 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
     scenario = work.scenario
     options = work.options
     if option == "plot":
-        _draw(scenario, report, target)
+        draw(scenario, report, target)
     elif option == "video" and scenario.film is not None:
         scenario.film(report, **(options.size or {})).write(
             target, **({"fps": options.fps} if options.fps else {})
@@ -182,13 +182,13 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
             question=scenario.question,
             command=work.command,
             parameters=scenario.parameter_rows(work.values),
-            plot=partial(_draw, scenario) if scenario.plot or scenario.plots else None,
+            plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
             video=work.targets.get("video"),
         )
 
 
-def _draw(scenario: Scenario, report: Report, path: Path) -> None:
+def draw(scenario: Scenario, report: Report, path: Path) -> None:
     """Draw the report's figure to a file, or its figures to a folder."""
     if scenario.plot is not None:
         from bristle_sim.render.style import save_figure

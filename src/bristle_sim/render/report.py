@@ -133,9 +133,12 @@ def write_comparison(
     _write(path, "comparison.html.jinja", names=names, passes=passes, changed=changed, rows=rows)
 
 
-def explore_page(knobs: Sequence[dict[str, Any]]) -> str:
-    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`; it asks its own server for runs."""
-    return filled("explore.html.jinja", keys=knobs)
+def explore_page(knobs: Sequence[dict[str, Any]], **choices: Mapping[str, str]) -> str:
+    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`; it asks its own server for runs.
+
+    ``choices`` are words by name: the ``presets``, the ``downloads`` and the map's ``quantities``.
+    """
+    return filled("explore.html.jinja", keys=knobs, **choices)
 
 
 def filled(template: str, **content: Any) -> str:

@@ -7,6 +7,7 @@ zero; the instant of release is located too. Several contacts may be sustained a
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 from bristle_sim.scene.collisions import end_contacts
@@ -15,6 +16,8 @@ from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.settings import StopReason
+
+log = logging.getLogger(__name__)
 
 
 def run(system: System) -> Recording:
@@ -47,6 +50,7 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
         interval, event = integrate(system, motion)
         if interval is not None:
             interval, event = up_to_first_event(system, motion, interval)
+        log.debug("%.4f", system.state.time / plan.end)  # the fraction of the run that is done
         if interval is not None:
             if interval.length > 0.0:
                 accept(system, motion, interval)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import shlex
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,22 +14,36 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.cli.main import draw
 from bristle_sim.cli.output import csv_text, document, format_value
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import cells
+from bristle_sim.conversion import exact_text, plain_number
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
-from bristle_sim.settings import Settings
+from bristle_sim.render.story import key_events
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Computed, Range, declarations
+from bristle_sim.units import Choice, Computed, Range, declarations, displayed
 
-OFTEN = ("hub", "bristle", "workpart")
+OFTEN = ("hub", "bar", "workpart")
 """Parts whose knobs are open when the page is loaded."""
 
-SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GPa", 1e9)}
-"""Units that an engineer types, and their size in SI."""
+SLIDERS = {
+    "accuracy": (1e-10, 1e-2),
+    "bar_friction": (0.0, 1.0),
+    "bar_horizontal": (0.0, 0.08),
+    "bar_vertical": (-0.08, 0.08),
+    "belt_damping_ratio": (0.0, 2.0),
+    "friction": (0.0, 1.0),
+    "gravity": (0.0, 10.0),
+    "knee_angle_deg": (-60.0, 60.0),
+    "restitution": (0.0, 1.0),
+    "tangential_compliance": (0.0, 1.5),
+    "wire_links": (1.0, 12.0),
+}
+"""Ranges of sliders in SI units; those of other keys run from a third to three times the value at the beginning."""
 
 WHOLE = 1500
 PANEL_COLUMNS = 300
@@ -49,7 +65,6 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
 
 def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
     """Return one key: its words, and for a number the unit that is shown, its start and its range in that unit."""
-    unit = "" if declared.unit in ("1", "word") else declared.unit
     words = {
         "key": declared.key,
         "label": declared.key.removesuffix("_deg").replace("_", " "),
@@ -63,55 +78,72 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
     if isinstance(declared, Choice):
         return words | {
             "unit": "",
-            "range": declared.allowed,
+            "between": declared.allowed,
             "start": value,
+            "text": value,
             "choices": list(declared.options),
         }
-    unit, size = SHOWN_IN.get(unit, (unit, 1.0))
-    start = None if value is None else float(f"{value / size:.10g}")
+    unit, size = declared.display
+    ends = [each / size for each in SLIDERS.get(declared.key, ())]
     limits = [float(f"{limit / size:.6g}") for limit in (declared.lowest, declared.highest)]
-    between = f"from {limits[0]:g} to {limits[1]:g}{' ' if unit else ''}{unit}"
+    between = " to ".join(plain_number(limit, 6) for limit in limits)
     return words | {
         "unit": unit,
-        "range": between,
-        "start": start,
+        "size": size,
+        "between": f"from {between} {unit}".rstrip(),
+        "start": None if value is None else value / size,
+        "text": "" if value is None else displayed(declared, value),
         "limits": limits,
+        "slider": ends,
         "whole": declared.whole,
+        "mapped": not (group == "settings" or declared.whole or declared.needs or value is None)
+        and declared.key not in ("knee_angle_deg", "contact_duration"),
     }
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Return the run for typed values on top of those that the page began with; ``error`` is the one line of a refusal."""
-    try:
-        values = pass_of.values_of([*start, *typed])
-        report = pass_of.answer(values)
-    except (ValueError, ArithmeticError) as error:
-        return {"error": " ".join(str(error).split())}
+    """Return the run for typed values on top of those that the page began with."""
+    values = pass_of.values_of([*start, *typed])
+    report = pass_of.answer(values)
     run = report.subject.trajectory
     tool = report.subject.tool
     before = pass_of.values_of(start)
+    keys = pass_of.keys()
     return {
         "answer": report.answer,
         "warnings": pass_of.warnings_of(typed, values),
         "table": cells(report.quantities),
+        "simulated": [each.simulated for each in report.quantities],
         "remarks": [each for each in report.remarks if each],
         "motion": motion_data(run, tool),
         "series": series(run),
         "changed": [
-            [key, format_value(before[key]), format_value(value)]
+            [key, *(_typed(keys[key][0], each) for each in (before[key], value))]
             for key, value in values.items()
             if value != before[key]
         ],
-        "values": {each["key"]: each["start"] for each in knobs(pass_of, [*start, *typed])},
+        "values": {
+            key: values[key] / declared.display[1]
+            for key, (declared, _) in keys.items()
+            if isinstance(declared, Range) and values[key] is not None
+        },
         "command": command([*start, *typed]),
     }
+
+
+def _typed(declared: Range | Choice, value: Any) -> str:
+    """Return the shortest text that is read as a key's value: ``27 mm``."""
+    if value is None or isinstance(declared, Choice):
+        return format_value(value)
+    return exact_text(value, declared.key, declared.unit)
 
 
 def series(run: Trajectory) -> dict[str, Any]:
     """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force.
 
-    ``drawn`` states the number of samples in them; others would not change a panel by a pixel.
+    ``marks`` are the instants and names of events. ``drawn`` states the number of samples in them; others would not change a panel by a pixel.
     """
+    marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
         "time": 1e3 * run.time,
         "retraction": np.degrees(run.retraction),
@@ -127,7 +159,7 @@ def series(run: Trajectory) -> dict[str, Any]:
     columns = {
         name: [float(f"{value:.6g}") for value in values[chosen]] for name, values in curves.items()
     }
-    return {**columns, "drawn": f"{len(chosen)} of {run.time.size} samples drawn"}
+    return {**columns, "marks": marks, "drawn": f"{len(chosen)} of {run.time.size} samples drawn"}
 
 
 def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
@@ -154,48 +186,44 @@ def command(assignments: Sequence[str]) -> str:
     )
 
 
-def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the assignments that place the bar, at its distance from the hub's centre, for a radial strike."""
-    from bristle_sim.studies.bar_search import placed, radial_place, simulation
+DOWNLOADS = {
+    "toml": "tool (TOML)",
+    "json": "JSON",
+    "csv": "CSV",
+    "html": "page",
+    "png": "picture (PNG)",
+    "svg": "picture (SVG)",
+}
+"""Files of a run, by the ending of their names."""
 
-    try:
-        values = pass_of.values_of(assignments)
-        tool = build_parameters(Tool, values)
-        found = placed(
-            tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction
-        ).bar
-    except (ValueError, ArithmeticError) as error:
-        return {"error": " ".join(str(error).split())}
-    assert found is not None
-    return {
-        "assignments": {
-            "bar_horizontal": f"{found.horizontal:.9g}",
-            "bar_vertical": f"{found.vertical:.9g}",
-        }
-    }
+PRESETS = {
+    "27 mm wire, 2500 rpm (Zhang 2020)": "",
+    "27 mm wire, 3500 rpm": "hub_speed=3500 rpm&bar_horizontal=54.12 mm&bar_vertical=10.69 mm",
+    "20 mm wire, 4000 rpm": "hub_speed=4000 rpm&hub_radius=20 mm&bristle_length=20 mm&wire_diameter=0.5 mm"
+    "&belt_stiffness=0.005 N m/rad&bar_radius=4 mm&bar_horizontal=40.04 mm&bar_vertical=4.69 mm&penetration=3 mm",
+    "35 mm wire, 1800 rpm": "hub_speed=1800 rpm&hub_radius=40 mm&bristle_length=35 mm&wire_diameter=0.9 mm"
+    "&belt_stiffness=0.05 N m/rad&bar_radius=6 mm&bar_horizontal=66.59 mm&bar_vertical=33.02 mm",
+}
+"""Tools by their dimensions, each with its assignments as the query of an address; but for Zhang's, the strike is radial."""
 
 
 def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the ``text`` of a file of the run, and its ``media`` type, or its ``error``; ``kind`` is toml, json, csv or html."""
-    try:
-        text, media = _file(pass_of, kind, assignments)
-    except (ValueError, ArithmeticError) as error:
-        return {"error": " ".join(str(error).split())}
-    return {"text": text, "media": media}
+    """Return a file of the run, in base64; ``kind`` is one of :data:`DOWNLOADS`."""
+    return {"content": base64.b64encode(_file(pass_of, kind, assignments)).decode("ascii")}
 
 
-def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str, str]:
-    """Return text and media type of a file of the run."""
+def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
+    """Return the content of a file of the run."""
     values = pass_of.values_of(assignments)
     if kind == "json":
-        return document(pass_of.name, values, pass_of.answer(values)) + "\n", "application/json"
+        return f"{document(pass_of.name, values, pass_of.answer(values))}\n".encode()
     if kind == "csv" and pass_of.series is not None:
-        return csv_text(pass_of.series(pass_of.answer(values))), "text/csv"
+        return csv_text(pass_of.series(pass_of.answer(values))).encode()
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
             write_tool(build_parameters(Tool, values), path)
-        else:
+        elif kind == "html":
             write_report(
                 path,
                 pass_of.answer(values),
@@ -203,10 +231,11 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str
                 question=pass_of.question,
                 command=command(assignments),
                 parameters=pass_of.parameter_rows(values),
+                plot=partial(draw, pass_of),
             )
-        return path.read_text(
-            encoding="utf-8"
-        ), "application/toml" if kind == "toml" else "text/html"
+        else:
+            draw(pass_of, pass_of.answer(values), path)
+        return path.read_bytes()
 
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:

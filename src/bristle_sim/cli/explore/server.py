@@ -7,6 +7,7 @@ import contextlib
 import hashlib
 import io
 import ipaddress
+import mimetypes
 import re
 import threading
 from collections.abc import Sequence
@@ -16,10 +17,12 @@ from urllib.parse import urlsplit
 from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
-from bristle_sim.cli.explore import bench
+from bristle_sim.cli.explore import bench, searches
 from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.render.report import explore_page
+
+OF_THE_PAGE = ("pin", "on", "fine")  # parts of an address that are no keys of the tool
 
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
 
@@ -37,10 +40,15 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     app = Flask("bristle_sim.cli.explore", static_folder=None)
     pass_of = main_scenario()
     workers = Workers()
-    page = explore_page(bench.knobs(pass_of, start))
+    page = explore_page(
+        bench.knobs(pass_of, start),
+        presets=bench.PRESETS,
+        downloads=bench.DOWNLOADS,
+        quantities=searches.COLOURS,
+    )
 
     def typed() -> list[str]:
-        return [f"{key}={value}" for key, value in request.args.items() if key != "pin"]
+        return [f"{key}={value}" for key, value in request.args.items() if key not in OF_THE_PAGE]
 
     policy = content_policy(page)
 
@@ -73,17 +81,29 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     def run() -> Response:
         return jsonify(workers.answer(client(), "run", list(start), typed()))
 
-    @app.get("/radial")
-    def radial() -> Response:
-        return jsonify(workers.answer(client(), "radial", [*start, *typed()]))
+    @app.get("/progress")
+    def progress() -> Response:
+        return jsonify(done=workers.progress(client()))
 
-    @app.get("/download/<any(toml, json, csv, html):kind>")
+    @app.get("/<any(radial, map, limits, design):kind>")
+    def searched(kind: str) -> Response:
+        options = [request.args[each] for each in ("on", "fine") if each in request.args]
+        return jsonify(workers.answer(client(), kind, [*start, *typed()], *options))
+
+    @app.get("/download/<kind>")
     def download(kind: str) -> Response:
+        if kind not in bench.DOWNLOADS:
+            return Response(status=404)
         found = workers.answer("", "download", kind, [*start, *typed()])
         if "error" in found:
             return Response(found["error"] + "\n", status=400, mimetype="text/plain")
         headers = {"Content-Disposition": f"attachment; filename=tool.{kind}"}
-        return Response(found["text"], mimetype=found["media"], headers=headers)
+        content = base64.b64decode(found["content"])
+        return Response(
+            content,
+            mimetype=mimetypes.types_map.get(f".{kind}", "application/toml"),
+            headers=headers,
+        )
 
     return app
 

@@ -1,25 +1,31 @@
 """The processes that compute for the bench, so that a run can be ended, and a fault ends a run and not the server.
 
-A worker reads one job a line from its standard input and writes one answer a line, both JSON. It ends when its input ends, and
-so with the server, however that ends.
+A worker reads one job a line from its standard input, and writes its progress and its answer, a line each, all JSON. A line with
+a job's number stops that job. A worker ends when its input ends, and so with the server, however that ends.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import os
 import queue
 import signal
 import subprocess
 import sys
 import threading
+import time
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, BinaryIO
 
 TIME_LIMIT = 60.0
 """Longest time that an answer may take, s. A run of the default tool takes 0.05 s, that of a wire of four links some seconds."""
+
+GRACE = 3.0  # longest time in which a stopped job must end, s; its process is ended then
+REPORTED = 0.2  # shortest time between two reports on a job's progress, s
+STOPPED = "stopped by a newer run"
 
 MOST_RUNNING = 4  # answers computed at once; further requests wait for as long as TIME_LIMIT
 
@@ -33,11 +39,14 @@ class Worker:
 
     Attributes:
         reason: the line that says why it was ended, if the server has ended it.
+        progress: the fraction of its job that is done, as far as it is known.
     """
 
     def __init__(self) -> None:
         """Start the process, which begins to import what it needs."""
         self.reason = ""
+        self.progress = 0.0
+        self._number = 0  # of its job
         command = [sys.executable, "-c", f"from {__name__} import work; work()"]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self._finalize = weakref.finalize(self, _end, self._process)
@@ -54,14 +63,17 @@ class Worker:
             [f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"],
         )
         timer.start()
+        self.progress = 0.0
         try:
-            sent.write(json.dumps([kind, arguments]).encode() + b"\n")
+            sent.write(json.dumps([self._number, kind, arguments]).encode() + b"\n")
             sent.flush()
-            line = received.readline()
+            while (line := received.readline())[:1].isdigit():
+                self.progress = float(line)
         except OSError:  # the worker has ended
             line = b""
         finally:
             timer.cancel()
+            self._number += 1
         if line.endswith(b"\n"):
             found: Answer = json.loads(line)
             return found
@@ -75,6 +87,22 @@ class Worker:
     def alive(self) -> bool:
         """Whether the process runs."""
         return self._process.poll() is None
+
+    def stop(self) -> None:
+        """Stop the job, and end the process if it has not stopped in time."""
+        number = self._number
+        sent = self._process.stdin
+        assert sent is not None
+        with contextlib.suppress(OSError):  # the worker has ended
+            sent.write(f"{number}\n".encode())
+            sent.flush()
+        late = threading.Timer(GRACE, self._end_late, [number])
+        late.daemon = True
+        late.start()
+
+    def _end_late(self, number: int) -> None:
+        if number == self._number:
+            self.end(STOPPED)
 
     def end(self, reason: str = "") -> None:
         """End the process, for a reason that its answer then gives."""
@@ -104,7 +132,7 @@ class Workers:
         """Return the answer to a job. A newer job of the same page ends its older one; a page "" has no other jobs."""
         with self._lock:
             if (older := self._running.get(page)) is not None:
-                older.end("stopped by a newer run")
+                older.stop()
         if not self._free.acquire(timeout=TIME_LIMIT):
             return {"error": "the server is busy; try again in a minute"}
         try:
@@ -112,6 +140,11 @@ class Workers:
                 return worker.answer(kind, arguments)
         finally:
             self._free.release()
+
+    def progress(self, page: str) -> float:
+        """Return the fraction of a page's job that is done; 0 if it is not known."""
+        worker = self._running.get(page)
+        return 0.0 if worker is None else worker.progress
 
     @contextlib.contextmanager
     def _job(self, page: str) -> Iterator[Worker]:
@@ -122,7 +155,7 @@ class Workers:
                 self._idle.append(Worker())
             if page:
                 if (older := self._running.get(page)) is not None:
-                    older.end("stopped by a newer run")
+                    older.stop()
                 self._running[page] = worker
         try:
             yield worker
@@ -143,23 +176,67 @@ def work() -> None:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # where anything printed goes
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
+    watch = Watch(answers)
+
     def read() -> None:
         for line in sys.stdin.buffer:
-            jobs.put(line)
+            if line.startswith(b"["):
+                jobs.put(line)
+            else:
+                watch.stopped = int(line)
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    from bristle_sim.cli.explore import bench
+    from bristle_sim.cli.explore import bench, searches
     from bristle_sim.cli.scripts import main_scenario
 
     kinds: dict[str, Callable[..., Answer]] = {
         "run": bench.run_of,
-        "radial": bench.radial_bar,
+        "radial": searches.radial_bar,
+        "map": searches.map_of,
+        "limits": searches.limits_of,
+        "design": searches.design_of,
         "download": bench.download,
     }
     pass_of = main_scenario()
     bench.run_of(pass_of, [], [])  # imports what a run needs
+    logger = logging.getLogger("bristle_sim.scene.run")
+    logger.addHandler(watch)
+    logger.setLevel(logging.DEBUG)
     while True:
-        kind, arguments = json.loads(jobs.get())
-        answers.write(json.dumps(kinds[kind](pass_of, *arguments)).encode() + b"\n")
+        watch.number, kind, arguments = json.loads(jobs.get())
+        try:
+            found = kinds[kind](pass_of, *arguments)
+        except (ValueError, ArithmeticError, StoppedError) as error:
+            found = {"error": " ".join(str(error).split())}
+        answers.write(json.dumps(found).encode() + b"\n")
         answers.flush()
+
+
+class StoppedError(Exception):
+    """The server has stopped the job."""
+
+
+class Watch(logging.Handler):
+    """Reports the progress that a run logs, and ends the run if its job is stopped.
+
+    Attributes:
+        number: of the present job.
+        stopped: number of the last job that was stopped.
+    """
+
+    def __init__(self, answers: BinaryIO) -> None:
+        super().__init__(logging.DEBUG)
+        self.number = -1
+        self.stopped = -2
+        self._answers = answers
+        self._reported = 0.0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Report the fraction that is the record's argument. Raises StoppedError."""
+        if self.stopped == self.number:
+            raise StoppedError(STOPPED)
+        if time.monotonic() - self._reported > REPORTED:
+            self._reported = time.monotonic()
+            self._answers.write(f"{record.getMessage()}\n".encode())
+            self._answers.flush()

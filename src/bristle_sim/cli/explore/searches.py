@@ -1,0 +1,163 @@
+"""Answers of the bench from many passes: the map of two keys, the limits of one, a bar for a radial strike, and a design."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter, minimum_filter
+
+from bristle_sim.arrays import Array
+from bristle_sim.cli.limits import limits_in_words
+from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.comparison import readable_unit
+from bristle_sim.conversion import exact_text, plain_number
+from bristle_sim.parameters import Tool, key_unit
+from bristle_sim.passes.strike import OUTCOMES, REFUSED
+from bristle_sim.settings import Settings
+from bristle_sim.studies.bar_search import placed, radial_place, simulation
+from bristle_sim.studies.design import design
+from bristle_sim.studies.limits import limits
+from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
+from bristle_sim.studies.whole_pass import QUANTITIES
+from bristle_sim.units import Range
+
+ACCURACY = 1e-6  # relative, of the passes in a map: far less than a shade
+CELLS = 40  # of the coarse map along each side
+PARTS = 5  # of a coarse cell's side in the fine map
+SHADES = 254  # steps of a map's scale
+EXTREMES = (
+    1.0,
+    99.0,
+)  # percentiles between which the scale runs, so that one extreme value does not blacken a map
+
+COLOURS = {OUTCOME: "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
+"""Quantities that a map shows, and their words."""
+
+
+def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) -> dict[str, Any]:
+    """Return the map of a quantity over two keys, row by row from below.
+
+    The fine map has PARTS points for each of the coarse one. It computes them in the cells where the outcome changes or a linear
+    interpolation is wrong by a shade, and interpolates the others.
+
+    Args:
+        pass_of: the scenario of the pass.
+        assignments: make the tool.
+        on: JSON of ``x`` and ``y``, a key and the ends of its range each, and ``of``, the quantity.
+        fine: 1 for the fine map.
+    """
+    asked = json.loads(on)
+    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    ends = [_ends(pass_of, *asked[axis]) for axis in "xy"]
+
+    def passes(*fractions: Array) -> tuple[Array, NDArray[Any]]:
+        """Return values and codes of the outcome at fractions of the ranges of x and y."""
+        places = {
+            key: low + (high - low) * each
+            for (key, low, high), each in zip(ends, fractions, strict=True)
+        }
+        found = pass_quantities(tool, ACCURACY, **places)
+        codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
+        if (codes == REFUSED).all():
+            raise ValueError(f"no map: {found[REASON].flat[0]}")
+        return found[asked["of"]] if asked["of"] in QUANTITIES else np.full(
+            codes.shape, np.nan
+        ), codes
+
+    rows, columns = np.indices((CELLS + 1, CELLS + 1)) / CELLS
+    values, codes = passes(columns, rows)
+    computed = values.size
+    numbers = values[np.isfinite(values)]
+    low, high = np.percentile(numbers, EXTREMES) if numbers.size else (0.0, 0.0)
+    if fine == "1":
+        within = np.minimum(np.arange(CELLS * PARTS + 1) // PARTS, CELLS - 1)
+        rows, columns = np.nonzero(_rough(values, codes, low, high)[np.ix_(within, within)])
+        values, codes = _interpolated(values, codes)
+        fractions = (columns / (CELLS * PARTS), rows / (CELLS * PARTS))
+        values[rows, columns], codes[rows, columns] = passes(*fractions)
+        computed += rows.size
+    shades = np.clip(np.rint(SHADES * (values - low) / (high - low or 1.0)), 0, SHADES)
+    label, unit = QUANTITIES.get(asked["of"], ("outcome", "1"))
+    between = f", {computed} computed, the others interpolated to a shade" if fine == "1" else ""
+    unit, size = readable_unit(unit, [low, high])
+    texts = [f"{plain_number(each / size, 3)} {unit.replace('deg', '°')}" for each in (low, high)]
+    return {
+        "size": len(values),
+        "shades": _coded(np.nan_to_num(shades, nan=SHADES + 1)),
+        "outcomes": _coded(codes),
+        "names": OUTCOMES,
+        "present": np.unique(codes[np.isnan(values)]).tolist(),
+        "low": texts[0] if numbers.size else "",
+        "high": texts[1],
+        "note": f"{label}: {values.size} points{between}",
+    }
+
+
+def _ends(pass_of: Scenario, key: str, *ends: str) -> tuple[str, float, float]:
+    """Return a key and the ends of its range, from texts with units."""
+    declared = pass_of.keys()[key][0]
+    low, high = (float(declared.parse(each)) for each in ends)
+    return key, low, high
+
+
+def _coded(numbers: Array) -> str:
+    return base64.b64encode(numbers.astype(np.uint8).tobytes()).decode("ascii")
+
+
+def _rough(values: Array, codes: NDArray[Any], low: float, high: float) -> NDArray[np.bool_]:
+    """Return the coarse cells in which a linear interpolation may be wrong: by h^2 f''/8 along each side, or by an outcome."""
+    kinds = 2 * codes + np.isnan(values)
+    rough = maximum_filter(kinds, 3) != minimum_filter(kinds, 3)
+    for axis, edges in enumerate(([[1, 1], [0, 0]], [[0, 0], [1, 1]])):
+        bend = np.pad(np.diff(values, 2, axis=axis), edges, "edge")
+        rough |= np.abs(bend) / 4.0 > (high - low) / SHADES
+    return np.asarray(rough[1:, 1:] | rough[:-1, 1:] | rough[1:, :-1] | rough[:-1, :-1])
+
+
+def _interpolated(values: Array, codes: NDArray[Any]) -> tuple[Array, NDArray[Any]]:
+    """Return values, linear between the coarse points, and the nearest points' outcomes."""
+    place = np.arange(CELLS * PARTS + 1) / PARTS
+    weights = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(CELLS + 1)))
+    nearest = np.ix_(*2 * [np.rint(place).astype(int)])
+    between = weights @ np.nan_to_num(values) @ weights.T
+    return np.where(np.isnan(values)[nearest], np.nan, between), codes[nearest]
+
+
+def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
+    """Return the sentence on the values of the map's first key at which the outcome changes."""
+    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    key, low, high = _ends(pass_of, *json.loads(on)["x"])
+    declared = pass_of.keys()[key][0]
+    assert isinstance(declared, Range)
+    found = limits(tool, accuracy=ACCURACY, **{key: (low, high)})
+    return {"answer": limits_in_words(declared, min(low, high), max(low, high), found)}
+
+
+def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
+    """Return the assignments of the tool that has the wanted quantities, with the map's keys in their ranges, and the sentence on it."""
+    asked = json.loads(on)
+    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    ranges = [_ends(pass_of, *asked[axis]) for axis in "xy"]
+    found = design(tool, want=asked["want"], vary={key: (low, high) for key, low, high in ranges})
+    return {
+        "answer": " ".join([found.answer, *found.remarks]),
+        "assignments": {
+            key: exact_text(value, key, key_unit(key)) for key, value in found.varied.items()
+        },
+    }
+
+
+def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
+    """Return the assignments that place the bar, at its distance from the hub's centre, for a radial strike."""
+    values = pass_of.values_of(assignments)
+    tool = build_parameters(Tool, values)
+    strike = simulation(Settings(accuracy=values["accuracy"]))
+    found = placed(tool, radial_place(tool, strike).direction).bar
+    assert found is not None
+    places = {"bar_horizontal": found.horizontal, "bar_vertical": found.vertical}
+    return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}
