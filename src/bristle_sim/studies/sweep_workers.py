@@ -10,13 +10,15 @@ import queue
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import suppress
+from functools import lru_cache
 from typing import Any
 
 import cloudpickle
 import joblib
-from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky import ProcessPoolExecutor as LokyExecutor
+from joblib.externals.loky.process_executor import ShutdownExecutorError
 from joblib.parallel import get_active_backend
 
 from bristle_sim.studies.sweep_identity import name_of
@@ -93,19 +95,31 @@ class _Processes(_Pool):
             "VECLIB_MAXIMUM_THREADS",
         )
         self.number = number
-        self.threads = {name: os.environ.get(name, threads) for name in names}
+        self.environment = tuple((name, os.environ.get(name, threads)) for name in names)
+        super().__init__(_kept_processes(number, self.environment))
 
-    @property
-    def executor(self) -> Any:
-        """The processes, new ones if the last ones were lost."""
-        return get_reusable_executor(self.number, timeout=IDLE, env=self.threads)
+    def submit(self, *call: Any) -> Any:
+        """Start a call and return its future, on new processes if the last ones were lost."""
+        try:
+            return self.executor.submit(*call)
+        except (BrokenExecutor, ShutdownExecutorError):
+            _kept_processes.cache_clear()
+            self.executor = _kept_processes(self.number, self.environment)
+            return self.executor.submit(*call)
 
     def workers(self) -> int:
         return self.number
 
     def stop(self, futures: list[Any]) -> None:
         if futures:
+            _kept_processes.cache_clear()
             self.executor.shutdown(kill_workers=True)
+
+
+@lru_cache(maxsize=1)
+def _kept_processes(number: int, environment: tuple[tuple[str, str], ...]) -> Any:
+    """Return processes that stay for the next sweep. They are not those that joblib keeps, which need its own set-up."""
+    return LokyExecutor(number, timeout=IDLE, env=dict(environment))
 
 
 class _OwnThreads(_Pool):
