@@ -1,8 +1,10 @@
-"""Three bristles in one tool: knee bent backwards, straight, knee bent forwards. Which tip slides, which retracts at once?
+"""Three bristles in one tool: knee bent backwards, straight, and bent forwards. Which tips slide,
+and which retract at once?
 
-In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as soon as it strikes, while the
-other two slide first. The further ahead a knee puts the tip, the sooner the strike's friction turns its slip around. A wire of
-links strikes a workpart of the stiffness that would keep the rigid bristle in touch for the contact's duration.
+In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as
+soon as it strikes, while the other two slide first. The farther ahead a knee puts the tip, the
+sooner the strike's friction reverses its slip. A wire of links strikes a workpart whose stiffness
+would keep the rigid bristle in contact for the requested duration.
 """
 
 from __future__ import annotations
@@ -26,17 +28,24 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
-RETRACTS = 0.05  # Fraction of the largest forward slide below which a tip counts as one that retracts at once
-REST = 1e-4  # Fraction of the fastest slip below which the tip is at rest
+# largest forward slide of a tip that retracts at once, over the largest slide of all
+RETRACTS = 0.05
+REST = 1e-4  # largest slip speed of a tip at rest, over the fastest slip
 
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """The slide of a tip on the workpart in its first strike; m and s from the first touch.
+    """The slide of a tip on the workpart in its first strike.
 
-    ``forward`` is the longest distance ahead of the first touch, ``total`` the displacement in the whole contact, negative for
-    a tip that has retracted. The first slip may end, in ``compression`` or ``restitution``: it ``turns``, or it ``stops``, the
-    tip then sticks; a slip that lasts has no ending, at an infinite time. Compression ends at the deepest penetration.
+    Attributes:
+        forward: longest distance ahead of the first touch, m.
+        total: displacement in the whole contact, m; negative for a tip that has retracted.
+        duration: duration of the contact, s.
+        compression_time: time from the first touch to the deepest penetration, s.
+        ending: end of the first slip: it ``turns``, or it ``stops`` and the tip sticks; None if it
+            lasts.
+        ending_phase: phase of that end, ``compression`` or ``restitution``; None if slip lasts.
+        ending_time: time of that end from the first touch, s; infinite if slip lasts.
     """
 
     forward: float
@@ -48,7 +57,7 @@ class Slide:
     ending_time: float
 
     def __str__(self) -> str:
-        """Describe how far the tip slides, and how and when the slip ends."""
+        """Return the distance of the slide, and the manner and time of its end, in words."""
         ending = "slip neither turns nor stops"
         if self.ending is not None:
             ending = f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
@@ -58,7 +67,7 @@ class Slide:
 
 @dataclass(frozen=True, slots=True)
 class BentBristles:
-    """The three tools, their passes and slides, by shape."""
+    """The three tools, their passes and their slides, by shape."""
 
     tools: dict[str, Tool]
     trajectories: dict[str, Trajectory]
@@ -66,7 +75,10 @@ class BentBristles:
 
 
 def slide_path(history: ContactHistory) -> Array:
-    """Return the tip's displacement along the workpart since the first touch by the trapezoidal rule, m, shape (n,)."""
+    """Return the tip's displacement along the workpart since the first touch, m, shape (n,).
+
+    It is integrated by the trapezoidal rule.
+    """
     steps = (
         0.5
         * np.diff(history.time)
@@ -76,9 +88,10 @@ def slide_path(history: ContactHistory) -> Array:
 
 
 def slide_of(contact: ContactRecord) -> Slide:
-    """Return how a tip slides in a strike that was resolved in time.
+    """Return the slide of a tip in a strike that was resolved in time.
 
-    Raises ValueError for a contact without a history.
+    Raises:
+        ValueError: for a contact without a history.
     """
     history = contact.history
     if history is None:
@@ -93,7 +106,7 @@ def slide_of(contact: ContactRecord) -> Slide:
         if not phase.endswith(" slip") or phase.endswith(" reverse slip")
     ]
     speed = history.tangential_velocity
-    # Stick leaves the integrator's error, turning passes through 0.
+    # In stick the speed is the integrator's error; in reversal it passes through 0.
     over = speed <= REST * np.abs(speed).max()
     return Slide(
         forward=float(path.max()),
@@ -107,9 +120,11 @@ def slide_of(contact: ContactRecord) -> Slide:
 
 
 def bent_bristles(tool: Tool, settings: Settings) -> Report:
-    """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
+    """Simulate three passes: with the tool's knee bent backwards, straight, and bent forwards.
 
-    Raises ValueError if the tool's contact is not resolved in time, or a pass runs out of steps before its strike.
+    Raises:
+        ValueError: if the tool's contact is not resolved in time, or a pass exceeds its step budget
+            before the strike.
     """
     if tool.contact.law != "compliant":
         raise ValueError(
@@ -147,7 +162,9 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
 
 
 def answer(slides: Mapping[str, Slide | None]) -> str:
-    """Return which tips slide and which retract at once, and the slip that turns or stops first."""
+    """Return the sentence that names the tips that slide, those that retract, and the slip that
+    ends first.
+    """
     struck = {shape: slide for shape, slide in slides.items() if slide is not None}
     if not struck:
         return "No tip slides, because none strikes the workpart."
@@ -192,7 +209,7 @@ def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> lis
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:
-    """Compare the forward bent tip's slide with those of the other two, as seen in the film."""
+    """Return the comparison of the forward bent tip's slide with the other two, and with the film."""
     found = [slide.forward for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):
         return "not every shape strikes: nothing to compare with the film"

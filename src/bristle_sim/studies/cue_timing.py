@@ -1,8 +1,10 @@
-"""Compare the bar position of the quasi-static cue formulas with that of a simulated release from rest.
+"""The bar position by the quasi-static cue formulas, compared with that by a simulated release from
+rest.
 
-In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation (Zhang 2020, sec. 2.2), and
-its cue time places the bar (2.1). They leave out the centrifugal stiffening, which the simulated release includes, and the
-bar's own effects, which a whole pass includes: the impact of first touch, and the swing after the last touch.
+In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation
+(Zhang 2020, sec. 2.2), and its cue time places the bar (2.1). The formulas neglect the centrifugal
+stiffening, which the simulated release includes. Both neglect the effects of the bar, which a whole
+pass includes: the impact of the first touch, and the swing after the last touch.
 """
 
 from __future__ import annotations
@@ -38,18 +40,29 @@ QUANTITIES = {
     "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
 
-# Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long
+# Largest number of hub turns of a release; only on an extremely soft belt does the bristle still
+# accelerate then.
 FULL_TURNS = 1e3
-# Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short
+# Largest increase of the density of samples for a damped release; beyond it the scene's own steps
+# are as short.
 MOST_DAMPED = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release from a retraction, rad, up to the highest relative speed, and the cues by simulation and formula.
+    """A simulated release up to the highest relative speed, and the cues by simulation and formula.
 
-    ``passes`` are whole passes with the bar at the release's cue, if it has one, and with the bar as it stands, ``bar``.
-    ``readings`` has the release for each reading of the printed belt stiffness, and ``own`` for another one of the tool.
+    Attributes:
+        tool: the tool.
+        retraction: retraction at the release, rad.
+        trajectory: the release.
+        simulated: cue by the simulated release; None if the speed has no maximum.
+        formula: cue by the formulas; None without a belt.
+        reference: cue by the reference.
+        bar: bar of the tool.
+        passes: whole passes, with the bar at the release's cue, if it has one, and with ``bar``.
+        readings: the release for each reading of the printed belt stiffness, and ``own`` for any
+            other stiffness of the tool.
     """
 
     tool: Tool
@@ -64,9 +77,10 @@ class CueTiming:
 
     @property
     def wires(self) -> Array:
-        """Return the centre lines of the wire as released and when fastest, shape (2, corners, 2), m.
+        """Centre lines of the wire at its release and when it is fastest, shape (2, corners, 2), m.
 
-        Both are turned about the hub's centre so that the fastest wire strikes radially, at the impact angle gamma.
+        Both are turned about the hub's centre so that the fastest wire strikes radially, at the
+        impact angle gamma.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
@@ -76,7 +90,9 @@ class CueTiming:
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
-    """Return a bar of the same radius out of the bristle's reach, for a study whose result is the bar's position."""
+    """Return a bar of the same radius out of the bristle's reach, for a study that determines the
+    bar's position.
+    """
     away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
@@ -89,13 +105,16 @@ def cue_timing(
     bar: Bar | None = None,
     with_reference: bool = True,
 ) -> Report:
-    """Simulate the release from rest at a retraction (rad), and place the bar by the result, for each belt stiffness.
+    """Simulate the release from rest at a retraction (rad), and place the bar by it, for each belt
+    stiffness.
 
-    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's. The belt stiffness is read
-    from the printed "0.00041 N m/rad" per radian and per degree, and from the bristle filmed at 254 Hz.
+    The belt stiffness is that of the tool, the printed "0.00041 N m/rad" read per radian and per
+    degree, and that of the bristle filmed at 254 Hz. Whole passes are simulated with ``bar``, by
+    default the tool's bar, too.
 
-    Raises ValueError if nothing drives the bristle, the wire bends, the tip cannot reach the workpart radially, or the
-    release is not computed within the settings' steps.
+    Raises:
+        ValueError: if nothing drives the bristle, the wire bends, the tip cannot reach the workpart
+            radially, or the release exceeds the step budget.
     """
     require_rigid(tool)
 
@@ -185,7 +204,9 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 def _timed(
     tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool
 ) -> CueTiming:
-    """Release the bristle, and simulate whole passes with the bar where the release needs it and where it stands."""
+    """Simulate the release, and whole passes with the bar at the release's cue and at its own
+    position.
+    """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
     start: dict[str, Any] = {
@@ -193,7 +214,8 @@ def _timed(
         "stop_after": "highest relative speed",
     }
     bare = dataclasses.replace(tool, bar=None, workpart=None)
-    # An overdamped release is over in a small part of the period that samples are counted in.
+    # An overdamped release lasts a small fraction of the period to which the number of samples
+    # refers.
     samples = math.ceil(
         settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED)
     )
@@ -228,7 +250,7 @@ def _timed(
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a release (Zhang 2020, eq. 2.1); None if its speed has no maximum."""
+    """Return the cue of a release (Zhang 2020, eq. 2.1); None if its relative speed has no maximum."""
     time = run.event_time("highest relative speed")
     if time is None:
         return None
@@ -240,11 +262,12 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 def _rows(
     timing: CueTiming, settings: Settings, units: Mapping[str, tuple[str, str]], printed: Values
 ) -> tuple[Quantity, ...]:
-    """Compare the bar that a release needs with those of the formula and of the reference.
+    """Compare the bar position by the release with those by the formula and by the reference.
 
-    The speed is highest where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
-    error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
-    of the bar magnifies an error of its direction by the other coordinate over this one.
+    The speed is highest where the torques of belt and damping balance; there alpha''' = -(K/I)
+    alpha'. A relative error delta of the rate therefore moves that instant t by c delta/K, which is
+    the fraction c delta/(K t) of t. A coordinate of the bar magnifies an error of the direction by
+    the ratio of the other coordinate to it.
     """
     tool = timing.tool
     cue = timing.reference

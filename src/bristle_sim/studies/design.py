@@ -1,4 +1,6 @@
-"""Design: which tool of some ranges has a pass with wanted quantities, and how sharply they depend on the keys."""
+"""Design: the tool in given ranges whose pass has wanted quantities, and the sensitivity of the
+quantities to the keys.
+"""
 
 from __future__ import annotations
 
@@ -40,18 +42,20 @@ from bristle_sim.studies.many_passes import (
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import Choice, Range, likely_key, shown
 
-KEPT = 0.01  # fraction by which a wanted quantity may be off and is still kept
-KEPT_DEG = 1.0  # deg; the same of an angle
-STEPS = 64  # values of a key to either side at which a want is looked up
-KEPT_ROUNDS = 3  # of the look-up, each within the first step of the last one that is off
-MOST = 1e12  # bound of a wanted value, in the quantity's unit
+KEPT = 0.01  # largest relative deviation of a kept quantity from its wanted value
+KEPT_DEG = 1.0  # largest deviation of a kept angle from its wanted value, deg
+STEPS = 64  # number of values of a key on either side at which the deviations are computed
+KEPT_ROUNDS = 3  # number of rounds; each refines the interval up to the first value off the want
+MOST = 1e12  # largest magnitude of a wanted value, in the quantity's unit
 
 DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported only when a picture is requested
 
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """A wanted value of a quantity, and the one that the found tool's pass reaches in the scene, None without a strike."""
+    """A wanted quantity: its name, the wanted value, and the value reached in the scene (None
+    without a strike).
+    """
 
     name: str
     wanted: float
@@ -60,21 +64,23 @@ class Want:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """The tool that was found, in SI units and degrees where a name ends in ``_deg``.
+    """The result of a design, in SI units, and in degrees where a name ends in ``_deg``.
 
     Attributes:
-        answer: in a sentence, with the scene's agreement.
-        remarks: sentences on the compromises between two wants, and on the tolerance of the keys.
-        tool: that was found; where wants conflict, the nearest.
+        answer: the result in a sentence, with the scene's agreement.
+        remarks: sentences on compromises between two wants and on the tolerance of the keys.
+        tool: the tool found; if wants conflict, the nearest tool.
         given: the tool from which the search began.
-        varied: found values by key.
+        varied: values found, by key.
         wants: wanted and reached values.
-        report: of the found tool's pass, computed by the scene.
-        before: simulated quantities of the given tool; None where it has none.
+        report: report of the found tool's pass in the scene.
+        before: simulated quantities of the given tool; None for a quantity that it does not have.
         sensitivity: derivatives of the quantities with respect to each key.
-        kept: lowest and highest value of each key alone at which all wants are kept, to 1 % or 1 deg.
-        conflict: wants that cannot be met together; empty where all are met.
-        trade_off: of two conflicting wants, the values of both, and of the keys, along the curve of the best compromises.
+        kept: lowest and highest value of each key alone at which all wants are kept, to 1 % or 1
+            deg.
+        conflict: names of wants that cannot be met together; empty if all are met.
+        trade_off: values of two conflicting wants, and of the keys, along the curve of best
+            compromises.
         check: agreement of the passes in arrays with the scene.
     """
 
@@ -95,7 +101,7 @@ class Design:
     def plot(self) -> Any:
         """Return a matplotlib figure of the trade-off of two conflicting wants.
 
-        Raises ValueError if none conflict.
+        Raises ValueError if there is no conflict of two wants.
         """
         if not self.trade_off:
             raise ValueError("plot: must have two conflicting wants; all are met here")
@@ -111,10 +117,11 @@ def design(
     minimize: str = "",
     maximize: str = "",
 ) -> Design:
-    """Find the tool whose pass has wanted quantities: a straight rigid bristle with the energetic law of impact.
+    """Find the tool in given ranges whose pass has wanted quantities.
 
-    Where the wants leave a choice, the goal is minimised or maximised; without a goal, the keys change least, each over its
-    range. The result is confirmed by the scene at the found tool and at eight random ones.
+    The bristle must be straight and rigid, with the energetic law of impact. If several tools meet
+    the wants, a goal is minimised or maximised; without a goal the keys change least, relative to
+    their ranges. The scene confirms the result at the found tool and at eight random tools.
 
     >>> import bristle_sim as bs
     >>> found = bs.design(
@@ -125,14 +132,16 @@ def design(
     251.63 rad/s, 50.878 mm
 
     Args:
-        tool: has the values of the other keys; by default the dissertation's tool.
-        want: values of quantities of ``bristle-sim cue_and_impact``, numbers in its units or texts with a unit.
+        tool: the tool that gives the values of all other keys; by default the dissertation's tool.
+        want: wanted values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
+        or texts with a unit.
         vary: the two ends of the range of each key.
         at_most: upper limits of quantities, or of varied keys.
-        minimize, maximize: a quantity; at most one of both.
+        minimize, maximize: name of the goal; only one of the two may be given.
 
     Raises:
-        ValueError: in one line, for an unknown name or a value that is refused, a tool that bends or has another law, or ranges
+        ValueError: in one line, for an unknown name or a refused value, a wire that bends, another
+        law of impact, or ranges
             in which no pass has the quantities.
     """
     question = _question(Tool() if tool is None else tool, want, vary, at_most, minimize, maximize)
@@ -149,7 +158,11 @@ def design(
 
 
 def quantity_range(name: str) -> Range:
-    """Return the declaration of a quantity by which a wanted value is read. Raises ValueError for an unknown name."""
+    """Return the declaration of a quantity, by which its wanted value is read.
+
+    Raises:
+        ValueError: for an unknown name.
+    """
     if name not in QUANTITIES:
         raise ValueError(f"unknown quantity {shown(name)}; {likely_key(name, QUANTITIES)}")
     return Range(name, QUANTITIES[name][1], -MOST, MOST, True, "")
@@ -163,7 +176,7 @@ def _question(
     minimize: str,
     maximize: str,
 ) -> Question:
-    """Return the checked question."""
+    """Return the question after a check of all arguments."""
     if reason := unable(tool, Settings()):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if minimize and maximize:
@@ -223,7 +236,7 @@ def _conflict(question: Question, first: Array) -> tuple[str, ...]:
 def _result(
     question: Question, place: Array, conflict: tuple[str, ...], curve: Array | None
 ) -> Design:
-    """Return the design at fractions of the ranges, confirmed by the scene."""
+    """Return the design at given fractions of the ranges, with its confirmation by the scene."""
     settings = Settings(accuracy=SCENE_ACCURACY)
     varied = {key: float(each[0]) for key, each in question.keys_at(place[:, np.newaxis]).items()}
     found = question.tool.replace(**varied)
@@ -231,7 +244,7 @@ def _result(
     reached = {each.name: each.simulated for each in report.quantities}
     try:
         before = whole_pass(question.tool, settings).quantities
-    except ValueError:  # the given tool's parts may overlap where those of the found one do not
+    except ValueError:  # the given tool's parts may overlap although those of the found tool do not
         before = ()
     random = np.random.default_rng(1).random((place.size, CHECKED_POINTS))
     points = question.keys_at(np.concatenate([place[:, np.newaxis], random], axis=1))
@@ -273,7 +286,7 @@ def _result(
 
 
 def _quantities_of(question: Question) -> Function:
-    """Return the function that returns all quantities at fractions of the ranges."""
+    """Return the function that computes all quantities at fractions of the ranges."""
 
     def quantities(fractions: Array) -> Array:
         passes = question.passes(fractions)
@@ -283,9 +296,10 @@ def _quantities_of(question: Question) -> Function:
 
 
 def _kept(question: Question, place: Array) -> dict[str, tuple[float, float]]:
-    """Return the ends of each key's range, the others at their values, in which all wants stay within KEPT of their values.
+    """Return the ends of each key's range in which all wants are kept, with the other keys
+    unchanged.
 
-    Where the values at STEPS equal steps to either end are still within, the range is that of the key.
+    If the values at STEPS equal steps are kept, the end is that of the key's range.
     """
     allowed = {
         name: KEPT_DEG if "_deg" in name else KEPT * abs(value)
@@ -297,7 +311,8 @@ def _kept(question: Question, place: Array) -> dict[str, tuple[float, float]]:
         ends = []
         for end in (0.0, 1.0):
             far = end
-            for _ in range(KEPT_ROUNDS):  # ever closer, so that a narrow range is resolved, too
+            # each round is finer, so that a narrow range is resolved too
+            for _ in range(KEPT_ROUNDS):
                 along = np.tile(place[:, np.newaxis], STEPS + 1)
                 along[number] = np.linspace(place[number], far, STEPS + 1)
                 passes = question.passes(along)

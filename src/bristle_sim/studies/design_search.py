@@ -1,7 +1,9 @@
-"""Search of the ranges of some keys for the tool whose pass has wanted quantities, by arrays of passes.
+"""Search of the ranges of some keys for the tool whose pass has wanted quantities, by arrays of
+passes.
 
-Every key runs from 0 to 1 in its range. Differential evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997)
-341-359) with an exact penalty on the wants comes near; least squares and sequential quadratic programming finish.
+Every key runs from 0 to 1 in its range. Differential evolution (R. Storn and K. Price, *Journal of
+Global Optimization* 11 (1997) 341-359) with an exact penalty on the wants finds starts. Least
+squares and sequential quadratic programming refine them.
 """
 
 from __future__ import annotations
@@ -20,39 +22,40 @@ from bristle_sim.passes.request import key_values
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 
 SEED = 1
-FIRST = 1024  # passes that look over the ranges; with fewer a call costs the same
+FIRST = 1024  # number of passes of the first survey of the ranges; fewer cost as much time
 POPULATION = 256
 GENERATIONS = 30
-STARTS = 4  # best points of a population from which the search is finished
-DIFFERENCE = (
-    1e-5  # of a fraction, for derivatives: their error is some 1e-10, as is that of the passes
-)
-ACCURACY = 1e-10  # of the passes
-PENALTY = 30.0  # of a want that is missed by its spread over the ranges; a goal changes by some spreads at most
+STARTS = 4  # number of best points of a population that are refined
+# Step of a fraction for derivatives; its truncation error is some 1e-10, as is the error of the
+# passes.
+DIFFERENCE = 1e-5
+ACCURACY = 1e-10  # requested accuracy of the passes
+PENALTY = 30.0  # penalty of a want missed by its spread; a goal changes by a few spreads at most
 NO_STRIKE = 1e6  # merit of a pass without the quantities
-MET = 1e-6  # miss of a want, over its spread, that counts as none
-
-MOST_STEPS = 60  # of a search next to a start
+MET = 1e-6  # largest miss of a met want, over its spread
+MOST_STEPS = 60  # largest number of steps of a refinement
 
 Function = Callable[[Array], Array]
-"""Returns values at fractions of the ranges, shape (keys, points)."""
+"""Function of fractions of the ranges, shape (keys, points), that returns values at the points."""
 
 
 class NoSolutionError(ValueError):
-    """No tool in the ranges has a pass with the quantities."""
+    """Error: no tool in the ranges has a pass with the quantities."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Wanted values and upper limits of quantities, the ranges of the varied keys, and what is minimised besides.
+    """Wanted values and upper limits of quantities, the ranges of the varied keys, and the goal.
 
     Attributes:
-        tool: has the values of the other keys.
+        tool: the tool that gives the values of all other keys.
         vary: the two ends of each key's range.
-        want, at_most: values and upper limits, by quantity.
-        goal: quantity that is minimised; without one, and where the wants leave a choice, the change of the keys is.
-        sense: -1 to maximise the goal.
-        spread: standard deviation of each quantity over the ranges, to which misses are related.
+        want: wanted values, by quantity.
+        at_most: upper limits, by quantity.
+        goal: quantity that is minimised if several tools meet the wants; without a goal the change
+            of the keys is minimised.
+        sense: 1, or -1 to maximise the goal.
+        spread: standard deviation of each quantity over the ranges, the unit of misses.
     """
 
     tool: Tool
@@ -73,13 +76,18 @@ class Question:
         return pass_quantities(self.tool, ACCURACY, **self.keys_at(fractions))
 
     def present(self) -> Array:
-        """Return the fractions of the tool's own values, within the ranges."""
+        """Return the fractions of the tool's own values; a value outside a range is moved to its
+        end.
+        """
         own = key_values(self.tool)
         found = [(own[key] - low) / (high - low) for key, (low, high) in self.vary.items()]
         return np.asarray(np.nan_to_num(np.clip(found, 0.0, 1.0), nan=0.5))
 
     def misses(self, fractions: Array, wants: Collection[str]) -> Array:
-        """Return misses of wants and excesses of limits over their spreads, shape (wants and limits, points)."""
+        """Return the misses of wants and excesses of limits over their spreads.
+
+        The shape is (wants and limits, points).
+        """
         found = self.passes(fractions)
         missed = [(found[name] - self.want[name]) / self.spread[name] for name in wants]
         over = [(found[name] - most) / self.spread[name] for name, most in self.at_most.items()]
@@ -87,7 +95,10 @@ class Question:
         return np.array(both) if both else np.zeros((0, fractions.shape[1]))
 
     def costs(self, fractions: Array) -> Array:
-        """Return the goal, the misses of the wants and the excesses of the limits, negative ones too."""
+        """Return the goal, the misses of the wants, and the excesses of the limits.
+
+        An excess is negative below the limit.
+        """
         found = self.passes(fractions)
         goal = np.sum((fractions - self.present()[:, np.newaxis]) ** 2, axis=0)
         if self.goal:
@@ -99,9 +110,13 @@ class Question:
 
 
 def look_over(question: Question) -> Array:
-    """Fill in the spreads of the quantities, and return fractions at which passes have them all, shape (keys, points).
+    """Compute the spreads of the quantities, and return fractions whose passes have all quantities.
 
-    Raises NoSolutionError if there is no such pass, or a wanted quantity does not depend on the keys.
+    Returns:
+        Fractions, shape (keys, points).
+
+    Raises:
+        NoSolutionError: if there is no such pass, or a quantity does not depend on the keys.
     """
     fractions = Sobol(len(question.vary), seed=SEED).random(FIRST).T
     found = question.passes(fractions)
@@ -124,14 +139,16 @@ def look_over(question: Question) -> Array:
 
 
 def met(question: Question, start: Array, wants: Collection[str]) -> tuple[Array, float]:
-    """Return the fractions next to a start at which wants and limits are met best, and the largest miss."""
+    """Return the fractions near a start at which wants and limits are met best, and the largest
+    miss.
+    """
     missed = functools.partial(question.misses, wants=wants)
     found = _least_squares(missed, start) if wants or question.at_most else start
     return found, float(np.abs(missed(found[:, np.newaxis])).max(initial=0.0))
 
 
 def _least_squares(function: Function, start: Array) -> Array:
-    """Return the fractions at which the sum of the squares of a function's values is least."""
+    """Return the fractions at which the sum of squares of a function's values is least."""
     at = with_derivatives(function)
     inside = np.clip(start, 1e-6, 1.0 - 1e-6)
     if not np.isfinite(at(inside)[0]).all():
@@ -150,9 +167,11 @@ def _least_squares(function: Function, start: Array) -> Array:
 
 
 def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array]]:
-    """Return a function that returns the values, shape (values,), and derivatives, (values, keys), at a place, in one call.
+    """Return the function of a place that returns values, (values,), and derivatives, (values,
+    keys).
 
-    The derivatives are differences within the ranges; one that is unknown is 0.
+    The derivatives are finite differences within the ranges; an unknown derivative is 0. One call
+    computes both.
     """
 
     @functools.lru_cache(maxsize=2)
@@ -169,7 +188,9 @@ def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array
 
 
 def evolved(merit: Function, first: Array) -> Array:
-    """Return fractions with small merits, best first, shape (keys, STARTS), evolved from a first population."""
+    """Return the best fractions that evolve from a first population, shape (keys, STARTS), best
+    first.
+    """
     order = np.argsort(merit(first))[:POPULATION]
     population = first[:, order].T
     if len(population) < POPULATION:
@@ -190,7 +211,10 @@ def evolved(merit: Function, first: Array) -> Array:
 
 
 def solution(question: Question, first: Array) -> Array | None:
-    """Return the fractions at which all wants and limits are met and the goal is least; None if they cannot all be met."""
+    """Return the fractions at which all wants and limits are met and the goal is least.
+
+    If they cannot all be met, return None.
+    """
     wants = len(question.want)
 
     def merit(fractions: Array) -> Array:
@@ -212,7 +236,7 @@ def solution(question: Question, first: Array) -> Array | None:
 
 
 def _least_goal(question: Question, start: Array) -> Array:
-    """Return the fractions next to a start at which the goal is least and the wants and limits are met."""
+    """Return the fractions near a start at which the goal is least and wants and limits are met."""
     wants = slice(1, 1 + len(question.want))
     limits = slice(1 + len(question.want), None)
 
@@ -251,17 +275,20 @@ def nearest(question: Question, first: Array, wants: Collection[str]) -> tuple[A
 
 
 CURVE_POINTS = 25
-STIFFNESS = 1e3  # weight of the want that a point of the curve meets; its miss is then some 1e-6 of its spread
+STIFFNESS = 1e3  # weight of the want that a point of the curve meets to some 1e-6 of its spread
 
 
 def trade_off(question: Question, start: Array, pair: tuple[str, str]) -> Array:
-    """Return fractions along the curve of best compromises, from the first want met to the second one met."""
+    """Return fractions along the curve of best compromises between two wants.
+
+    The curve runs from the first want met to the second want met.
+    """
     limits = [STIFFNESS] * len(question.at_most)
     held = question.want[pair[0]]
     spread = question.spread[pair[0]]
 
     def best(place: Array, value: float, weights: tuple[float, float]) -> Array:
-        """Return the best compromise next to a place, with a value of the first quantity as its want."""
+        """Return the best compromise near a place, where the first want has another value."""
         factors = np.array([*weights, *limits])[:, np.newaxis]
         shift = np.array([held - value, *[0.0] * (len(limits) + 1)])[:, np.newaxis] / spread
         return _least_squares(lambda each: (question.misses(each, pair) + shift) * factors, place)

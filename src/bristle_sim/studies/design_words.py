@@ -1,4 +1,6 @@
-"""A design in sentences: the found tool, the wants that conflict, the best compromises, how far each key may move."""
+"""A design in sentences: the tool found, conflicting wants, best compromises, and the tolerance of
+the keys.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,16 @@ from bristle_sim.parameters import key_unit
 from bristle_sim.studies.design_search import Question
 from bristle_sim.studies.whole_pass import QUANTITIES
 
-DECIMALS = 4  # of a quantity in its readable unit, beyond which a number in words is rounding
+DECIMALS = 4  # decimals of a quantity in its readable unit; further ones are rounding
 
 
 def tool_in_words(
     question: Question, varied: Mapping[str, float], reached: Mapping[str, float | None]
 ) -> str:
-    """Return the found tool and the wants, goal and limits that its pass reaches; ``reached`` has its quantities."""
+    """Return the tool found and the quantities of its pass: wants, goal and limits.
+
+    ``reached`` holds the quantities.
+    """
     tool = listed([_key(key, value) for key, value in varied.items()])
     extreme = "highest" if question.sense < 0.0 else "lowest"
     parts = {name: f"a {_quantity(name, reached[name])}" for name in question.at_most}
@@ -28,13 +33,13 @@ def tool_in_words(
 
 
 def conflict_in_words(question: Question, conflict: Sequence[str]) -> str:
-    """Return the wants that no tool in the ranges has together."""
+    """Return the clause that no tool in the ranges meets the conflicting wants together."""
     wanted = listed([f"a {_quantity(name, question.want[name])}" for name in conflict])
     return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{wanted}"
 
 
 def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
-    """Return the two ends of the trade-off of two wants."""
+    """Return the sentence on the two ends of the trade-off between two wants."""
     ends = [
         " with a ".join(_quantity(name, float(curve[name][end])) for name in conflict)
         for end in (0, -1)
@@ -43,18 +48,18 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
-    """Return the range of each key in which the wants are kept."""
+    """Return the sentence on the range of each key in which the wants are kept."""
     ranges = listed([_range(key, *ends) for key, ends in kept.items()])
     return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence, joined by commas and a last ``and``."""
+    """Return parts of a sentence joined by commas and a last ``and``."""
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
 def _quantity(name: str, value: float | None) -> str:
-    """Return a quantity with its value as an engineer writes it: ``tip speed v_C of 36 m/s``."""
+    """Return a quantity with its value and unit, for example ``tip speed v_C of 36 m/s``."""
     label, unit = QUANTITIES[name]
     if value is None:
         return f"{label} of none"
@@ -63,14 +68,14 @@ def _quantity(name: str, value: float | None) -> str:
 
 
 def _key(key: str, value: float) -> str:
-    """Return a key with its value as an engineer writes it: ``hub_speed 261.8 rad/s (2500 rpm)``."""
+    """Return a key with its value and unit, for example ``hub_speed 261.8 rad/s (2500 rpm)``."""
     unit = key_unit(key)
     rpm = f" ({value * 30.0 / math.pi:.5g} rpm)" if unit == "rad/s" else ""
     return f"{key} {amount(value, unit, 5)}{rpm}"
 
 
 def _range(key: str, low: float, high: float) -> str:
-    """Return the range of a key: ``hub_speed from 259.1 to 264.5 rad/s``."""
+    """Return the range of a key, for example ``hub_speed from 259.1 to 264.5 rad/s``."""
     unit, size = readable_unit(key_unit(key), [low, high])
     shown = {"1": "", "deg": "°"}.get(unit, f" {unit}")
     return f"{key} from {low / size:.5g} to {high / size:.5g}{shown}"

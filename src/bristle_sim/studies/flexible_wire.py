@@ -1,8 +1,9 @@
-"""Compare the strike of a wire that bends with that of the rigid bristle at the same contact stiffness.
+"""The strike of a wire that bends, compared with that of the rigid bristle at the same contact
+stiffness.
 
-The end of a straight radial wire strikes while all of it turns at one rate. The contact is a spring with energetic restitution,
-its stiffness given as the duration of the rigid bristle's contact. Unlike an instantaneous impact, it converges as the number
-of links grows.
+The end of a straight radial wire strikes while the whole wire turns at one rate. The contact is a
+spring with energetic restitution. Its stiffness is given as the duration of the rigid bristle's
+contact. Unlike an instantaneous impact, this strike converges as the number of links grows.
 """
 
 from __future__ import annotations
@@ -46,27 +47,32 @@ MEASURES = {
 
 REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
-"""Largest friction for which the independent solution is computed: its steps shrink with the duration of slip."""
+"""Largest friction for which the reference is computed: its steps shrink with the duration of
+slip."""
 
 NO_REFERENCE = (
     "There is a reference for the frequencies alone: with a friction of more than"
     f" {REFERENCE_FRICTION:g}, or with a wire as stiff as this, it takes too many steps."
 )
 
-LONGEST_CONTACT = 10.0  # Longest duration of a contact, in durations of the rigid bristle's contact
-FLIGHT = 1.0  # Free motion shown after the contact, in durations of the rigid bristle's contact
-STUDY_ACCURACY = (
-    1e-4  # Accuracy of the strikes of the study, which are drawn: far below a line's width
-)
-# Contact stiffnesses of the study, as durations of the rigid bristle's contact over the requested one
+LONGEST_CONTACT = 10.0  # longest contact, in durations of the rigid bristle's contact
+FLIGHT = 1.0  # free motion shown after the contact, in durations of the rigid bristle's contact
+STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: far below the width of a line
+# Contact stiffnesses of the figure, as durations of the rigid bristle's contact over the requested
+# duration
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 
 @dataclass(frozen=True, slots=True)
 class FlexibleStrike:
-    """A strike of a wire's end at a contact stiffness.
+    """A strike of a wire's end on a contact of given stiffness.
 
-    The tool's workpart is at the end of the wire that stands radially at the impact angle, rad. The rate, rad/s, is that of all links.
+    Attributes:
+        tool: tool whose workpart is at the end of the wire at ``impact_angle``.
+        impact_angle: angle of the radial wire to the workpart's normal, rad.
+        rate: rate of all links, rad/s.
+        contact: duration that gives the stiffness.
+        settings: settings of the simulation.
     """
 
     tool: Tool
@@ -77,7 +83,7 @@ class FlexibleStrike:
 
     @property
     def stiffness(self) -> float:
-        """Return the contact's stiffness, with K_nn = L^2 sin^2(gamma)/I of the rigid bristle, N/m."""
+        """Stiffness of the contact, N/m, with K_nn = L^2 sin^2(gamma)/I of the rigid bristle."""
         bristle = self.tool.bristle
         part = self.tool.workpart
         assert part is not None
@@ -87,17 +93,19 @@ class FlexibleStrike:
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, **changes: Any) -> FlexibleStrike:
-        """Return the strike of a wire with another number of links, and perhaps other contact and settings."""
+        """Return the strike of a wire with another number of links, and with other contact or
+        settings if given.
+        """
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> WireStrike:
-        """Simulate the strike in the scene, followed by free motion of the given duration, s."""
+        """Simulate the strike in the scene, with free motion of a given duration (s) after it."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
         )
 
     def reference(self) -> ContactRecord:
-        """Strike in the independent solution."""
+        """Return the contact by the reference."""
         from bristle_sim.reference import strike_reference
 
         longest = LONGEST_CONTACT * self.contact.duration
@@ -116,9 +124,14 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of strikes, as ratios to the rigid bristle's, over the contact stiffness and over the number of links.
+    """Measures of strikes over those of the rigid bristle, for many contact stiffnesses and numbers
+    of links.
 
-    The stiffness is given as the duration of the rigid bristle's contact, s.
+    Attributes:
+        durations: contact stiffnesses, as durations of the rigid bristle's contact, s.
+        by_duration: ratios over ``durations``, by number of links and measure.
+        links: numbers of links.
+        by_links: ratios over ``links``, by measure.
     """
 
     durations: Array
@@ -129,7 +142,7 @@ class WireStudy:
 
 @dataclass(frozen=True, slots=True)
 class FlexibleWire:
-    """The strike that was requested, of the wire and of the rigid bristle."""
+    """The requested strike, of the wire and of the rigid bristle."""
 
     strike: FlexibleStrike
     wire: WireStrike
@@ -147,9 +160,10 @@ def flexible_wire(
     *,
     with_reference: bool = True,
 ) -> Report:
-    """Strike with a wire of links and with the rigid bristle, and compare.
+    """Compare the strike of a wire of links with that of the rigid bristle.
 
-    Raises ValueError for values that do not fit together, or a contact that does not end.
+    Raises:
+        ValueError: for values that contradict each other, or a contact that does not end.
     """
     for key, value, unit in (
         ("hub_speed", hub.speed, "rad/s"),
@@ -211,9 +225,9 @@ def _answer(
 
 
 def again(wire: WireStrike) -> float | None:
-    """Return the instant at which the wire's end enters the workpart again after its contact, s from the first touch.
+    """Return the instant at which the wire's end enters the workpart again, s from the first touch.
 
-    None if it does not within the time shown.
+    If it does not within the time shown, return None.
     """
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
@@ -221,7 +235,11 @@ def again(wire: WireStrike) -> float | None:
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures by the independent solution; empty where it takes too long, without the ratio where the rigid bristle sticks."""
+    """Return the measures by the reference.
+
+    They are empty if the reference takes too long, and lack the ratio if the rigid bristle does not
+    rebound.
+    """
     from bristle_sim.reference import TooStiffError
 
     try:
@@ -235,9 +253,10 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
-    """Return impulse, peak force, time in touch and crater depth of a contact, in the units of MEASURES.
+    """Return impulse, peak force, duration and crater depth of a contact, in the units of MEASURES.
 
-    Raises ValueError for a contact that was not resolved in time.
+    Raises:
+        ValueError: for a contact that was not resolved in time.
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError(
@@ -254,14 +273,20 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
-    """Strike at several contact stiffnesses with 2, 4 and 8 links, and at the requested one with every number of links."""
+    """Simulate the strikes of the figure.
+
+    The strikes at several contact stiffnesses have 2, 4 and 8 links. Those at the requested
+    stiffness have every number of links.
+    """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
     numbers = np.arange(1, max(2, most) + 1)
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures of strikes divided by the rigid bristle's; NaN where the contact does not end."""
+        """Return the measures of strikes over those of the rigid bristle; NaN if a contact does not
+        end.
+        """
         found = []
         for each in strikes:
             try:
@@ -288,7 +313,9 @@ def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, floa
 def tool_at_surface(
     hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float
 ) -> Tool:
-    """Return a tool whose workpart is at the end of the wire that stands radially at the impact angle, rad."""
+    """Return a tool whose workpart is at the end of the wire that stands radially at an impact
+    angle, rad.
+    """
     reach = hub.radius + bristle.length
     if reach * math.cos(impact_angle) <= hub.radius:
         limit = math.degrees(math.acos(hub.radius / reach))
@@ -324,6 +351,6 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
             within = max(
                 1e-6, rounding
-            )  # an error of the largest eigenvalue's rounding in the square
+            )  # rounding of the largest eigenvalue, as an error of the square
         rows.append(Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within))
     return rows

@@ -1,9 +1,11 @@
-"""Compare chapter 3's assumed force curve with the force of a simulated contact that brakes the bristle.
+"""The assumed force curve of chapter 3, compared with the force of a simulated contact of the
+bristle.
 
-The curve (3.19) is a ball's on a plate, carried over to the bristle. It is compared with the bristle's contact in the scene,
-on a spring, with the same compressive impulse and compression time. A curve of the form (3.3), fitted to a measured record, may
-take its place. Two checks show whether the record has that form: the impulse is compared with a sum over the points, and
-the residuals with the noise, which is estimated from second differences.
+The curve (3.19) is that of a ball on a plate, transferred to the bristle. The simulated contact is
+a spring in the scene, with the same compressive impulse and compression time. A curve of the form
+(3.3) that is fitted to a measured record may replace (3.19). Two checks show whether the record has
+that form: the impulse is compared with a sum over the points, and the residuals with the noise,
+which is estimated from second differences.
 """
 
 from __future__ import annotations
@@ -36,23 +38,30 @@ PRINTED = {
     "compression_time": "eq. 3.20: compression time",
     "compressive_impulse": "eq. 3.9: compressive impulse of the bristle",
 }
-"""Places of printed values."""
+"""Places of the printed values in the dissertation, by quantity."""
 
-# Part of the contact's duration before its start and after its end over which the points' impulse is summed
+# Range of the sum over points before and after the contact, as a fraction of the contact's duration
 SUMMED_BEYOND = 0.1
-# Chosen: part of the peak force by which a contact's form may differ from (3.3), root mean square. A half sine
+# Largest root mean square difference of a contact from the form (3.3), over its peak force, as
+# chosen. A half sine
 # differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-FORM_IMPULSE = 0.02  # Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same
-CERTAIN = 5.0  # Standard deviations of noise that a difference may have
+# Largest relative difference of the impulse, as chosen. The fit of a half sine has 0.9 % more, that
+# of sin^1.5 none.
+FORM_IMPULSE = 0.02
+CERTAIN = 5.0  # largest difference by noise, in its standard deviations
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredForce:
-    """Measured points of a contact and the curve fitted to them; arrays of shape (n,).
+    """Measured points of a contact, shape (n,), and the curve fitted to them.
 
-    Times since the fitted start, s, reach from half a duration before the contact to half a duration after it. Forces, N, are
-    those above the baseline. ``reading`` says from which columns and in which units they were read.
+    Attributes:
+        time: times since the fitted start, s, from half a duration before the contact to half a
+            duration after it.
+        force: forces above the baseline, N.
+        fit: the fit.
+        reading: columns and units from which the points were read.
     """
 
     time: Array
@@ -63,10 +72,13 @@ class MeasuredForce:
 
 @dataclass(frozen=True, slots=True)
 class ForceComparison:
-    """Results of the comparison, from which its figures are drawn.
+    """Results of the comparison, for its figures.
 
-    The curve is (3.19), or the one fitted to measured points. The contact is None if the bristle can have none of that kind;
-    ``no_contact`` is the reason.
+    Attributes:
+        curve: the curve (3.19), or the curve fitted to measured points.
+        contact: the simulated contact; None if the bristle cannot have such a contact.
+        measured: the measured points, if given.
+        no_contact: reason why there is no contact.
     """
 
     curve: ForceCurve
@@ -83,9 +95,11 @@ def force_comparison(
     measurement: Measurement,
     settings: Settings,
 ) -> Report:
-    """Compare the simulated contact with the curve of chapter 3, or with one fitted to measured points.
+    """Compare a simulated contact with the curve of chapter 3, or with a curve fitted to measured
+    points.
 
-    Raises ValueError for points that are no force history.
+    Raises:
+        ValueError: for points that are no force history.
     """
     measured = _measured_force(measurement)
     contact = None
@@ -102,8 +116,9 @@ def force_comparison(
         contact = timed_contact(hub, bristle, surface, gamma, settings, **timed)
     except ValueError as error:
         no_contact = str(error)
-    # Time and impulse agree by construction where they are taken from the curve, to ten times the adjustment's tolerance. A
-    # measurement that this tool's bristle could not make is compared with nothing.
+    # A time or impulse that is taken from the curve agrees by construction, to ten times the
+    # tolerance of the adjustment.
+    # A measured record that no contact of this bristle can have is compared with nothing.
     within = dict[str, float]()
     if contact is not None or measured is None:
         taken = {
@@ -164,7 +179,10 @@ def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
 
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
-    """Return the values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
+    """Return a fit as a dictionary: values and standard errors by name, and three numbers.
+
+    The numbers are the start, s, and the baseline and the root mean square of the residuals, N.
+    """
     values, errors = (
         dict(zip(fit.names, each.tolist(), strict=True))
         for each in (fit.values, fit.standard_errors)
@@ -174,9 +192,10 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
 
 
 def _measured_force(measurement: Measurement) -> MeasuredForce | None:
-    """Read and fit the file; None where there is none.
+    """Read and fit the file of a measurement; return None without a file.
 
-    Raises ValueError for a file that is no force history, in one line with the key.
+    Raises:
+        ValueError: for a file that is no force history; the message is one line with the key.
     """
     if measurement.force_csv is None:
         return None
@@ -199,7 +218,7 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
 
 
 def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
-    """Compare the fit's impulse with that of the points, and its misfit with their noise."""
+    """Compare the impulse of the fit with that of the points, and the misfit with the noise."""
     curve = measured.fit.curve
     length = measured.fit.curve.duration
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
@@ -212,7 +231,8 @@ def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     force = measured.force[inside]
     fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
     summed = float(np.trapezoid(force, time))
-    # Points h apart have errors of noise sqrt(h T) in their sum, of which the fit's amplitude has a part.
+    # The sum of points at intervals h has an error of noise sqrt(h T); the fit's amplitude has a
+    # part of it.
     spread = CERTAIN * noise * math.sqrt(2.0 * length * float(np.mean(np.diff(time)))) / abs(summed)
     # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
     chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2

@@ -1,7 +1,9 @@
-"""Single impacts compared with their closed forms: radial bristle, Stronge's single and double pendulum.
+"""Single impacts compared with their closed forms: the radial bristle, and Stronge's single and
+double pendulums.
 
-The scene computes them by the requested contact law, and by the others for comparison. Rates of pendulums are signed as in
-the dissertation, negative approaching; in the scene the same motion turns the other way.
+The scene computes an impact by the requested contact law and, for comparison, by the other laws.
+Rates of pendulums are signed as in the dissertation, negative in approach; in the scene the same
+motion turns the other way.
 """
 
 from __future__ import annotations
@@ -31,16 +33,25 @@ from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum
 LAWS = ("energetic", "compliant", "engine")
 
 COMPLIANT_TOLERANCE = 3e-3
-"""Relative difference that a contact resolved in time may have from its rigid-body limit at the default accuracy; usually
-it is a thousandth of that, but near the stick threshold the limit itself is approached slowly."""
+"""Largest relative difference of a contact resolved in time from its rigid-body limit, at the
+default accuracy.
+
+Usually it is a thousandth of that; near the stick threshold the limit is approached slowly."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impacts:
     """One impact of a chain on a surface, computed by every contact law.
 
-    ``law`` is the requested one; ``refusals`` say why another one has no result. ``timing`` says for a film why the contact
-    resolved in time lasts so long. ``elastic``: whether the contact is elastic along the surface, as no closed form has it.
+    Attributes:
+        chain: the rods before the impact.
+        surface: the surface.
+        law: the requested law.
+        strikes: results by law.
+        refusals: reasons why other laws have no result, by law.
+        contact_duration: requested duration of the contact, s, or None.
+        timing: reason for the duration of the contact in a film.
+        elastic: whether the contact is elastic along the surface; closed forms are not.
     """
 
     chain: Chain
@@ -53,13 +64,12 @@ class Impacts:
     elastic: bool = False
 
 
-AT_REST = (
-    1e-13  # A rate after an impact counts as zero below this fraction of the fastest one before it
-)
-# Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference
-# of two such positions
+AT_REST = 1e-13  # largest rate after an impact that is zero, over the fastest rate before it
+# Relative rounding of the distance of a position from the hub's centre. The height of the tip over
+# the root is the
+# difference of two positions.
 HEIGHT_ROUNDING = 1e-15
-MOST_WIDENED = 1e-3  # Largest allowance for magnified rounding, relative
+MOST_WIDENED = 1e-3  # largest relative allowance for magnified rounding
 
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
@@ -69,11 +79,11 @@ RODS = {
     "final_rate_2": ("rate of the second rod after", "rad/s"),
     "kinetic_energy_ratio": ("kinetic energy after over before", "1"),
 }
-"""A double pendulum's own quantities: label and unit."""
+"""Quantities of a double pendulum alone: label and unit."""
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """Return a bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
+    """Return the bristle that stands radially at an impact angle (rad) and turns at a rate (rad/s)."""
     return Chain(
         (bristle.mass,),
         (bristle.length,),
@@ -86,7 +96,7 @@ def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -
 
 
 def double_chain(pendulum: DoublePendulum) -> Chain:
-    """Return the rods of a double pendulum, whose rates have the other sign in the scene."""
+    """Return the rods of a double pendulum; in the scene their rates have the other sign."""
     return Chain(
         (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
         (pendulum.length, pendulum.length),
@@ -103,7 +113,7 @@ def oblique_impact(
     contact: Contact,
     settings: Settings,
 ) -> Report:
-    """Simulate one strike of a radial bristle (Zhang 2020, eqs. 2.19-2.65)."""
+    """Compare one strike of a radial bristle with the closed forms (Zhang 2020, eqs. 2.19-2.65)."""
     gamma = math.radians(state.impact_angle_deg)
     rate = state.speed_ratio * hub.speed
     impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
@@ -136,9 +146,10 @@ def oblique_impact(
 def single_pendulum(
     pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Simulate Stronge's single pendulum (Zhang 2020, sec. 2.4.1).
+    """Compare the strike of Stronge's single pendulum with the closed forms (Zhang 2020, sec.
+    2.4.1).
 
-    With two coefficients of friction the formulas are the bristle's, with a hub of no radius.
+    With two coefficients of friction the formulas are those of the bristle on a hub of zero radius.
     """
     gamma = math.radians(pendulum.impact_angle_deg)
     rod = (pendulum.mass, pendulum.length)
@@ -154,7 +165,7 @@ def single_pendulum(
         theory = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
     expected = {name: float(getattr(theory, name)) for name in ("rebound_ratio", *IMPULSES)}
     simulated = contact_quantities(impacts.strikes[contact.law].contact)
-    # A rate after the impact has the rounding of the one before it.
+    # A rate after the impact has the rounding of the rate before it.
     tolerance = _tolerance(
         contact, settings, surface, math.tan(gamma), HEIGHT_ROUNDING / math.sin(gamma)
     )
@@ -172,7 +183,11 @@ def single_pendulum(
 def double_pendulum(
     pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Simulate Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
+    """Compare the strike of Stronge's double pendulum with the closed forms (Zhang 2020, eqs.
+    2.66-2.111).
+
+    The mass ratio is arbitrary.
+    """
     impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
     own = pendulum
     angles = (math.radians(own.angle_1_deg), math.radians(own.angle_2_deg))
@@ -181,7 +196,8 @@ def double_pendulum(
         own.mass, own.mass_ratio, own.length, *angles, *rates, *_coefficients(surface)
     )
     one = impacts.strikes[contact.law]
-    # Friction magnifies the rounding of a rod's angle, by itself where the rod lies along the surface.
+    # Friction magnifies the rounding of a rod's angle; the factor is the friction itself for a rod
+    # along the surface.
     mu, (along, across) = surface.friction, (abs(math.cos(angles[1])), abs(math.sin(angles[1])))
     magnified = max(own.mass_ratio, mu / max(across + mu * along, AT_REST))
     within = _tolerance(contact, settings, surface, None, HEIGHT_ROUNDING * magnified)
@@ -218,7 +234,7 @@ def _row(
     within: float | None,
     least: float,
 ) -> Quantity:
-    """Return a quantity, with 0 for a side that does not exceed ``least``."""
+    """Return a quantity; a side that does not exceed ``least`` is 0."""
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
     return Quantity(name, words[1], first, second, tolerance=within, label=words[0])
 
@@ -226,10 +242,12 @@ def _row(
 def _tolerance(
     contact: Contact, settings: Settings, surface: Surface, jam: float | None, rounding: float
 ) -> float | None:
-    """Return the largest relative difference of a law from theory; None for a law that does not follow it.
+    """Return the largest relative difference of a law from theory; None for a law that does not
+    follow theory.
 
-    Near the jam, mu = tan gamma, results magnify the rounding of K by the inverse of the distance. ``rounding`` is
-    its magnification by geometry: a bristle short compared with its hub or nearly upright, stick under a huge first mass.
+    Near the jam, mu = tan gamma, the results magnify the rounding of K by the inverse of the
+    distance. ``rounding`` is the rounding magnified by geometry: a bristle short compared with its
+    hub or nearly upright, or stick under a huge first mass.
     """
     timed = contact.law == "compliant" and contact.duration is not None
     if contact.law == "engine" or timed or contact.tangential_compliance:
@@ -245,7 +263,7 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """Simulate the strike by the requested law, and by the others where they have a result."""
+    """Simulate the strike by the requested law, and by every other law that has a result."""
     strikes = dict[str, ChainStrike]()
     refusals = dict[str, str]()
     for law in dict.fromkeys((*LAWS, contact.law)):
@@ -312,7 +330,7 @@ def _report(
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
-    """Return a law's results for the JSON, in SI units."""
+    """Return the results of a law for the JSON, in SI units."""
     first, second = one.contact.compressive_work, one.contact.restitutive_work
     works = (
         (None, None)

@@ -1,8 +1,9 @@
-"""The contact point's velocities over the normal impulse of an impact, by the energetic law and as resolved in time.
+"""The velocities of the contact point over the normal impulse of an impact.
 
-With p the normal impulse, the velocities of the contact point are piecewise linear in p: v = v(0) + K (p, p_t), and p_t
-changes by -mu sign(v_t) dp in slip (Zhang 2020, eqs. 2.34, 2.43, 2.74, 2.80, 2.98). A contact that is resolved in time
-passes the same points, whatever its stiffness, since time enters only through p = integral of the normal force.
+With p the normal impulse, the velocities of the contact point are piecewise linear in p: v = v(0) +
+K (p, p_t), and p_t changes by -mu sign(v_t) dp in slip (Zhang 2020, eqs. 2.34, 2.43, 2.74, 2.80,
+2.98). A contact that is resolved in time passes the same points, whatever its stiffness, since time
+enters only through p = integral of the normal force.
 """
 
 from __future__ import annotations
@@ -21,10 +22,15 @@ from bristle_sim.trajectory import ContactHistory
 
 @dataclass(frozen=True, slots=True)
 class ImpulseCourse:
-    """Velocities v_n and v_t, m/s, of the contact point over the normal impulse, ascending from 0, N s; shape (n,).
+    """Velocities of the contact point over the normal impulse.
 
-    ``phases`` are the names of the pieces between two impulses, where known. Compression ends at p_c, the initial slip
-    stops at p_s (inf if it lasts), N s.
+    Attributes:
+        impulse: normal impulse, ascending from 0, N s, shape (n,).
+        normal_velocity: v_n, m/s, shape (n,).
+        tangential_velocity: v_t, m/s, shape (n,).
+        phases: names of the pieces between two impulses, if known.
+        compression_end: p_c, impulse at the end of compression, N s.
+        slip_stop: p_s, impulse at which the initial slip stops, N s; inf if it lasts.
     """
 
     impulse: Array
@@ -36,17 +42,22 @@ class ImpulseCourse:
 
 
 def contact_inverse_mass(chain: Chain) -> Array:
-    """Return K = J M^-1 J^T of the tip of hinged uniform rods, order (normal, tangential), shape (2, 2), 1/kg."""
+    """Return K = J M^-1 J^T at the tip of hinged uniform rods, 1/kg.
+
+    The order is (normal, tangential), the shape (2, 2).
+    """
     jacobian, response = tip_response(chain)
     return np.asarray(jacobian @ response)
 
 
 def tip_response(chain: Chain) -> tuple[Array, Array]:
-    """Return J, shape (2, rods), and the rods' response to an impulse at the tip, M^-1 J^T, shape (rods, 2), 1/kg.
+    """Return J, shape (2, rods), and the response M^-1 J^T of the rods to an impulse at the tip,
+    shape (rods, 2), 1/kg.
 
-    In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of u_i cos theta_i) = J u, and
-    the kinetic energy is u^T M u/2 with M_ii = m_i/3 + the masses beyond i and, for i < j, M_ij = (m_j/2 + the masses beyond j)
-    cos(theta_i - theta_j), whatever the lengths. A hub that keeps its speed takes no part.
+    In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of
+    u_i cos theta_i) = J u. The kinetic energy is u^T M u/2. M_ii is m_i/3 plus the masses beyond i.
+    For i < j, M_ij is cos(theta_i - theta_j) times the sum of m_j/2 and the masses beyond j,
+    whatever the lengths. A hub of constant speed takes no part.
     """
     masses = np.array(chain.masses)
     angles = np.array(chain.angles)
@@ -61,7 +72,7 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
-    """Return (v_n, v_t) of the tip, hub included, m/s."""
+    """Return the velocity (v_n, v_t) of the tip, including the hub's motion, m/s."""
     speeds = np.array(
         [chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)]
     )
@@ -70,18 +81,21 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """Return the energetic law's piecewise linear course from touch to separation; one point if the tip does not approach."""
+    """Return the piecewise linear course by the energetic law, from touch to separation.
+
+    It is one point if the tip does not approach.
+    """
     inverse_mass = contact_inverse_mass(chain)
     before = tip_velocity(chain)
     later = surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
     (normal, coupling), (_, tangential) = inverse_mass.tolist()
-    ratios = []  # tangential over normal impulse of each of the four phases
+    ratios = []  # ratio of tangential to normal impulse in each of the four phases
     for number, slip in enumerate(impact.phase_slip.tolist()):
         friction = later if number >= 2 else surface.friction
         if (
             number >= 2 and slip * coupling > 0.0
-        ):  # slip at rest: no more friction than keeps the tip on the surface
+        ):  # slip at rest: friction only keeps the tip on the surface
             friction = min(friction, normal / (slip * coupling))
         stick = -coupling / tangential if tangential > 0.0 else 0.0
         ratios.append(-friction * slip if slip else stick)
@@ -95,6 +109,9 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return a contact resolved in time over its normal impulse, which integrates cubics through the force of each phase."""
+    """Return the course of a contact resolved in time.
+
+    The normal impulse is the integral of cubics through the force of each phase.
+    """
     impulse = cubics(history.time, history.normal_force).antiderivative()(history.time)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

@@ -1,7 +1,9 @@
-"""Compare a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
+"""A tool without a bar, compared with the bar-cued tool by simulation, by energy and by the
+reference.
 
-The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again, and the pulley speed for the bar-cued tip's speed.
+The bristle arrives in translation on a straight belt and enters the pulley. It thus starts radial
+with the relative rate -omega. The report has its tip speed when it is radial again, and the pulley
+speed for the tip speed of the bar-cued tool.
 """
 
 from __future__ import annotations
@@ -31,24 +33,32 @@ QUANTITIES = {
     "hub_speed_for_equal_tip_speed": ("pulley speed for the bar-cued tip speed", "rad/s"),
 }
 
-# Length of the first run, in half periods of the bristle on its belt; large amplitude and damping lengthen the period
+# Length of the first run, in half periods of the bristle on its belt; large amplitude and damping
+# lengthen the period.
 HALF_PERIODS = 1.3
-DOUBLINGS = 6  # Doublings of that length after which the bristle counts as not returning
-LEAST_TURN = 1e-12  # Least turn of the hub, rad, that a run may be given
-# Least fraction of the pulley's rate: an overdamped bristle creeps towards radial, which rounding alone lets it pass
+DOUBLINGS = 6  # number of doublings of that length after which the bristle does not return
+LEAST_TURN = 1e-12  # least turn of the hub in a run, rad
+# Least relative rate at the radial direction, over the pulley's rate. An overdamped bristle creeps
+# towards radial and
+# passes it by rounding alone.
 LEAST_RATE = 1e-6
-TRIES = 20  # Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it
+# largest number of hub speeds tried; the tip speed is nearly proportional to the hub speed
+TRIES = 20
 
 BareRun = Callable[[Tool, float], Trajectory]
-"""A run of a tool without a bar for a time, s, from the entry into the pulley."""
+"""Function that simulates a tool without a bar for a time, s, from the entry into the pulley."""
 
 
 @dataclass(frozen=True, slots=True)
 class Radial:
     """The bristle when it is radial again.
 
-    Time since it entered the pulley, s, its rate relative to the pulley, rad/s, its largest retraction until then, rad, the speed
-    of its tip, m/s, and the run until then.
+    Attributes:
+        time: time since the entry into the pulley, s.
+        relative_rate: rate relative to the pulley, rad/s.
+        retraction: largest retraction until then, rad.
+        tip_speed: speed of the tip, m/s.
+        trajectory: the run until then.
     """
 
     time: float
@@ -60,7 +70,7 @@ class Radial:
 
 @dataclass(frozen=True, slots=True)
 class InertiaDriven:
-    """The tool, its bristle until it is radial, and the bar-cued pass."""
+    """The tool, its bristle when it is radial again, and the bar-cued pass."""
 
     tool: Tool
     radial: Radial | None
@@ -68,9 +78,11 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate the bristle that its inertia throws, and find the pulley speed for the bar-cued tool's tip speed.
+    """Simulate the bristle thrown by its inertia, and find the pulley speed for the tip speed of
+    the bar-cued tool.
 
-    Raises ValueError if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
+    Raises:
+        ValueError: if the hub is at rest, the wire bends, or a run exceeds the step budget.
     """
     require_rigid(tool)
     if not tool.hub.speed:
@@ -93,10 +105,10 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     with_bar = simulate(tool, settings, stop_after="strike")
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
-    # A slow return magnifies an error of the motion, which is relative to its first rate.
+    # The error of the motion is relative to the first rate; a slow return magnifies it.
     slow = 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
-    # The bar-cued strike is itself good to ten times the accuracy of the motion.
+    # The bar-cued strike has an error of ten times the accuracy of the motion.
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
     reference = _reference(tool) if with_reference else {}
     return Report(
@@ -116,7 +128,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
 
 def until_radial(tool: Tool, run: BareRun) -> Radial | None:
-    """Return the bristle when it passes the radial direction; None where it does not."""
+    """Return the bristle when it passes the radial direction; None if it does not."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     inertia = bare.bristle.inertia_about_root
@@ -138,12 +150,10 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
     time = brentq(
         lambda time: float(motion(time).relative_angle), *found.time[lagging[0] : lagging[0] + 2]
     )
-    for _ in range(
-        2
-    ):  # each run ends closer to the radial direction, with the square of the error before
+    for _ in range(2):  # the distance from the radial direction is squared in each run
         end = run(bare, time)
         rate = float(end.relative_rate[-1])
-        # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
+        # Near alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
         missing = -float(end.relative_angle[-1]) / rate
         time = float(end.time[-1]) + missing
         rate = rate * (1.0 - bare.belt_damping / inertia * missing)
@@ -180,7 +190,7 @@ def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float
 
 
 def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
-    """Return the pulley speed for a tip speed by the secant method; None where the bristle leans over."""
+    """Return the pulley speed for a tip speed by the secant method; None if the bristle leans over."""
 
     def missing(speed: float) -> float:
         """Return the tip's speed less the bar-cued tip's, m/s."""
@@ -206,7 +216,10 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> Values:
-    """Return the theoretical values by energy and quadrature, for an undamped belt; hub speed from the bar-cued strike."""
+    """Return the values by energy and quadrature for an undamped belt.
+
+    The hub speed follows from the bar-cued strike.
+    """
     if tool.belt_damping:
         return {}
     reach = 2.0 * tool.bristle.length + tool.hub.radius

@@ -1,8 +1,9 @@
-"""The least pitch of bristles in one plane by the motion of one alone: from what spacing do two wires touch each other?
+"""The least pitch of bristles in one plane: below it, two wires touch each other.
 
-On a hub of constant speed each bristle that touches no other one repeats the motion of the one before it, when the hub has
-turned by the pitch beta. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of
-A(t) and of its follower A(t - beta/omega) do, A being the motion of a lone bristle.
+It follows from the motion of one bristle alone. On a hub of constant speed each bristle that
+touches no other bristle repeats the motion of the bristle before it, when the hub has turned by the
+pitch beta. Let A(t) be the motion of a lone bristle. Two wires touch if the capsules (the centre
+line with half the wire's diameter about it) of A(t) and of its follower A(t - beta/omega) touch.
 """
 
 from __future__ import annotations
@@ -20,28 +21,32 @@ from bristle_sim.studies.pass_invariants import Points, complex_points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
-# Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined
+# Least step between tried pitches, rad; a local minimum of the distance between them is refined.
 PITCH_STEP = math.radians(0.25)
-PITCH_TOLERANCE = 1e-9  # Tolerance of the least pitch, rad: 6e-8 deg
-# Evenly spaced instants of a pass at which the distance is computed, besides the samples; every 0.2 deg of the hub's
-# turn
+PITCH_TOLERANCE = 1e-9  # tolerance of the least pitch, rad: 6e-8 deg
+# Number of equally spaced instants of a pass, besides the samples, at which the distance is
+# computed: every 0.2 deg
+# of the hub's turn.
 INSTANTS = 1500
-MINIMA_REFINED = (
-    2  # Local minima of the distance over time that are refined, beginning with the least
-)
-# Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched
+MINIMA_REFINED = 2  # number of local minima of the distance over time that are refined, least first
+# Largest number of samples of a lone pass in a search: eight times that of the operating point.
 MOST_SAMPLES = 5000
-LARGEST_PITCH = math.pi / 2.0  # Pitch at which the downward search starts, rad
-# How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance
+LARGEST_PITCH = math.pi / 2.0  # pitch at which the downward search starts, rad
+# Distance above a least pitch at which the search for a smaller one begins, rad: a thousand times
+# the tolerance.
 NEXT_SEARCH = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class LeastPitch:
-    """A pitch, deg, above which two wires do not touch up to an instant of a pass; ``by_theory`` from a lone bristle's motion.
+    """A pitch above which two wires do not touch up to an instant of a pass.
 
-    The instant ``until``, s, is one of the pass of the bristle in front, or of the follower's own pass, a pitch later. It is
-    None without a strike.
+    Attributes:
+        name: name of the quantity.
+        until: the instant, s; None without a strike.
+        of_follower: whether the instant is one of the follower's own pass, a pitch later, instead
+            of the pass of the bristle in front.
+        by_theory: the pitch by the motion of a lone bristle, deg.
     """
 
     name: str
@@ -51,7 +56,10 @@ class LeastPitch:
 
 
 def polyline_distance(first: Points, second: Points) -> Array:
-    """Return the least distance of two polylines of complex points, 0 where they cross; shapes (n, corners) to (n,)."""
+    """Return the least distance of two polylines of complex points; 0 if they cross.
+
+    The polylines have shape (n, corners), the distances (n,).
+    """
     found = np.full(len(first), np.inf)
     for i in range(first.shape[1] - 1):
         for j in range(second.shape[1] - 1):
@@ -70,16 +78,18 @@ def polyline_distance(first: Points, second: Points) -> Array:
 
 
 def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
-    """Return the least distance of the centre lines of a bristle and its follower up to an instant, m.
+    """Return the least distance of the centre lines of a bristle and its follower up to an instant,
+    m.
 
-    Between samples h rad of its motion apart the cubics of a line have an error of h^4/384, 1e-8 at 150 samples a period.
+    Between samples at intervals of h rad of its motion, the cubics of a line have an error of
+    h^4/384: 1e-8 at 150 samples a period.
     """
     delay = pitch / lone.hub_speed
     begin = float(lone.time[0])
     lines = cubics(lone.time, lone.centre_line, lone.centre_line_velocity)
 
     def distance(time: Array) -> Array:
-        within = np.maximum(time - delay, begin)  # before its start a bristle turns with the hub
+        within = np.maximum(time - delay, begin)  # before the start a bristle turns with the hub
         turned = np.exp(1j * lone.hub_speed * (time - delay - within))
         return polyline_distance(
             complex_points(lines(time)), complex_points(lines(within)) * turned[:, np.newaxis]
@@ -98,7 +108,7 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Return the least value of a function of one minimum between bounds, and where it is."""
+    """Return the least value of a function with one minimum between bounds, and its place."""
     found = minimize_scalar(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)}
     )
@@ -113,13 +123,20 @@ def least_pitch(
     of_follower: bool = False,
     largest: float = LARGEST_PITCH,
 ) -> float:
-    """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
+    """Return the pitch above which no wire touches its neighbour, rad, by the motion of a lone
+    bristle.
 
-    The lone bristle's run starts when it turns with the hub; two wires touch at a wire diameter, m, between their centre lines.
-    Touches count until an instant of the pass of the bristle in front, s, by default the end of the run, or of the follower's
-    own pass, a pitch later. The search goes down from the largest pitch, rad.
+    Args:
+        lone: run of the lone bristle, which starts at rest relative to the hub.
+        wire_diameter: distance of the centre lines at a touch, m.
+        until: instant up to which touches count, s; by default the end of the run.
+        of_follower: whether ``until`` is an instant of the follower's own pass, a pitch later,
+            instead of the pass in front.
+        largest: pitch at which the downward search starts, rad.
 
-    Raises ValueError if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
+    Raises:
+        ValueError: if the hub is at rest, the wire has no thickness, or wires touch at the largest
+            pitch.
     """
     if not lone.hub_speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
@@ -138,13 +155,14 @@ def least_pitch(
     open_gap = gap(largest)
     wider = math.inf
     before = largest
-    # m/rad: the follower lags by pitch/omega, and no point of it moves faster.
+    # Largest slope of the gap, m/rad: the follower lags by pitch/omega, and none of its points
+    # moves faster.
     steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
     if open_gap <= 0.0:
         raise ValueError(
             f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
         )
-    while True:  # ends at the latest where the next wire would stand in this one
+    while True:  # ends at the latest at a pitch at which the two wires would overlap
         narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
         closed = gap(narrower)
         if closed <= 0.0:
@@ -157,7 +175,10 @@ def least_pitch(
 
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches, the narrowest first; without a value where ``unsearched`` gives a reason."""
+    """Return the theoretical least pitches, the narrowest first.
+
+    They have no value if ``unsearched`` gives a reason.
+    """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()
     largest = LARGEST_PITCH
@@ -172,7 +193,7 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
         words,
         until,
         own,
-    ) in instants:  # each counts fewer touches than the one before, so that its pitch is smaller
+    ) in instants:  # each instant counts fewer touches than the one before, so its pitch is smaller
         theory = None
         if until is not None and searched:
             largest = least_pitch(
@@ -185,7 +206,7 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
 
 
 def unsearched(tool: Tool, lone: Trajectory) -> str:
-    """Return the reason why no least pitch is searched; empty if it is."""
+    """Return the reason why no least pitch is searched; empty if one is."""
     if lone.time.size > MOST_SAMPLES:
         return "the pass has too many oscillations of the bristle on its belt"
     if nearest_approach(lone, LARGEST_PITCH, float(lone.time[-1])) <= tool.bristle.wire_diameter:

@@ -1,4 +1,7 @@
-"""A pass's quantities for many tools at once, by arrays, under the names and in the units of the whole pass; the scene checks them."""
+"""Quantities of passes of many tools at once, computed in arrays and checked by the scene.
+
+Names and units are those of the whole pass.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +24,11 @@ OUTCOME = "outcome"
 REASON = "failure"
 
 CHECKED_POINTS = 8
-"""Random points at which the scene checks passes that were computed in arrays."""
+"""Number of random points at which the scene checks the passes in arrays."""
 
 SCENE_ACCURACY = 1e-9
-"""Finest accuracy of the scene that checks: at a finer one it takes longer without agreeing better."""
+"""Finest accuracy of the scene in a check; at a finer accuracy it takes longer and agrees no
+better."""
 
 SIZES = {
     "contact_time": 0.0,
@@ -32,11 +36,11 @@ SIZES = {
     "tip_speed_at_contact": 0.0,
     "normal_final_impulse": 0.0,
 }
-"""Quantities that are compared, and the least size to which their differences are related."""
+"""Quantities that are compared, and the least size of each, to which a difference is related."""
 
 
 def unable(tool: Tool, settings: Settings) -> str:
-    """Return why passes of this tool cannot be computed in arrays; empty if they can."""
+    """Return the reason why passes of a tool cannot be computed in arrays; empty if they can."""
     if tool.contact.law != "energetic":
         return f"contact = {tool.contact.law}"
     if tool.bristle.links > 1 or tool.bristle.knee_angle_deg:
@@ -45,12 +49,14 @@ def unable(tool: Tool, settings: Settings) -> str:
 
 
 def pass_quantities(tool: Tool, accuracy: float, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the quantities of a whole pass, NaN where there is none, with ``outcome`` and ``failure``, the reason in words.
+    """Return the quantities of whole passes, NaN where a pass lacks a quantity.
+
+    ``outcome`` and ``failure``, the reason in words, are further entries.
 
     Args:
-        tool: has the values of the other keys.
-        accuracy: relative accuracy requested.
-        values: arrays by key, as ``ensemble`` takes them.
+        tool: the tool that gives the values of all other keys.
+        accuracy: requested relative accuracy.
+        values: arrays of values, by key, as for ``ensemble``.
     """
     many = ensemble(tool, accuracy=accuracy, **values)
     found = {name: _quantity(many, name) for name in QUANTITIES if name != "rebound_ratio"}
@@ -66,7 +72,13 @@ def _quantity(many: Ensemble, name: str) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """The comparison of passes in arrays with the scene: largest relative difference, and number of passes that strike in one alone."""
+    """The comparison of passes in arrays with the scene.
+
+    Attributes:
+        passes: number of passes.
+        difference: largest relative difference.
+        apart: number of passes that strike in only one of the two.
+    """
 
     passes: int
     difference: float
@@ -79,9 +91,11 @@ class Check:
 
 
 def checked_by_scene(tool: Tool, accuracy: float, values: Mapping[str, Array]) -> Check:
-    """Compare passes at points, ``values`` of shape (points,) by key, with those that the scene computes.
+    """Compare passes in arrays with passes of the scene; ``values`` holds arrays of shape (points,)
+    by key.
 
-    The differences are those of the strike's instant, lag, tip speed and normal impulse, relative to their sizes.
+    Compared are the instant of the strike, lag, tip speed and normal impulse, relative to their
+    sizes.
     """
     found = pass_quantities(tool, accuracy, **values)
     settings = Settings(accuracy=max(accuracy, SCENE_ACCURACY))

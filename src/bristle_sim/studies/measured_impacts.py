@@ -1,9 +1,13 @@
-"""Measured impacts predicted by the impact laws: spheres that strike glass obliquely, and a planar ellipse on a floor.
+"""Measured impacts compared with the impact laws: spheres that strike glass obliquely, and a planar
+ellipse on a floor.
 
-Spheres: aluminium oxide, 5 mm, on soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001, Powder Technology 120,
-281-291); the points were read off the published figures. Nothing is fitted: K = diag(1, 7/2)/m, e = 0.98, mu = 0.092.
-Ellipse: the planar impact data set of Fazeli, Donlon, Drumwright and Rodriguez (2017), in a file that the user gives.
-Friction and restitution are fitted on every second impact, and each law predicts the others.
+Spheres: aluminium oxide, 5 mm, on soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001,
+Powder Technology 120, 281-291). The points were read off the published figures. Nothing is fitted:
+K = diag(1, 7/2)/m, e = 0.98, mu = 0.092.
+
+Ellipse: the planar impact data set of Fazeli, Donlon, Drumwright and Rodriguez (2017), in a file
+that the user gives. Friction and restitution are fitted to every second impact, and each law
+predicts the other impacts.
 """
 
 from __future__ import annotations
@@ -24,14 +28,16 @@ from bristle_sim.comparison import Quantity, Report, Table
 from bristle_sim.parameters import Measured
 from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
 
-# m/s, m (Kharaz et al. 2001)
+# Speed (m/s), radius (m), friction and restitution of the spheres (Kharaz et al. 2001)
 SPEED = 3.9
 RADIUS = 0.0025
 FRICTION = 0.092
 RESTITUTION = 0.98
 
-# Of spheres, over the angle of incidence from the normal, deg: tangential velocity of the centre after over before, spin
-# after, rad/s, and the angle from the normal at which the centre leaves, deg (Kharaz et al. 2001).
+# Measured values over the angle of incidence from the normal, deg (Kharaz et al. 2001): ratio of
+# the tangential velocity
+# of the centre after to before, spin after (rad/s), and rebound angle of the centre from the normal
+# (deg).
 MEASURED_SPHERES = {
     "restitution": np.array([
         (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
@@ -46,22 +52,29 @@ MEASURED_SPHERES = {
         (39.535, 32.613), (49.747, 45.125), (60.208, 57.474),
     ]),
 }  # fmt: skip
-# kg, m, m: the data set's own description
+# Mass (kg), half axes (m) and radius of gyration (m) of the ellipse, by the description of the data
+# set
 MASS = 0.0364
 HALF_AXES = (0.035, 0.025)
 GYRATION = 0.0192
-# Resamples of the fitted half for the confidence of the fit: its limits are then good to some 5 % of their width
+# Number of resamples of the fitted half: the confidence limits then have errors of some 5 % of
+# their width.
 RESAMPLES = 200
-GRID = 31  # Values of mu and of e* at which resampled halves are fitted, about the fit
+GRID = 31  # number of values of mu and of e* about the fit, at which resampled halves are fitted
 
 Law = Callable[..., Impact]
 
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """The impacts of the file: states (..., 3) before and after, contact Jacobian (..., 2, 3) and K (..., 2, 2) of each.
+    """The impacts of the file.
 
-    Velocities are (v_x, v_y, angular velocity), the latter clockwise as in the file.
+    Attributes:
+        before: velocities before, (v_x, v_y, angular velocity), shape (..., 3); the angular
+            velocity is clockwise, as in the file.
+        after: velocities after, as ``before``.
+        jacobian: contact Jacobian of each impact, shape (..., 2, 3).
+        inverse_mass: K of each impact, shape (..., 2, 2).
     """
 
     before: Array
@@ -70,7 +83,7 @@ class Ellipse:
     inverse_mass: Array
 
     def part(self, chosen: slice) -> Ellipse:
-        """Return some of the impacts."""
+        """Return the chosen impacts."""
         return Ellipse(
             self.before[chosen],
             self.after[chosen],
@@ -81,12 +94,15 @@ class Ellipse:
     def predicted(
         self, law: Law, friction: float, restitution: float, **compliance: float
     ) -> Impact:
-        """Return the impacts by a law, from the velocity of the point of contact before."""
+        """Return the impacts by a law from the contact velocities before."""
         approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
         return law(self.inverse_mass, approach, friction, restitution, **compliance)
 
     def misfit(self, hit: Impact | Array) -> Array:
-        """Return |v predicted - v measured|/|v measured| by impacts or impulses, in the norm of the kinetic energy."""
+        """Return |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
+
+        ``hit`` holds the impacts, or their impulses.
+        """
         impulse = (
             hit
             if isinstance(hit, np.ndarray)
@@ -98,7 +114,9 @@ class Ellipse:
         return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
 
     def best_impulse(self) -> Array:
-        """Return the impulse at the point that comes nearest to the measured state, in the same norm."""
+        """Return the impulse at the contact that comes nearest to the measured state, in the norm
+        of the kinetic energy.
+        """
         change = np.einsum("kij,kj->ki", self.jacobian, self.after - self.before)
         return np.linalg.solve(self.inverse_mass, change[..., None])[..., 0]
 
@@ -107,7 +125,9 @@ INERTIA = np.array([MASS, MASS, MASS * GYRATION**2])
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
-    """Return the velocity ratio, the spin in rad/s and the rebound angle in deg of spheres that strike at angles in deg."""
+    """Return velocity ratio, spin (rad/s) and rebound angle (deg) of spheres over the angle of
+    incidence (deg).
+    """
     angle = np.radians(angle_deg)
     velocity = SPEED * np.stack([-np.cos(angle), np.sin(angle)], axis=-1)
     hit = energetic_impact(
@@ -122,7 +142,7 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
 
 
 def spheres(compliance: float) -> dict[str, float]:
-    """Return the root mean square error of the prediction of each measured quantity of the spheres."""
+    """Return the root mean square error of the law for each measured quantity of the spheres."""
     missed = {
         name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1]
         for name, at in MEASURED_SPHERES.items()
@@ -135,7 +155,8 @@ def elastic_compliance(poisson_ratio: float) -> float:
     return (2.0 - poisson_ratio) / (2.0 * (1.0 - poisson_ratio))
 
 
-LONGEST_READING = 60.0  # s; a whole file takes one, also on a busy machine less than ten
+# longest time to read a file, s; usual is 1 s, on a busy machine less than 10 s
+LONGEST_READING = 60.0
 
 READER = """
 import sys
@@ -150,16 +171,20 @@ bounces = np.atleast_1d(loadmat(sys.argv[1], squeeze_me=True, struct_as_record=F
 chosen = [each.states for each in bounces if not np.any(each.flags)]
 np.save(sys.stdout.buffer, np.array(chosen, dtype=float).reshape(-1, 12))
 """
-"""A program that writes the states of the impacts of a MATLAB file. SciPy's reader may crash on a damaged one, and take its process along."""
+"""Program that writes the states of the impacts of a MATLAB file.
+
+It runs in a process of its own, since SciPy's reader may crash on a damaged file."""
 
 
 def read_ellipse(path: str) -> Ellipse:
-    """Read the impacts of the file whose flags are all 0, with the arms that the ellipse and its angle give.
+    """Read the impacts of the file whose flags are all 0, with their contact Jacobians.
 
-    The angle runs clockwise: a body turned by it has its point of contact at x = (a^2 - b^2) sin cos/h from the centre, a height
-    h = sqrt(a^2 sin^2 + b^2 cos^2) below it, and there v_n = v_y - x w and v_t = v_x - h w.
+    The angle of the ellipse runs clockwise. A body turned by it has its contact at x = (a^2 - b^2)
+    sin cos/h from the centre, a height h = sqrt(a^2 sin^2 + b^2 cos^2) below it. There v_n = v_y -
+    x w and v_t = v_x - h w.
 
-    Raises ValueError if the file does not exist or has no such impacts.
+    Raises:
+        ValueError: if the file does not exist or has no such impacts.
     """
     if not Path(path).is_file():
         raise ValueError(f"data = {path}: must be a file with the measured impacts of the ellipse")
@@ -185,7 +210,9 @@ def read_ellipse(path: str) -> Ellipse:
 
 
 def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]:
-    """Return mu and e* for the least mean misfit, from the best point of a coarse grid."""
+    """Return the mu and e* of least mean misfit; the search starts at the best point of a coarse
+    grid.
+    """
     from scipy.optimize import minimize
 
     def mean(at: Array) -> float:
@@ -200,7 +227,9 @@ def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]
 
 
 def confidence(train: Ellipse, friction: float, restitution: float) -> Array:
-    """Return the limits of 95 % of mu and e*, shape (2, 2), from fits to resampled halves, on a grid about the fit."""
+    """Return the limits of 95 % of mu and e*, shape (2, 2), by fits to resampled halves on a grid
+    about the fit.
+    """
     about = (friction * np.linspace(0.7, 1.3, GRID), restitution * np.linspace(0.8, 1.2, GRID))
     pairs = np.array([each.ravel() for each in np.meshgrid(*about, indexing="ij")])
     hits = (train.predicted(energetic_impact, mu, min(e, 1.0)) for mu, e in pairs.T)
@@ -214,7 +243,7 @@ def confidence(train: Ellipse, friction: float, restitution: float) -> Array:
 
 
 def measured_impacts(measured: Measured) -> Report:
-    """Predict the spheres, and the ellipse where there is a file with its impacts."""
+    """Predict the impacts of the spheres and, if its file is given, of the ellipse."""
     squared = measured.tangential_compliance
     names = ("restitution_error", "spin_error", "rebound_angle_error_deg")
     errors = list(spheres(squared).values())
@@ -252,7 +281,9 @@ def measured_impacts(measured: Measured) -> Report:
 
 
 def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Report:
-    """Add the laws fitted on every second impact of the ellipse, and their predictions of the others."""
+    """Return the report with the laws fitted to every second impact of the ellipse, and their
+    predictions of the others.
+    """
     train = ellipse.part(slice(0, None, 2))
     test = ellipse.part(slice(1, None, 2))
     laws: dict[str, Law] = {
@@ -307,7 +338,9 @@ def _motions(hit: Impact) -> Table:
 
 
 def _over_lever(test: Ellipse, hit: Impact) -> Table:
-    """Return the mean misfit in quarters of the lever between the centre and the normal through the point of contact."""
+    """Return the mean misfit in quarters of the lever between the centre and the normal through the
+    contact.
+    """
     lever = -test.jacobian[:, 0, 2]
     misfit = test.misfit(hit)
     edges = np.quantile(lever, (0.0, 0.25, 0.5, 0.75, 1.0))

@@ -1,4 +1,5 @@
-"""Neighbours in one plane: the least pitches at which wires touch, and the effect of a touch on the strike.
+"""Neighbours in one plane: the least pitches at which wires do not touch, and the effect of a touch
+on the strike.
 
 Rows of bristles are simulated together and compared with the motion of a lone bristle.
 """
@@ -31,15 +32,16 @@ from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
 
-# Width of the interval about the theoretical least pitch that the search on simulated rows bisects, deg
+# First width of the interval about the theoretical least pitch that the search on simulated rows
+# bisects, deg.
 FIRST_WIDTH = 0.1
-RESOLUTION = 0.005  # Width to which that interval is bisected, deg
-# Width to which that interval is doubled until wires touch at one end alone; beyond it the search has failed, deg
+RESOLUTION = 0.005  # last width of that interval, deg
+# Largest width of that interval, deg. It is doubled until wires touch at one end only; beyond this
+# the search fails.
 WIDEST = 1.6
-AGREEMENT = 0.05  # Largest difference of simulated and theoretical least pitches that agrees, deg
-SAMPLES_PER_PERIOD = (
-    150  # Samples in a period of the lone bristle on its belt, for the cubics of its centre line
-)
+AGREEMENT = 0.05  # largest difference of simulated and theoretical least pitch, deg
+# Samples in a period of the lone bristle on its belt, for the cubics of its centre line.
+SAMPLES_PER_PERIOD = 150
 
 UNCHANGED = (
     1e-3  # Relative change of the impulse by a neighbour below which its three digits are the same
@@ -49,7 +51,7 @@ STRIKE = {
     name: STATE.get(name) or IMPACT[name]
     for name in ("lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
 }
-"""A bristle's strike: label and unit of each quantity."""
+"""Quantities of a bristle's strike: label and unit."""
 
 LEAST_PITCHES = {
     "least_pitch_to_strike_deg": "least pitch, no touch until the one in front strikes",
@@ -60,7 +62,7 @@ LEAST_PITCHES = {
 
 @dataclass(frozen=True, slots=True)
 class NeighbourRow:
-    """A row of bristles simulated together, the foremost first, and the pass of a bristle without neighbours."""
+    """A row of bristles simulated together, the foremost first, and the pass of a lone bristle."""
 
     tool: Tool
     neighbours: Neighbours
@@ -71,16 +73,19 @@ class NeighbourRow:
 
     @property
     def touches(self) -> list[float]:
-        """Return the instants at which two wires of the row touch, s."""
+        """Instants at which two wires of the row touch, s."""
         return sorted({time for run in self.bristles for time in _touches(run)})
 
 
 def neighbours(
     tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False
 ) -> Report:
-    """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
+    """Find the least pitches by theory and on simulated rows, and simulate one row at the requested
+    pitch.
 
-    Raises ValueError if the hub stands still, the wires bend or touch at the start, or a run is given up.
+    Raises:
+        ValueError: if the hub is at rest, wires bend or touch at the start, or a run exceeds the
+            step budget.
     """
     require_rigid(tool)
     if not tool.hub.speed:
@@ -184,19 +189,24 @@ def _strikes_table(strikes: Sequence[Values]) -> Table:
 
 
 def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
-    """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
+    """Return state and impulse of the last bristle at its strike, for each pitch in degrees.
+
+    Without a run or a strike they are NaN.
+    """
     found = np.full((len(STRIKE), len(pitches)), math.nan)
     for number, pitch in enumerate(pitches):
         with contextlib.suppress(
             ValueError
-        ):  # a pitch at which the row cannot start, or a run that is given up
+        ):  # the row cannot start at this pitch, or the run exceeds its step budget
             run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
             found[:, number] = list(strike_values(row.tool, run).values())
     return dict(zip(STRIKE, found, strict=True))
 
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
-    """Return time, the foremost root's angle and every bristle's angle from its radial direction, one entry a sample."""
+    """Return time, the hub angle of the foremost root, and every bristle's relative angle, at each
+    sample.
+    """
     angles = {
         f"relative_angle_{number} (rad)": run.relative_angle
         for number, run in enumerate(row.bristles, 1)
@@ -216,7 +226,7 @@ def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
 def _simulated(
     tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any
 ) -> tuple[Trajectory, ...]:
-    # A step takes as long as its row has bristles: 16 us for two, 85 us for twelve.
+    # The time of a step is proportional to the number of bristles: 16 us for two, 85 us for twelve.
     brief = dataclasses.replace(
         settings, maximum_steps=max(1, 2 * settings.maximum_steps // row.bristles)
     )
@@ -235,7 +245,7 @@ def root_pitch(tool: Tool) -> float:
 
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
-    """Search near the theoretical pitch for the largest one at which two simulated wires touch."""
+    """Search near the theoretical pitch for the largest pitch at which two simulated wires touch."""
     compared = Quantity(
         least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name]
     )
@@ -250,7 +260,7 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
             return True
         turn = math.radians(pitch)
         until = end + turn / speed if least.of_follower else end
-        # A row runs until the hub has carried its last root so far.
+        # The run of a row lasts until the hub has carried the last root to this instant.
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
         return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
@@ -267,7 +277,9 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return measures of a bristle's first strike, in the units of STRIKE; None without one."""
+    """Return the quantities of a bristle's first strike, in the units of STRIKE; None without a
+    strike.
+    """
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
     state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
@@ -279,7 +291,9 @@ def _touches(run: Trajectory) -> list[float]:
 
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
-    """Return the last bristle's touches and its strike, with the lone bristle's strike as theory."""
+    """Return the touches and the strike of the last bristle, with the strike of a lone bristle as
+    theory.
+    """
     tool = row.tool
     last = row.bristles[-1]
     touched = bool(_touches(last))
@@ -292,12 +306,12 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
             "wire_contacts": float(len(_touches(reference))),
             **strike_values(tool, reference),
         }
-    # Errors are relative to angles of a radian, the hub's rate, and the strike of a bristle alone.
+    # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone bristle.
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
         value = (referred or theory)[name]
-        # A touch may change all that follows, and another bristle of the row, or this one, may end the run for all.
+        # A touch may change all later motion, and any bristle of the row may end the run for all.
         if touched and reference is None:
             return None
         if name == "wire_contacts":

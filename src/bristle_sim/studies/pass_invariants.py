@@ -1,7 +1,9 @@
-"""Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact law at its strike.
+"""Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact
+law at the strike.
 
-They and the geometry of a rigid wire's contacts follow from the trajectory and the tool's parameters alone, apart from the
-scene. Points and directions are complex numbers x + i y from the hub's centre, m; arrays have n instants first.
+The invariants, and the geometry of a rigid wire's contacts, follow from the trajectory and the
+tool's parameters, independently of the scene. Points and directions are complex numbers x + i y
+from the hub's centre, m; the first axis of arrays runs over n instants.
 """
 
 from __future__ import annotations
@@ -21,15 +23,19 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Points = NDArray[np.complex128]
 
-# Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
-# flights add up theirs
+# Largest error of an invariant over the requested accuracy: a squared rate doubles an error, and
+# the errors of two
+# contacts and two flights add up.
 MAGNIFIED = 10.0
-# Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each
+# Least relative tolerance: energies are sums over some hundred intervals, each with an error of
+# 1e-13.
 LEAST_TOLERANCE = 1e-9
-# Least tolerance with contacts resolved in time: rounding of the penetration lets them be no shorter than some 1e-6
-# of the motion's time scale, and that far from the rigid-body limit
+# Least relative tolerance with contacts resolved in time. Rounding of the penetration limits their
+# duration to some
+# 1e-6 of the motion's time scale or more, and they differ from the rigid-body limit by as much.
 LEAST_COMPLIANT_TOLERANCE = 1e-5
-# Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time
+# Largest interval between simultaneous contacts with bar and workpart, over the run's time; the law
+# is for one contact.
 SAME_INSTANT = 1e-9
 
 WORDS = {
@@ -40,24 +46,27 @@ WORDS = {
     "friction_cone_excess": "friction",
     "friction_work": "friction",
 }
-"""Words of the sentence that says which invariants hold."""
+"""Words for the invariants in the sentence that says which of them hold."""
 
 
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
-    """Return the errors of a pass's invariants, each 0 in theory, with the tolerance that follows from the accuracy.
+    """Return the errors of a pass's invariants, with tolerances that follow from the accuracy.
 
-    ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic energy.
-    ``deepest_overlap``: of wire and obstacle, of the bristle's length.
+    In theory every error is 0. Each is a fraction of the size named last:
+
+    ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic
+    energy. ``deepest_overlap``: deepest overlap of wire and obstacle, of the bristle's length.
     ``impulse_momentum_error``: (v' - v) - K p at the strike, of the speed before it.
     ``restitution_work_error``: W_r + e*^2 W_c of the normal force at the strike, of W_c.
-    ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike, of the normal impulse.
-    ``friction_work``: largest work that friction does in a contact, of the largest kinetic energy.
-    Energy balance and impulse-momentum error are those of a rigid bristle, and None for a wire of several links.
+    ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike,
+    of the normal impulse. ``friction_work``: largest work that friction does in a contact, of the
+    largest kinetic energy. Energy balance and impulse-momentum error are defined for a rigid
+    bristle; a wire of several links has none.
     """
     least = LEAST_COMPLIANT_TOLERANCE if tool.contact.law == "compliant" else LEAST_TOLERANCE
     within = dict.fromkeys(WORDS, max(least, MAGNIFIED * settings.accuracy))
     found = _strike_errors(tool, run) | {"deepest_overlap": _deepest_overlap(tool, run)}
-    # A bristle at rest moves by rounding alone, whose energy balances with nothing.
+    # A bristle at rest moves by rounding alone; the bound keeps its energy from becoming the scale.
     static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
     field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
     size = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field)
@@ -76,18 +85,20 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
-    """Return a sentence with the invariants that hold and the largest of their errors."""
+    """Return the sentence with the invariants that hold and the largest of their errors."""
     kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
     *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
     return f"{' and '.join(filter(None, [', '.join(others), last]))} are satisfied to {max(kept.values()):.0e}"
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
-    """Return the largest energy imbalance of a flight or an impact, and the error of its quadrature, J.
+    """Return the largest energy imbalance of a flight or an impact, and the error of its
+    quadrature, J.
 
-    The balance is that of Jacobi's integral, the energy in the frame that turns with the hub: kinetic, belt, centrifugal
-    and gravity. In flight it falls at the rate c alpha'^2 - omega m g x; an impact changes it by its impulse's work less
-    omega times its moment. Sustained contacts are left out: the obstacle's shape prescribes their motion.
+    The balance is that of Jacobi's integral, the energy in the frame of the hub: kinetic, belt,
+    centrifugal and gravity energy. In flight it falls at the rate c alpha'^2 - omega m g x. An
+    impact changes it by the work of the impulse less omega times the moment of the impulse.
+    Sustained contacts are left out, since the obstacle's shape prescribes their motion.
     """
     bristle = tool.bristle
     omega = tool.hub.speed
@@ -140,13 +151,20 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
-    """Whether the rigid-body law applies: not to a sustained contact, a contact of requested duration, or a jam."""
+    """Return whether the rigid-body law applies to a contact.
+
+    It does not apply to a sustained contact, a contact of requested duration, or a jam.
+    """
     lasting = contact.duration and tool.contact.duration is not None
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 
 
 def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
-    """Return the moments of unit normal and tangential forces at a contact about the hub's centre, and the root; m."""
+    """Return the levers of the normal and tangential force of a contact, m.
+
+    Returns:
+        Moments of unit forces about the hub's centre, and about the root.
+    """
     lines = wire_lines(
         tool, run.hub_angle[:1] + run.hub_speed * contact.time, np.array(contact.angles)
     )
@@ -155,7 +173,8 @@ def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
-    """Return the deepest overlap of wire and obstacle at any sample, over the wire's length; 0 if there is none.
+    """Return the deepest overlap of wire and obstacle at any sample, over the wire's length; 0
+    without overlap.
 
     A contact resolved in time over a requested duration leaves a crater, which is no error.
     """
@@ -165,7 +184,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     ):
         corners = run.centre_line[
             :, 1 if tool.bristle.links == 1 else -1 :, 1
-        ]  # joints between links pass through
+        ]  # joints between links may pass through the workpart
         depths.append(float((-tool.workpart_depth - corners).max()))
     if tool.bar is not None:
         point = nearest(tool, complex_points(run.centre_line))[2]
@@ -174,7 +193,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Return the first strike's violations of the impact law; empty where that law does not apply."""
+    """Return the errors of the impact law at the first strike; empty if that law does not apply."""
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
         return {}
@@ -208,12 +227,14 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
 
 
 def complex_points(points: Any) -> Points:
-    """Return points or vectors with their coordinates in the last axis as complex numbers."""
+    """Return points or vectors, with coordinates in the last axis, as complex numbers."""
     return np.asarray(points @ np.array([1.0, 1j]))
 
 
 def wire_lines(tool: Tool, hub_angle: Array, angle: Array) -> Points:
-    """Return root, knee and tip of the wire's centre line, shape (n, corners); angles in rad."""
+    """Return the corners of the wire's centre line, from root to tip, shape (n, corners); angles in
+    rad.
+    """
     path = complex_points(np.array([(0.0, 0.0), *tool.bristle.path]))
     return np.asarray(
         -1j * tool.hub.radius * np.exp(1j * hub_angle)[:, np.newaxis]
@@ -228,7 +249,11 @@ def levers(normal: Points, point: Points) -> Array:
 
 
 def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
-    """Return the piece of each centre line, shape (n, corners), nearest to the bar, the fraction along it, and the point."""
+    """Return the point of each centre line nearest to the bar; ``lines`` has shape (n, corners).
+
+    Returns:
+        Number of its piece, fraction along the piece, and the point.
+    """
     assert tool.bar is not None
     centre = complex(*tool.bar.centre)
     start = lines[:, :-1]
@@ -241,7 +266,7 @@ def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
 
 
 def touched(tool: Tool, obstacle: str, lines: Points) -> tuple[Points, Points]:
-    """Return the obstacle's normal and the contact point of each centre line, each of shape (n,)."""
+    """Return the obstacle's normal and the contact point of each centre line, both of shape (n,)."""
     if obstacle == "workpart":
         corner = 1 + abs(lines[:, 1:].imag + tool.workpart_depth).argmin(axis=1)  # tip or knee
         return np.full(len(lines), 1j), lines[np.arange(len(lines)), corner]

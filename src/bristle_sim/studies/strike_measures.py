@@ -1,4 +1,4 @@
-"""A strike in numbers and words: the bristle's state at it, its impulses, works and rates, and its outcome."""
+"""A strike in numbers and words: the state of the bristle, impulses, works, rates and the outcome."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STATE = {
     "relative_speed_at_contact": ("bristle's speed relative to the hub", "rad/s"),
     "tip_speed_at_contact": ("tip speed v_C", "m/s"),
 }
-"""The bristle's state when it strikes: label and unit of each quantity."""
+"""State of the bristle at its strike: label and unit of each quantity."""
 
 IMPACT = {
     "normal_compressive_impulse": ("normal impulse of compression p_cy", "N s"),
@@ -28,18 +28,19 @@ IMPACT = {
     "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
     "rebound_ratio": ("rate after the strike over before", "1"),
 }
-"""A strike's impulses, works and rates: label and unit of each quantity."""
+"""Impulses, works and rates of a strike: label and unit of each quantity."""
 
 RADIAL = 0.005
-"""Lag in degrees below which a bristle counts as radial in words: half a unit of the last digit that is shown."""
+"""Largest lag of a bristle that is radial in words, deg: half a unit of the last digit shown."""
 
 
 def state_at_strike(
     tool: Tool, run: Trajectory, contact: ContactRecord | None
 ) -> dict[str, float | None]:
-    """Return the lag, the rate relative to the hub and the tip's speed, in the units of STATE; None without a contact.
+    """Return lag, relative rate and tip speed at the strike, in the units of STATE; None without a
+    contact.
 
-    Lag and rate of a wire that bends, whose links vibrate, are those of the line from root to tip.
+    The links of a wire that bends vibrate. Its lag and rate are those of the line from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
@@ -64,14 +65,16 @@ def state_at_strike(
 
 
 def beside_radial(lag: float) -> str:
-    """Return a lag in degrees in words: ``2.74° short of radial``."""
+    """Return a lag in degrees as words, for example ``2.74° short of radial``."""
     if abs(lag) < RADIAL:
         return "radial"
     return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return impulses, works and rates of a contact, in the units of IMPACT; None where its law has none."""
+    """Return impulses, works and rates of a contact, in the units of IMPACT; None where the law has
+    none.
+    """
     if contact is None:
         return dict.fromkeys(IMPACT)
     impulse = contact.compressive_impulse or (None, None)
@@ -90,7 +93,7 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
 
 
 def outcome_of(contact: ContactRecord | None) -> str:
-    """Return the report's word for the end of a contact; a jam is a stiction that no law resolves."""
+    """Return the report's word for the end of a contact; a jam is reported as stiction."""
     if contact is None:
         return "no contact"
     return "stiction" if contact.outcome == "jam" else contact.outcome

@@ -1,4 +1,4 @@
-"""A pass up to its strike at other values of a tool's keys: a point of maps and sweeps."""
+"""A pass up to its strike at other values of a tool's keys: one point of a map or sweep."""
 
 from __future__ import annotations
 
@@ -22,19 +22,21 @@ STRIKE_UNITS = {
     },
     "crater_depth": "m",
 }
-"""Units of a cued strike's measures."""
+"""Units of the measures of a cued strike."""
 
 
 class NotCuedError(ValueError):
-    """The pass has no strike cued by the bar."""
+    """Error: the pass has no strike that the bar has cued."""
 
 
 def strike_of_keys(
     settings: Settings | None = None, tool: Tool | None = None, /, **values: float
 ) -> dict[str, float | None]:
-    """Return the measures of the strike of a tool at other values of its keys, in the units of STRIKE_UNITS.
+    """Return the measures of the strike of a tool with other values of its keys, in the units of
+    STRIKE_UNITS.
 
-    Raises ValueError if the run is given up, or has no cued strike.
+    Raises:
+        ValueError: if the run exceeds the step budget, or has no cued strike.
     """
     settings = settings or Settings()
     tool = (tool or Tool()).replace(**values)
@@ -44,7 +46,10 @@ def strike_of_keys(
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
-    """Return lag and relative speed at the strike of a pass with a bar; None where there is none, with the reason."""
+    """Return lag and relative speed at the strike of a pass with a bar.
+
+    Without a strike they are None, and ``no_strike`` states the reason.
+    """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
     row |= {"lag_deg_at_contact": None, "relative_speed_at_contact": None}
@@ -57,9 +62,12 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the measures of the strike of a bristle that the bar has cued; None for those that are unknown.
+    """Return the measures of the strike of a bristle that the bar has cued; an unknown measure is
+    None.
 
-    Raises NotCuedError if the bristle does not strike, or strikes before it has touched the bar or while it does.
+    Raises:
+        NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or
+            while it touches it.
     """
     strike = run.first_contact("workpart")
     if strike is None:
@@ -83,10 +91,11 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_depth(compressive_work: tuple[float, float], friction: float, entry: float) -> float:
-    """Return the crater's depth if its chip takes the energy that the tip gives up in compression, m.
+    """Return the depth of a crater whose chip takes the energy that the tip loses in compression,
+    m.
 
-    The tip cuts straight along its velocity, at an angle to the surface, rad, into API 5L steel, the shear plane ending at the
-    inclined surface (theory/crater_cutting.py).
+    The tip cuts straight along its velocity, at the angle ``entry`` to the surface, rad, into API
+    5L steel. The shear plane ends at the inclined surface (theory/crater_cutting.py).
     """
     energy = specific_cutting_energy(friction, entry, API_5L, "inclined")
     return float(depth_from_energy(max(0.0, -sum(compressive_work)), energy, entry))

@@ -1,7 +1,9 @@
-"""Force and motion of a bristle's contact resolved in time, with a given compression time and perhaps a given impulse.
+"""Force and motion of a bristle's contact resolved in time, with a requested compression time or
+impulse.
 
-In the 50 us of a contact the hub turns by 0.75 deg and the bristle by more, so that impulse and duration differ from the
-rigid-body limit by some per cent. Speed and stiffness are adjusted until the contact in the scene has those requested.
+In the 50 us of a contact the hub turns by 0.75 deg and the bristle by more, so impulse and duration
+differ from the rigid-body limit by some per cent. Speed and stiffness are adjusted until the
+contact in the scene has the requested values.
 """
 
 from __future__ import annotations
@@ -28,20 +30,23 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 Result = TypeVar("Result")
 
-# Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser
+# Relative difference from the request at which the adjustment ends; it ends at the accuracy if that
+# is coarser.
 REQUEST_TOLERANCE = 1e-6
-MOST_ROUNDS = 30  # Rounds of adjustment; five to ten are usual
-LARGEST_STEP = 0.5  # Largest change of the logarithm of speed or duration in a round
-PRINTED_COMPRESSION = 5e-5  # Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
+MOST_ROUNDS = 30  # largest number of rounds of adjustment; five to ten are usual
+LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in a round
+PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
 def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
-    """Return cubics through samples; they are smooth except at instants sampled more than once, where they jump.
+    """Return cubics through samples; they are smooth except at instants sampled more than once,
+    where they may jump.
 
-    Times have the shape (n,), values and slopes (n, ...). Without slopes each piece is a spline.
+    ``time`` has the shape (n,), ``values`` and ``slopes`` (n, ...). Without slopes each piece is a
+    spline.
     """
     coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
-    coefficients[3] = values[:-1]  # in an interval that is rounding
+    coefficients[3] = values[:-1]  # constant in an interval as short as rounding
     for first, last in pieces(time):
         own = time[first:last], values[first:last]
         piece = (
@@ -52,22 +57,27 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return the first sample of each smooth piece and the one past its last; instants that differ by rounding are equal."""
+    """Return the first sample of each smooth piece, and the sample after its last.
+
+    Instants that differ by rounding are equal.
+    """
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
 def compression_end(history: ContactHistory) -> float:
-    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
+    """Return the time from the first touch to the deepest penetration, s; it is the time of a
+    sample.
+    """
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 @dataclass(frozen=True)
 class TimedContact:
-    """A radial bristle's contact resolved in time, the scene's record of it, and the cost of the last strike.
+    """A radial bristle's contact resolved in time, with the cost of its last simulation.
 
-    Series have one entry a sample.
+    Series have one entry for each sample.
     """
 
     surface: Surface
@@ -78,7 +88,7 @@ class TimedContact:
 
     @property
     def history(self) -> ContactHistory:
-        """The contact in time."""
+        """History of the contact."""
         assert self.record.history is not None
         return self.record.history
 
@@ -89,12 +99,12 @@ class TimedContact:
 
     @property
     def compression_time(self) -> float:
-        """From first touch to the deepest penetration, s."""
+        """Time from first touch to deepest penetration, s."""
         return compression_end(self.history)
 
     @property
     def tip_speed(self) -> float:
-        """v_C (2.24), m/s."""
+        """Speed v_C of the tip before the contact (2.24), m/s."""
         return (
             self.chain.lengths[0] * self.chain.rates[0]
             + self.chain.hub_radius * self.chain.hub_speed
@@ -107,7 +117,10 @@ class TimedContact:
 
     @cached_property
     def resultant(self) -> PPoly:
-        """Resultant force as a function of time, N; its slope is the speed times a stiffness, constant in each piece."""
+        """Resultant force as a function of time, N.
+
+        Its slope is the normal velocity times a stiffness that is constant in each piece.
+        """
         depth = self.history.penetration
         slopes = np.zeros_like(self.time)
         for first, last in pieces(self.time):
@@ -118,7 +131,7 @@ class TimedContact:
 
     @property
     def peak_force(self) -> float:
-        """Largest resultant force, N; it is reached at the deepest penetration, which is a sample."""
+        """Largest resultant force, N; it occurs at the deepest penetration, which is a sample."""
         return float(self.force.max())
 
     @property
@@ -128,17 +141,17 @@ class TimedContact:
 
     @property
     def path(self) -> Array:
-        """Length of the tip's path since first touch, m."""
+        """Length of the tip's path since the first touch, m."""
         return self._sums(np.hypot(self.history.normal_velocity, self.history.tangential_velocity))
 
     @property
     def rate(self) -> Array:
-        """Rate of the bristle, rad/s."""
+        """Absolute rate of the bristle, rad/s."""
         return self._rate_and_lead[0]
 
     @property
     def centre_speed(self) -> Array:
-        """v_G, m/s."""
+        """Speed v_G of the bristle's centre, m/s."""
         rate, lead = self._rate_and_lead
         rim = self.chain.hub_radius * self.chain.hub_speed
         half = 0.5 * self.chain.lengths[0] * rate
@@ -146,7 +159,9 @@ class TimedContact:
 
     @cached_property
     def _rate_and_lead(self) -> tuple[Array, Array]:
-        """The bristle's rate, rad/s, by the tip's velocity along the workpart, and its angle ahead of the root's, rad."""
+        """Rate of the bristle, rad/s, by the tip's velocity along the workpart; and its angle ahead
+        of the hub, rad.
+        """
         radius = self.chain.hub_radius
         length = self.chain.lengths[0]
         hub_speed = self.chain.hub_speed
@@ -184,9 +199,19 @@ def timed_contact(
     rate: float | None = None,
     impulse: float | None = None,
 ) -> TimedContact:
-    """Simulate a strike whose contact has a compression time, s, at a rate of the bristle, rad/s, or of an impulse, N s.
+    """Simulate a strike whose contact has a requested compression time, and a requested rate or
+    impulse.
 
-    The impact angle is in rad, the impulse that of compression. Raises ValueError if there is no such contact.
+    Args:
+        hub, bristle, surface, settings: parameters of the strike.
+        impact_angle: gamma, rad.
+        compression_time: time from first touch to deepest penetration, s.
+        rate: rate of the bristle before the strike, rad/s; either ``rate`` or ``impulse`` must be
+            given.
+        impulse: compressive impulse, N s.
+
+    Raises:
+        ValueError: if there is no such contact.
     """
     if (rate is None) == (impulse is None):
         raise ValueError("rate, impulse: must be exactly one of the two")
@@ -222,7 +247,8 @@ def timed_contact(
             )
         return contact, values
 
-    # The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
+    # In restitution the spring is stiffer by 1/e*^2, and the tip's response to it is proportional
+    # to s_2 instead of s_1.
     cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
     leaving = sine - surface.friction_in_restitution * cosine
     whole = 1.0
@@ -233,7 +259,9 @@ def timed_contact(
 
 
 def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
-    """Return a report's fields on a contact, with later events by name, s."""
+    """Return the fields of a report on a contact; ``later`` holds further events with their times,
+    s.
+    """
     if contact is None:
         return {"outcome": "no contact"}
     return record_fields(
@@ -242,10 +270,11 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
-    """Give the contact resolved in time the printed 50 us of compression, for films, unless a duration was requested.
+    """Return the impacts with a contact of the printed 50 us of compression, for films.
 
-    The report's contact is so short that the rods stand still meanwhile (the rigid-body limit), and stays so where 50 us are
-    too short or too long for these rods; ``timing`` says which.
+    A requested duration is kept. The report's contact is so short that the rods are practically at
+    rest meanwhile (the rigid-body limit). It is kept too if 50 us are too short or too long for
+    these rods; ``timing`` states the case.
     """
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")
@@ -280,7 +309,9 @@ def _adjusted(
     wanted: Array,
     tolerance: float,
 ) -> Result:
-    """Adjust the given numbers until the result has the wanted values, by Broyden's method in the logarithms."""
+    """Adjust given numbers until the result has the wanted values, by Broyden's method in the
+    logarithms.
+    """
     free = len(wanted)
     slopes = np.eye(len(wanted))
     step = before = np.zeros(free)

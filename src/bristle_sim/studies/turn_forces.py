@@ -1,8 +1,11 @@
-"""Forces on a bristle over its turns: impulses of impacts, and time series of the sustained contacts between them.
+"""Forces on a bristle over its turns: impulses of impacts, and time series of sustained contacts.
 
-Normal and tangential are those of a contact record; moments are about the hub's centre, positive in the hub's sense.
-A load cell is a mass on a spring. With the damping of Butterworth's filter its response to a unit impulse is
-h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth, at which it passes half the power.
+Normal and tangential are those of a contact record. Moments are about the hub's centre, positive in
+the hub's sense.
+
+A load cell is a mass on a spring with the damping of Butterworth's filter. Its response to a unit
+impulse is h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth; at the bandwidth
+it passes half the power.
 """
 
 from __future__ import annotations
@@ -23,20 +26,26 @@ from bristle_sim.studies.pass_invariants import complex_points, levers, nearest,
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-"""Gauss's rule integrates a cubic times exp(p t) over |p| h <= 1 to rounding: its error is 1e-16 of the 16th derivative's."""
+"""Gauss-Legendre rule on (-1, 1): it integrates a cubic times exp(p t) over |p| h <= 1 to
+rounding."""
 
 
 CLOSEST_NODES = 0.05
-"""Least distance of a spline's nodes, of their largest: where the scene closes in on a release its samples are so close that a
-spline through them would follow their rounding."""
+"""Least distance of a spline's nodes over the largest distance.
+
+Near a release the scene's samples are so close that a spline through all of them would follow their
+rounding."""
 
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force of an obstacle: an impact at an instant, or a smooth interval of a sustained contact; times in s.
+    """A force of an obstacle: an impact, or a smooth interval of a sustained contact.
 
-    ``integral`` is the impulses of normal and tangential force, N s, and of their moment, N m s. In a sustained contact
-    ``course`` gives the three over time, N and N m; it is None for an impact.
+    Attributes:
+        obstacle: name of the obstacle.
+        begin, end: start and end, s; equal for an impact.
+        integral: impulses of normal and tangential force, N s, and of their moment, N m s.
+        course: the two forces, N, and the moment, N m, as functions of time; None for an impact.
     """
 
     obstacle: str
@@ -49,10 +58,12 @@ class Force:
 def load_cell_response(
     forces: Iterable[Force], period: float, bandwidth: float, times: Array
 ) -> Array:
-    """Return the normal force that the load cell shows at times, N, under forces that have always repeated with the period.
+    """Return the normal force that the load cell shows at given times, N; the forces have always
+    repeated with ``period``.
 
-    Each impact leaves J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the filter's pole p. A force that
-    acts for a while is cut in parts, shorter than half a period and 1/|p|, each of which is integrated with exp(p t).
+    An impact contributes J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the
+    filter's pole p. A lasting force is divided into parts shorter than half a period and 1/|p|;
+    each is integrated with exp(p t).
     """
     pole = 2.0 * math.pi * bandwidth * complex(-1.0, 1.0) / math.sqrt(2.0)
     state = np.zeros(len(times), dtype=complex)
@@ -67,11 +78,12 @@ def load_cell_response(
             whole = complex(_weighed(force.course, start, np.array([length]), pole)[0])
             inside = since < length
             state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
-            # While the part still acts, it has left this much; the others of the series are complete.
+            # Of the part that still acts only the impulse so far counts; its earlier repetitions
+            # are complete.
             state[inside] += -np.expm1(pole * period) * _weighed(
                 force.course, start, since[inside], pole
             )
-    # Residue of w^2/((s - p)(s - p*)) at p, the sum over k included.
+    # Residue of w^2/((s - p)(s - p*)) at p, with the sum over k.
     return np.asarray(
         2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real
     )
@@ -80,7 +92,9 @@ def load_cell_response(
 def _weighed(
     course: Callable[[Array], Array], start: float, length: Array, pole: complex
 ) -> NDArray[np.complex128]:
-    """Return the integral of exp(p (end - t)) F(t), F the normal force, over intervals of these lengths from the start."""
+    """Return the integral of exp(p (end - t)) F(t) over intervals of given lengths from ``start``;
+    F is the normal force.
+    """
     offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
     values = course(start + offset)[..., 0]
     return np.asarray(
@@ -89,7 +103,7 @@ def _weighed(
 
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
-    """Return all forces of bar and workpart on a rigid bristle in a turn, in order of time."""
+    """Return all forces of bar and workpart on a rigid bristle in one turn, in order of time."""
     found = list[Force]()
     for contact in run.contacts:
         if contact.law == "sustained":
@@ -103,10 +117,11 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
 
 
 def dissipated(tool: Tool, run: Trajectory) -> float:
-    """Return the energy that impacts, friction and the belt's damping take in a turn, J.
+    """Return the energy that impacts, friction and the belt's damping dissipate in one turn, J.
 
-    Works of impacts are the impact law's, those of friction in sustained contacts the scene's sums; damping is the
-    integral of c alpha'^2, by splines between the instants at which the acceleration jumps.
+    Works of impacts are those of the impact law, works of friction in sustained contacts are the
+    scene's sums. The work of damping is the integral of c alpha'^2, by splines between the instants
+    at which the acceleration jumps.
     """
     lost = -sum(
         sum(work)
@@ -119,7 +134,8 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     breaks = [edge for each in turn_forces(tool, run) for edge in (each.begin, each.end)]
     power = tool.belt_damping * run.relative_rate**2
     for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
-        # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
+        # At an impact the later of two samples begins an interval, and the earlier one ends the
+        # interval before.
         first, last = (
             np.searchsorted(run.time, begin, "right") - 1,
             np.searchsorted(run.time, end, "left"),
@@ -131,12 +147,14 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
 
 def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
-    """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
+    """Divide a sustained contact where its force jumps: where the bar reaches the wire's end, and
+    where slip reverses.
 
-    The sample at such an instant has the force before it, so that each spline begins one sample later and is
-    extrapolated to its beginning.
+    The sample at such an instant has the force before the jump. Each spline therefore begins one
+    sample later and is extrapolated to its beginning.
     """
-    # But for the rounding of the sum, by which the sample at the end could be missed.
+    # The factor makes up for the rounding of the sum, by which the sample at the end could be
+    # missed.
     end = (contact.time + contact.duration) * (1.0 - 1e-15)
     rows = np.arange(
         np.searchsorted(run.time, contact.time, "right") - 1,
@@ -147,7 +165,7 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
     force = run.normal_force[rows]
     lines = complex_points(run.centre_line[rows])
     states = _slip_and_place(tool, run, contact.obstacle, rows)
-    # Of two samples at the instant of a jump the earlier one has the force before it.
+    # The earlier of two samples at a jump has the force before the jump.
     jumps = np.searchsorted(
         time, time[np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1]
     )
@@ -171,14 +189,15 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
         found.append(
             Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course)
         )
-    # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
+    # No spline follows a force that falls to 0 within the last interval; the lever hardly changes
+    # there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
     found[-1].integral[2] += arms[-1] @ short
     return found
 
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
-    """Return the samples after the first up to the last, thinned out where they are too close for a spline."""
+    """Return the samples after the first up to the last, without samples too close for a spline."""
     kept = [last]
     closest = CLOSEST_NODES * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
@@ -188,7 +207,10 @@ def _spaced(time: Array, first: int, last: int) -> list[int]:
 
 
 def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Array:
-    """Return the sense of slip between samples, and the wire's piece at the bar, with a half at the corner of its end."""
+    """Return the sense of slip between samples, and the number of the wire's piece at the bar.
+
+    The number has an additional half at the corner at the end of the piece.
+    """
     hub, angle, rate = (
         0.5 * (each[rows][1:] + each[rows][:-1])
         for each in (run.hub_angle, run.angles[:, -1], run.rates[:, -1])

@@ -1,11 +1,13 @@
-"""The whole tool: forces of bristles that do not touch each other, on the workpart, the drive and a load cell.
+"""The whole tool: forces of its bristles on the workpart, the drive and a load cell.
 
-Such bristles are shifted copies of one: with N of them the mean of a force is N omega/(2 pi) times its integral over the
-turn that one bristle repeats. The drive's torque is the moment of the forces on the bristle; the energy that a turn loses over
-its angle confirms it.
+The bristles do not touch each other, so they are shifted copies of one. With N of them the mean of
+a force is N omega/(2 pi) times its integral over the turn that one bristle repeats. The drive's
+torque is the moment of the forces on the bristles; the energy that a turn dissipates, over its
+angle, confirms it.
 
-On an obstacle the bristle's angle follows from the hub's, whatever came before. Each turn after the first one with a sustained
-contact is therefore the same, with a damped belt and without. A bristle that bounces off everything need not repeat its motion.
+On an obstacle the bristle's angle follows from the hub's, whatever came before. Each turn after the
+first one with a sustained contact is therefore the same, with a damped belt and without. A bristle
+that rebounds from every obstacle need not repeat its motion.
 """
 
 from __future__ import annotations
@@ -25,19 +27,21 @@ from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_respons
 from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
 from bristle_sim.trajectory import Trajectory
 
-# Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period
+# Largest number of turns until a motion repeats; a flight keeps exp(-2 pi zeta) of its swing in
+# each period.
 MOST_TURNS = 24
-REPEATED = 1e-9  # Change of angle, and of rate over the belt's natural rate, rad, that is no change from turn to turn
-# Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten
-# times the accuracy
+# Largest change of angle, and of rate over the belt's natural rate, between turns that repeat, rad.
+REPEATED = 1e-9
+# Error of a turn over the requested accuracy: that of some ten flights and contacts, each with ten
+# times the accuracy.
 MAGNIFIED = 100.0
-# Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9
+# Least relative tolerance. Splines through 150, 300 and 600 samples a period integrate the forces
+# to 1e-6, 6e-8 and
+# 4e-9, as measured.
 LEAST_TOLERANCE = 1e-6
-SAMPLES_PER_PERIOD = 400  # Samples in a period of the bristle on its belt, for the splines
-INSTANTS = (
-    2000  # Instants in the period of the summed force from which the band's percentiles are taken
-)
-BAND = (5.0, 95.0)  # Percentiles of the force behind the load cell, per cent of the time
+SAMPLES_PER_PERIOD = 400  # samples in a period of the bristle on its belt, for the splines
+INSTANTS = 2000  # number of instants in a period of the summed force, for the percentiles
+BAND = (5.0, 95.0)  # percentiles of the load cell's force, per cent of the time
 
 UNITS = {
     "impact_rate": ("strikes of all bristles", "1/s"),
@@ -52,15 +56,22 @@ UNITS = {
 
 
 class TurnNotCompleted(ValueError):
-    """A bristle that jams, or lies down on the hub, completes no turn; the message says when and why."""
+    """Error: a bristle jams, or lies down on the hub, before it completes a turn.
+
+    The message states the instant and the reason.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class PeriodicTurn:
-    """The turns that count: the last one, which repeats the one before, or the later half of those that do not repeat.
+    """The turns that count.
 
-    Each is a run that starts in the state in which the one before ended. ``changes`` of the state, rad, are those over
-    each turn from the first on, which starts radial and at rest relative to the hub.
+    Attributes:
+        runs: the last turn, which repeats the turn before; or the later half of turns that do not
+            repeat. Each run starts in the state at the end of the run before.
+        changes: change of the state over each turn, rad, from the first on; the first starts radial
+            and at rest relative to the hub.
+        repeats: whether the last turn repeats the turn before.
     """
 
     runs: tuple[Trajectory, ...]
@@ -69,11 +80,11 @@ class PeriodicTurn:
 
 
 def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
-    """Simulate turns until one repeats the one before; ``settings.hub_turn`` is ignored.
+    """Simulate turns until a turn repeats the turn before; ``settings.hub_turn`` is ignored.
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
-        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+        ValueError: if the hub is at rest, or a run exceeds the step budget.
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
@@ -109,7 +120,9 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
 
 @dataclass(frozen=True, slots=True)
 class WholeTool:
-    """The tool, its assembly, the turn that a bristle repeats, and the forces on it in each turn that counts."""
+    """The tool, its assembly, the turn that a bristle repeats, and the forces on it in each turn
+    that counts.
+    """
 
     tool: Tool
     assembly: Assembly
@@ -123,13 +136,16 @@ class WholeTool:
 
 
 def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
-    """Sum the forces of all bristles, and compare torque and power with the energy that a turn loses.
+    """Sum the forces of all bristles, and compare torque and power with the energy that a turn
+    dissipates.
 
-    Forces are on the workpart: normal into it, tangential in the direction in which the tips travel. The drive's torque
-    carries the bar's forces too; the hand that holds hub and bar together bears the workpart's moment alone.
+    The forces act on the workpart: normal into it, tangential in the direction in which the tips
+    travel. The drive's torque includes the forces of the bar. The hand that holds hub and bar
+    together bears the moment of the workpart alone.
 
-    Raises ValueError if the hub stands still, there is no workpart, the wire bends, or a run is not computed within the
-    settings' steps.
+    Raises:
+        ValueError: if the hub is at rest, there is no workpart, the wire bends, or a run exceeds
+            the step budget.
     """
     if tool.workpart is None:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
@@ -174,9 +190,11 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
 
 
 def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
-    """Return the normal force that the load cell under the workpart shows, from one bristle to the next.
+    """Return the normal force that the load cell under the workpart shows, over the time between
+    two bristles.
 
-    Raises ValueError for a tool whose bristle completes no turn.
+    Raises:
+        ValueError: for a tool whose bristle completes no turn.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
