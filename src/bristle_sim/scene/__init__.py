@@ -2,6 +2,7 @@
 
 In reading order; a file imports only from files below it in this list:
 
+- ``snapshots``: a run interval by interval.
 - ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
 - ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and contacts in SI units.
 - ``run``: the loop over intervals and events.

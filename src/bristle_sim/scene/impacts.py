@@ -39,7 +39,7 @@ class ContactLaw(ABC):
 
     Attributes:
         name: the law's name in contact records.
-        at_once: whether its impacts take no time.
+        instantaneous: whether its impacts take no time.
     """
 
     name: ClassVar[str]
