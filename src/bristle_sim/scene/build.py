@@ -21,7 +21,7 @@ from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.pairs import SHAPE_MARGIN, ClosedPair, ContactPair
+from bristle_sim.scene.pairs import SHAPE_MARGIN, ContactPair
 from bristle_sim.scene.solver import WireVelocities
 
 
@@ -112,10 +112,6 @@ class Scene:
     def solves_joints(self) -> bool:
         """Whether the engine's iterations suffice to solve the joints in flight."""
         return self.engine.space.iterations < MOST_ITERATIONS
-
-    def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on, solve for these sustained contacts in every engine step."""
-        self.engine.keep_closed(contacts)
 
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:

@@ -39,7 +39,7 @@ def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
 ) -> list[ActiveContact]:
     """End some contacts and record them; return the others."""
-    system.scene.keep_closed(())
+    system.scene.engine.keep_closed(())
     for contact in contacts:
         if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
             system.contact(record, contact.pair)
@@ -81,7 +81,7 @@ def resolve_impacts(
         contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
         name_releases(system, motion.ordered)
     left = _least_opening_rate(system, pair) if single_link else math.inf
-    system.scene.keep_closed(())
+    system.scene.engine.keep_closed(())
     try:
         record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
     except ValueError as error:

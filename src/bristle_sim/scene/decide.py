@@ -20,7 +20,7 @@ from bristle_sim.scene.collisions import (
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import SPRING_KINDS, Happening, Kind
 from bristle_sim.scene.motion import Motion
-from bristle_sim.scene.pairs import ContactPair, dented
+from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
 from bristle_sim.scene.spring import ContactLoad, Spring
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
@@ -71,7 +71,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         staying = end_contacts(system, motion.contacts, [contact], following.name)
         contacts = Contacts([*staying, ActiveContact(following)], motion.separating)
     elif kind is Kind.DENT_LEFT:
-        system.pairs[subject] = dented(system.pairs[subject], 0.0)
+        system.pairs[subject] = replace(system.pairs[subject], dent=0.0)
     elif kind is not Kind.KINK:
         subject.turn(_sense_after(system, event))
     if system.recording.stop_reason is not None:
@@ -203,7 +203,7 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
     gap = system.gaps.gap(pair, system.state)
     if gap < -system.plan.accuracy:
         # The tip is left in a dent, whose ground is the surface from here on.
-        ground = dented(pair, pair.dent - gap)
+        ground = replace(pair, dent=pair.dent - gap)
         system.pairs[system.pairs.index(pair)] = ground
         pair = ground
     wires = system.wires_of(pair)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.interval import IntervalResult
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, dented
+from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.system import System
@@ -158,7 +158,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
             yield Event(partial(left, link), -1, Kind.RETRACTION_LIMIT, wire)
     for number, pair in enumerate(system.pairs):
         if pair.dent:
-            yield Event(partial(_gap, system, dented(pair, 0.0)), 1, Kind.DENT_LEFT, number)
+            yield Event(partial(_gap, system, replace(pair, dent=0.0)), 1, Kind.DENT_LEFT, number)
 
 
 def _gap(system: System, pair: ContactPair, at: IntervalResult) -> float:

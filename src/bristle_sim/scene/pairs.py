@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import pymunk
@@ -311,8 +311,3 @@ def wire_pairs(
     for (link, own), (partner, other) in itertools.combinations(numbered, 2):
         if link // mechanism.wire_links != partner // mechanism.wire_links:
             yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
-
-
-def dented(obstacle: ContactPair, depth: float) -> ContactPair:
-    """Return a pair with its surface moved back by a depth."""
-    return replace(obstacle, dent=depth)

@@ -68,7 +68,7 @@ class RigidContacts:
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return the least compliance in slip."""
         self.pieces = [self._next_piece(each, state) for each in self.pairs]
-        self.scene.keep_closed(
+        self.scene.engine.keep_closed(
             [ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)]
         )
         return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
