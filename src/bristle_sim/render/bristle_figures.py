@@ -1,4 +1,4 @@
-"""Draw several bristles: reverse bent, straight and forward bent at their strike, and a row whose wires touch."""
+"""Figures of several bristles: three shapes at their strike, and a row whose wires touch."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from bristle_sim.trajectory import ContactRecord
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
-# time shown before the first touch and after the last, s
+# Time shown before the first touch and after the last touch, s
 BEFORE = 0.6e-3
 AFTER = 1.1e-3
 MARKS: dict[str, dict[str, Any]] = {
@@ -40,7 +40,9 @@ MARKS: dict[str, dict[str, Any]] = {
 
 @style.styled()
 def bent_figure(bent: BentBristles) -> Figure:
-    """Draw wires at the strike and tip paths (mm), and displacement along the workpart in touch (mm, us)."""
+    """Draw wires at the strike and tip paths (mm), and displacements along the workpart in contact
+    (mm over us).
+    """
     figure = style.blank_figure(16.0, 17.2)
     words = "to scale, from the point of strike"
     wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", words)
@@ -133,7 +135,7 @@ def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
     slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
 
 
-BESIDE = 0.02  # how far beside a least pitch the strike is computed, deg
+BESIDE = 0.02  # distance from a least pitch, on either side, at which the strike is computed, deg
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
@@ -141,11 +143,13 @@ LEAST = {
     "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
 }
-"""Words for the pitches right of a line, and the line's dashes."""
+"""Label and dashes of the line at each least pitch; the label applies to larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
-    """Return pitches to simulate, deg, from close bristles to beyond the least pitch of the whole pass."""
+    """Return the pitches to simulate, deg, from close bristles to beyond the least pitch of the
+    whole pass.
+    """
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
         return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
@@ -157,14 +161,15 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
-LEAST_SPAN = 0.02  # of an axis over its largest value: less would show rounding as scatter
+# least span of an axis over its largest value; less would show rounding as scatter
+LEAST_SPAN = 0.02
 
 
 @style.styled()
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
 ) -> Figure:
-    """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
+    """Draw a row at two instants, and the strike of its last bristle over the pitch in degrees."""
     figure = style.blank_figure(16.0, 13.4)
     last = f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
@@ -217,7 +222,9 @@ def neighbours_figure(
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
-    """Return names and times, s, of the first touch and of the last one before the last bristle's strike."""
+    """Return names and times (s) of the first touch and of the last touch before the last bristle's
+    strike.
+    """
     front = row.bristles[0].event_time("strike")
     strike = row.bristles[-1].event_time("strike")
     until = float(row.bristles[-1].time[-1]) if strike is None else strike

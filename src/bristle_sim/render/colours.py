@@ -1,4 +1,4 @@
-"""Colours that all pictures share: black and greys, six that differ also to the colour-blind, and their order in series."""
+"""Colours of all pictures, which differ also to the colour-blind, and their order in series."""
 
 BLACK = "#1a1a1a"
 GREY = "#6b6b6b"

@@ -1,4 +1,7 @@
-"""Draw error against CPU time, one panel per case. Our methods and the best of each peer are coloured, the others grey."""
+"""Figure of error against CPU time, with one panel for each case.
+
+The methods of this project and the best method of each peer are coloured, the others are grey.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,12 @@ PANEL = (6.3, 5.6)
 HEAD = 1.35
 ROW = 11.0
 NOTES = 2.75
-"""Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
+"""Size of a panel, height of its title and verdict, height of a row of panels, and distance of the
+notes below a panel, cm."""
 
-OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
+OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
-OTHERS = "#c4c4c4"  # colour of peers' methods that are not their package's best
+OTHERS = "#c4c4c4"  # colour of the other methods of peers
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
 PALE: dict[str, Any] = {
@@ -38,19 +42,20 @@ PALE: dict[str, Any] = {
     "markersize": 2.0,
     "zorder": 1,
 }
-"""Our curves, the peers' best, and the others."""
+"""Looks of this project's curves, of the best curve of each peer, and of the others."""
 
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
-"""Target errors in order of preference; packages are compared at the first one that is reached."""
+"""Target errors, smallest first; packages are compared at the first target that is reached."""
 
-LEAST = 1e-16  # an error of less is drawn here: an answer that is right to the last digit has no logarithm
+LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 
 
 @styled()
 def cost_figure(measured: AccuracyCost) -> Figure:
-    """Draw every case of a study in two columns; points without a finite error are left out.
+    """Draw every case of a study, in two columns; points without a finite error are left out.
 
-    Raises ValueError if there is no case.
+    Raises:
+        ValueError: if there is no case.
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
@@ -64,13 +69,16 @@ def cost_figure(measured: AccuracyCost) -> Figure:
 
 
 def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
-    """Return the smallest error in TARGETS that any of these points reaches, and the cheapest point that reaches it, or None."""
+    """Return the smallest target error that any of the points reaches, and the cheapest such point.
+
+    The point is None if no target is reached.
+    """
     found = ((target, cheapest(points, target)) for target in TARGETS)
     return next((each for each in found if each[1] is not None), (1.0, None))
 
 
 def verdict(target: float, own: Point | None, peer: Point | None) -> str:
-    """Return the cheapest of ours and the cheapest of all peers at one error, in words."""
+    """Return the clause with the cheapest method of this project and of all peers at one error."""
     if own is None:
         return "none of our methods is within 1"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
@@ -83,7 +91,9 @@ def _shown(point: Point) -> str:
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw a case with its legend; the methods in grey and the case's notes are listed below the legend."""
+    """Draw a case with its legend; grey methods and the notes of the case are listed below the
+    legend.
+    """
     by_package: dict[str, list[Point]] = {}
     for point in (each for each in points if math.isfinite(each.error)):
         by_package.setdefault(package_of(point.method), []).append(point)

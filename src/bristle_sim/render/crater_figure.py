@@ -1,4 +1,6 @@
-"""Draw the crater on one page: every estimate of its depth beside the measured one, and the chip to scale."""
+"""Figure of the crater: every estimate of its depth beside the measured depth, and the chip to
+scale.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,15 @@ from bristle_sim.theory.crater import (
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS
 
 MICRO = 1e6  # micrometres in a metre
-LEAN = math.radians(
-    11.5
-)  # lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)
+# Angle of the rake face, leaning back from the workpart's normal, rad (Zhang 2020, eq. 4.36).
+LEAN = math.radians(11.5)
 
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
-    """Draw every estimate of the depth (um) beside the measured one, and below the chip to scale."""
+    """Draw every estimate of the depth (um) beside the measured depth, and below them the chip to
+    scale.
+    """
     figure = blank_figure(16.0, 14.1)
     rows = _estimates(study)
     name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
@@ -48,7 +51,10 @@ def crater_figure(study: CraterStudy) -> Figure:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
-    """Return name, depth (um) and colour of every estimate; the work-energy sum, which is millimetres, is left out."""
+    """Return name, depth (um) and colour of every estimate.
+
+    The work-energy sum, which is millimetres, is left out.
+    """
     crater = study.crater
     force = study.parallel
     rows = []
@@ -88,14 +94,17 @@ def _draw_estimates(axes: Axes, rows: list[tuple[str, float, str]]) -> None:
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
-    """Draw workpart, path, tip with its rake face, and the two shear planes, in um; x is the tip's direction of travel."""
+    """Draw workpart, path, tip with its rake face, and the two shear planes, in um.
+
+    The tip travels along x.
+    """
     gamma = study.impact_angle
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip = path * _direction(-gamma)
     depth = path * math.sin(gamma)
     rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
     planes = {"shear plane to the surface": (GREEN, depth / math.sin(rising) * _direction(rising))}
-    if study.angles is not None:  # as long as (4.28) has it
+    if study.angles is not None:  # the length is that of (4.28)
         eta = float(study.angles.shear)
         length = depth / math.cos(gamma) / math.sin(eta)
         planes["shear plane of (4.28)"] = (VERMILION, length * _direction(eta - gamma))
@@ -123,7 +132,7 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     )
     part = min(
         0.6, 0.6 * (bottom + height - tip[1]) / face[1]
-    )  # of the tip's drawing, within the view
+    )  # fraction of the tip's drawing within the view
     note(
         axes,
         "tip",

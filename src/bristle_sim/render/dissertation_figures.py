@@ -1,6 +1,6 @@
-"""Draw the dissertation's figures, one per page or all on one sheet.
+"""The dissertation's figures, one on a page or all on one sheet.
 
-Closed forms are lines, the results that check them points, and the operating point a dot.
+Closed forms are lines, results that check them are points, and the operating point is a dot.
 """
 
 from __future__ import annotations
@@ -21,31 +21,31 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled, write_key
 
-SHEET_DOTS_PER_INCH = (
-    100.0  # a sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in
-)
+SHEET_DOTS_PER_INCH = 100.0  # a sheet is then 1300 pixels wide, legible on a screen without zooming
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
-"""Width and height of a panel with its scales, of several on a page and of the only one, cm."""
+"""Width and height of a panel with its scales, cm: one of several on a page, and a single one."""
 
 PANEL = (1.7, 1.2, 2.15, 1.7)
-"""Left and lower edge of a panel within its cell, and by how much it is narrower and lower than the cell, cm."""
+"""Left and lower edge of a panel within its cell, and differences of the cell's width and height to
+the panel's, cm."""
 
 FOOT = 1.0
 HEAD = 1.2
 TITLES = 1.2
 """Heights of the key of points, of a page's title and note, and of the titles in a sheet's row, cm."""
 
-TABLE_MARGIN = 1.2  # by how much a table is wider than a panel, which has its scale there, cm
-NOTHING = 1e-12  # less than this, in the unit shown, is rounding of zero
+# difference of the widths of a table and a panel, cm: the room of the panel's scale
+TABLE_MARGIN = 1.2
+NOTHING = 1e-12  # largest value, in the unit shown, that is rounding of zero
 OPERATING_POINT: dict[str, Any] = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
     "linestyle": "none",
 }  # fmt: skip
-"""Look of a mark without a label: the dissertation marks its operating point with a blue round dot."""
+"""Look of a mark without a label: a blue dot, as the dissertation marks its operating point."""
 
 _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
-"""Offset of a mark's label in points, and its alignment."""
+"""Offset of a mark's label, in points, and alignment of the label, by side."""
 
 POINT = {"markeredgewidth": 0.9, "linestyle": "none"}
 _CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
@@ -75,7 +75,7 @@ Cells = Sequence[tuple[Redrawn, Panel | None]]
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
-    """Draw one figure or table on a page, its number, title and note at the head."""
+    """Draw one figure or table on a page, with number, title and note at the head."""
     cells = [(figure, panel) for panel in figure.panels or (None,)]
     page = _page(cells, min(len(cells), 3), PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
     width, height = page.get_size_inches() * 2.54
@@ -87,7 +87,7 @@ def draw(figure: Redrawn) -> Figure:
 
 @styled()
 def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
-    """Draw all figures on one sheet, one panel per cell."""
+    """Draw all figures on one sheet, with one panel in each cell."""
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
     sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
     for (figure, _), axes in zip(cells, sheet.axes, strict=True):
@@ -98,11 +98,12 @@ def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
 
 
 def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
-    """Draw each figure: on the pages of one PDF if the target ends in .pdf, else into a folder, ``figure_2.7.png``.
+    """Draw each figure on a page of one PDF, or into a folder as ``figure_2.7.png``.
 
-    The folder is made if it is not there.
+    A target that ends in .pdf is a PDF. A folder is created if it does not exist.
 
-    Raises OSError if the folder cannot be made or the target cannot be written.
+    Raises:
+        OSError: if the folder cannot be created or the target cannot be written.
     """
     if target.suffix.lower() == ".pdf":
         undated = {"CreationDate": None}
@@ -121,7 +122,10 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 def _page(
     cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float
 ) -> Figure:
-    """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
+    """Draw panels and tables in rows of cells, with a key of points at the foot.
+
+    ``titles`` is the height of the titles above each row, cm.
+    """
     rows, (width, height) = -(-len(cells) // columns), (size[0], size[1] + titles)
     page = blank_figure(
         columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch
@@ -147,7 +151,7 @@ def _page(
 
 
 def _bold(figure: Redrawn) -> str:
-    """Return number and title, the number in bold letters."""
+    """Return number and title of a figure, with the number in bold letters."""
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"
@@ -176,7 +180,7 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:
-    """Draw a panel; its curves are named in a row above it, or inside it where the names are long."""
+    """Draw a panel; its curves are named in a row above it, or inside it if the names are long."""
     x, y = panel.x.factor, panel.y.factor
     names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
     for curve, color in zip(panel.curves, SERIES, strict=False):
@@ -217,7 +221,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
-    """Set the scale: values that differ only by rounding look equal, and labels above their marks have room."""
+    """Set the scales so that values that differ only by rounding look equal, and labels above marks
+    have room.
+    """
     values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
     low, high = float(values.min()), float(values.max())
     if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):

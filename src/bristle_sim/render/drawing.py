@@ -1,4 +1,6 @@
-"""Draw to scale in millimetres: views, a scale bar, arrows that move, and the tool's hub, wire, bar and workpart."""
+"""Drawing to scale in millimetres: views, a scale bar, moving arrows, and hub, wire, bar and
+workpart.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +22,16 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, note, scale_for
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
-BAR_SHOWN = 2.0  # a bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture
+BAR_SHOWN = 2.0  # largest distance of a shown bar from the hub's centre, over that of the wires
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
-"""Look of parts at rest: a workpart, the bracket of a hinge."""
+"""Look of parts at rest: a workpart or the bracket of a hinge."""
 
 
 class View(NamedTuple):
-    """The rectangle that a drawing shows, in the unit of its points."""
+    """The rectangle that a drawing shows, in the unit of the drawn points."""
 
     left: float
     right: float
@@ -38,9 +40,10 @@ class View(NamedTuple):
 
     @classmethod
     def around(cls, points: Sequence[ArrayLike], aspect: float | None, margin: float) -> View:
-        """Return the smallest view around arrays of points, shape (..., 2), with a ratio of width to height if one is given.
+        """Return the smallest view around arrays of points, shape (..., 2).
 
-        ``margin`` is the free border as a fraction of the points' larger extent.
+        ``aspect`` is the ratio of width to height, if given. ``margin`` is the free border as a
+        fraction of the points' larger extent.
         """
         every = np.concatenate([np.reshape(each, (-1, 2)) for each in points])
         (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
@@ -52,13 +55,16 @@ class View(NamedTuple):
         return cls(left - across, right + across, bottom - up, top + up)
 
     def apply(self, axes: Axes) -> None:
-        """Show this rectangle with equal scales."""
+        """Show this rectangle with equal scales on both axes."""
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("equal", adjustable="box")
 
 
 def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """Return the smallest view, mm, of the wires' points (shape (..., 2), m), a bar near them and the workpart's surface."""
+    """Return the smallest view, mm, of the wires, of a bar near them and of the workpart's surface.
+
+    ``lines`` holds the points of the wires, shape (..., 2), m.
+    """
     points = [lines]
     reach = BAR_SHOWN * float(np.hypot(lines[..., 0], lines[..., 1]).max())
     if tool.bar is not None and math.hypot(*tool.bar.centre) < reach:
@@ -89,7 +95,9 @@ def point_arrow(
 
 
 def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
-    """Draw the still part of a film: the tool with the names of its parts, and a scale bar instead of scales."""
+    """Draw the still part of a film: the tool with the names of its parts, and a scale bar in place
+    of scales.
+    """
     view.apply(axes)
     axes.set_axis_off()
     draw_tool(axes, tool, view)
@@ -121,7 +129,9 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
-    """Draw the hub as the circle of the roots, with its sense of rotation, and the bar and the workpart if the tool has them."""
+    """Draw the hub as the circle of the roots, with its sense of rotation; and bar and workpart, if
+    any.
+    """
     radius = tool.hub.radius * MILLIMETRES
     axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
     axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
@@ -137,14 +147,15 @@ def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
     if tool.bar is not None:
         draw_bar(axes, *tool.bar.centre, tool.bar.radius)
     if tool.workpart is not None:
-        beyond = 10.0  # drawn beyond the view, so that only the surface shows an edge
+        # extent of the workpart beyond the view, mm, so that only its surface shows an edge
+        beyond = 10.0
         place = (view.left - beyond, view.bottom - beyond)
         height = -tool.workpart_depth * MILLIMETRES - view.bottom + beyond
         axes.add_patch(Rectangle(place, view.right - view.left + 2.0 * beyond, height, **GROUND))
 
 
 def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
-    """Draw an accelerator bar, lengths in m; ``options`` as for a patch."""
+    """Draw an accelerator bar; lengths in m, ``options`` as for a patch."""
     look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
     axes.add_patch(
         Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options))
@@ -152,12 +163,15 @@ def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> N
 
 
 def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
-    """Write the names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
+    """Write the names of hub, bar and workpart with a halo, so that they are legible on any ground.
+
+    ``letter_size`` is in points.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     width = right - left
     height = top - bottom
     radius = tool.hub.radius * MILLIMETRES
-    # As near to the hub's centre as the view lets it.
+    # The name of the hub is as near to the hub's centre as the view permits.
     x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
     y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
     names = {"hub": ((x, y), "center", HUB_COLOUR)} if math.hypot(x, y) < 0.9 * radius else {}
@@ -186,9 +200,11 @@ def toward(angle: ArrayLike) -> Array:
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return the points where neighbouring wires touch, from the hub's centre, shape (touches, 2), mm.
+    """Return the points where neighbouring wires touch, from the hub's centre, shape (touches, 2),
+    mm.
 
-    Centre lines have the shape (corners, 2), m. A touch is where a corner or an end is within 1.05 diameters of the other line.
+    Centre lines have the shape (corners, 2), m. Two wires touch if a corner or an end of one is
+    within 1.05 diameters of the other line.
     """
     places = []
     for one, other in itertools.pairwise(lines):
@@ -204,7 +220,7 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
 
 
 def _foot(point: Array, line: Array) -> Array:
-    """Return the point of a polyline that is nearest to a point."""
+    """Return the point of a polyline that is nearest to a given point."""
     along = np.diff(line, axis=0)
     part = np.clip(((point - line[:-1]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
     feet = line[:-1] + part[:, None] * along
@@ -212,7 +228,10 @@ def _foot(point: Array, line: Array) -> Array:
 
 
 class WireDrawing:
-    """The wire and its root; with details also the radial line through the root and the roots of other bristles."""
+    """The drawing of a wire and its root.
+
+    With ``details`` it has the radial line through the root and the roots of other bristles too.
+    """
 
     def __init__(
         self,
@@ -223,7 +242,10 @@ class WireDrawing:
         alpha: float = 1.0,
         details: bool = False,
     ) -> None:
-        """``axes`` must have their final limits: the wire is drawn to scale, plus half a point so that a thin one can be seen."""
+        """Draw the wire to scale, plus half a point so that a thin wire is visible.
+
+        ``axes`` must have their final limits.
+        """
         width = (
             axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
         )
@@ -245,7 +267,9 @@ class WireDrawing:
             self.artists = [self.radial, self.ring, *self.artists]
 
     def place(self, centre_line: Array) -> None:
-        """Move everything to a centre line, given by its corners from the hub's centre, shape (corners, 2), m."""
+        """Move the drawing to a centre line, given by its corners from the hub's centre, shape
+        (corners, 2), m.
+        """
         corners = np.asarray(centre_line) * MILLIMETRES
         root = corners[0]
         self.wire.set_data(*corners.T)

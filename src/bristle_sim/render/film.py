@@ -1,4 +1,7 @@
-"""Films without a display: slow motion, frames, and mp4 and gif files. Each frame redraws only the moving parts."""
+"""Films without a display: slow motion, frames, and mp4 and gif files.
+
+Each frame redraws only the moving parts.
+"""
 
 from __future__ import annotations
 
@@ -29,28 +32,33 @@ from bristle_sim.render.colours import BLACK
 from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
 
 HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
-"""Most frames per second by kind of film; a gif counts time in hundredths of a second."""
+"""Largest number of frames per second, by kind of film; a gif counts time in hundredths of a
+second."""
 
 LONGEST_FILM = 3600.0  # longest film, s
-NODES = 4001  # instants of a time warp: enough for a bump of a thousandth of the run to be smooth
-HEADER = 0.135  # fraction of the picture's height above the drawing: caption and read-outs
-LEFTS = (0.02, 0.25, 0.47, 0.735)  # where the read-outs begin, as fractions of the picture's width
+NODES = 4001  # number of instants of a time warp; a bump as short as 1/1000 of the run is smooth
+HEADER = 0.135  # height of caption and read-outs above the drawing, as a fraction of the picture
+# left edges of the read-outs, as fractions of the picture's width
+LEFTS = (0.02, 0.25, 0.47, 0.735)
 DOTS_PER_INCH = 100.0
-
-# colours of a gif's one palette, and from how many frames it is taken
+# Number of colours in the palette of a gif, and number of frames from which it is taken
 GIF_COLOURS = 64
 GIF_SAMPLES = 30
 
 
 class TimeWarp(NamedTuple):
-    """Film time and physical time at the same nodes, both ascending, s; ``slow_down`` is d film/d physical."""
+    """Piecewise linear map from physical to film time.
+
+    ``film`` and ``physical`` are times at common nodes, s, both ascending. ``slow_down`` is the
+    slope d film/d physical at the nodes.
+    """
 
     film: Array
     physical: Array
     slow_down: Array
 
     def physical_time(self, film_time: ArrayLike) -> Array:
-        """Return the run's instant that the film shows at a film time, s."""
+        """Return the instant of the run that is shown at a film time, s."""
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.physical))
 
     def film_time(self, physical_time: ArrayLike) -> Array:
@@ -58,7 +66,7 @@ class TimeWarp(NamedTuple):
         return np.asarray(np.interp(np.asarray(physical_time), self.physical, self.film))
 
     def slow_down_at(self, film_time: ArrayLike) -> Array:
-        """Return how many seconds of film one second of the run takes."""
+        """Return the duration of film for one second of the run, at a film time."""
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.slow_down))
 
 
@@ -71,12 +79,14 @@ def slow_motion(
     slower: float = 4.0,
     width: float = 0.04,
 ) -> TimeWarp:
-    """Show a run from ``start`` to ``end`` in ``duration`` seconds of film.
+    """Return the time warp of a run from ``start`` to ``end`` in a film of ``duration`` seconds.
 
-    The slow-down is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)), with w = ``width`` (end - start) about
-    each instant t_i of ``focus``, and s_0 such that its integral over the run is the duration.
+    The slow-down is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)), with w = ``width``
+    (end - start) about each instant t_i of ``focus``. The factor s_0 makes its integral over the
+    run equal to the duration.
 
-    Raises ValueError if the run or the film lasts no time, or ``slower`` is less than 1.
+    Raises:
+        ValueError: if run or film have no duration, or ``slower`` is less than 1.
     """
     if not end > start:
         raise ValueError(
@@ -98,14 +108,17 @@ def slow_motion(
 
 
 class Film(ABC):
-    """A film, as its picture at any film time; a subclass draws the part below the header and moves it.
+    """Base class of films.
+
+    A subclass draws the picture below the header and updates it for a film time.
 
     Attributes:
-        size, letter_size: width and height of the picture by default, px, and height of its letters, px.
-        moving: artists of the figure that are drawn with every frame, in this order, over everything still.
-        hands: those among them that show the instant: lines across panels over time.
+        size: default width and height of the picture, px.
+        letter_size: height of the letters, px.
+        moving: artists that are drawn in every frame, in this order, over all still artists.
+        hands: moving lines across panels over time, which mark the instant.
         texts: caption and read-outs.
-        canvas: the figure, drawn.
+        canvas: canvas of the figure.
     """
 
     size = (640, 480)
@@ -119,7 +132,11 @@ class Film(ABC):
         colours: Sequence[str],
         clock: Scale | None = None,
     ) -> None:
-        """``colours`` are those of the read-outs after time and slow-down; ``clock`` is the time's unit, by default ms."""
+        """Prepare an empty picture.
+
+        ``colours`` are the colours of the read-outs after time and slow-down. ``clock`` is the unit
+        of time, by default ms.
+        """
         if not all(16 <= edge <= 8192 for edge in (width, height)):
             raise ValueError(
                 f"size = {width} x {height}: must be 16 to 8192 along either edge (in px)"
@@ -140,7 +157,9 @@ class Film(ABC):
         self.texts: tuple[str, ...] = ()
 
     def add_timeline(self, place: tuple[float, float, float, float], letters: float) -> Axes:
-        """Add a panel over the film's clock with a line at the instant shown; ``letters`` is the size of its tick labels."""
+        """Add a panel over the film's clock with a line at the instant; ``letters`` is the size of
+        its tick labels.
+        """
         axes = self.figure.add_axes(place)
         axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
         axes.tick_params(labelsize=letters)
@@ -149,10 +168,12 @@ class Film(ABC):
 
     @abstractmethod
     def move(self, time: float) -> Sequence[str]:
-        """Move everything to an instant of the run, s; return the caption and the texts of the read-outs."""
+        """Move all parts to an instant of the run, s; return the caption and the texts of the
+        read-outs.
+        """
 
     def show(self, film_time: float) -> None:
-        """Move everything to a film time, s."""
+        """Move all parts to a film time, s."""
         time = float(self.warp.physical_time(film_time))
         slow = float(self.warp.slow_down_at(film_time))
         shown = time * self.clock.factor
@@ -163,7 +184,7 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a film time, s; the still parts are drawn once, with the first frame."""
+        """Return the picture at a film time, s; the still parts are drawn once, in the first frame."""
         self.show(film_time)
         if self._still is None:
             with styled():
@@ -187,10 +208,13 @@ class Film(ABC):
         return picture
 
     def write(self, path: str | Path, fps: float = 30.0) -> Path:
-        """Write the film to an mp4 or gif file, which appears only when complete; the last instant is shown too.
+        """Write the film to an mp4 or gif file, which appears only when it is complete.
+
+        The last instant is shown too.
 
         Raises:
-            ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
+            ValueError: for a file that cannot be written, an mp4 without imageio-ffmpeg, or
+                settings out of range.
             OSError: if the encoder fails.
         """
         target = checked_target(path, tuple(HIGHEST_RATE))
@@ -218,14 +242,17 @@ class Film(ABC):
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    """Return one of matplotlib's fonts for Pillow, which draws a line of text twenty times as fast as matplotlib."""
+    """Return a font of matplotlib for Pillow, which draws text twenty times as fast as matplotlib."""
     return ImageFont.truetype(
         str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size
     )
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
-    """Return the instants of the frames, with a progress bar if standard error is a terminal and tqdm is installed."""
+    """Return the instants of the frames.
+
+    A progress bar counts them if standard error is a terminal and tqdm is installed.
+    """
     with contextlib.suppress(ImportError):
         if sys.stderr is not None and sys.stderr.isatty():
             counted: Iterable[float] = import_module("tqdm").tqdm(
@@ -238,7 +265,8 @@ def _counted(times: Sequence[float]) -> Iterable[float]:
 def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
     from imageio_ffmpeg import count_frames_and_secs, write_frames
 
-    # Two encoding threads leave the drawing its own core; fixed numbers of threads give the same file anywhere.
+    # Two encoding threads leave one core to the drawing; a fixed number of threads gives the same
+    # file on every machine.
     container = ["-threads", "2", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4"]
     codec = {
         "codec": "libx264",
@@ -249,7 +277,7 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
         str(partial), film.pixels, fps=fps, macro_block_size=1, ffmpeg_log_level="quiet", **codec
     )
     encoder.send(None)
-    # A frame that the encoder refuses ends the film; the frames written are counted below.
+    # A frame that the encoder refuses ends the film; the written frames are counted below.
     with contextlib.closing(encoder), contextlib.suppress(OSError):
         for time in _counted(times):
             encoder.send(film.frame(time).tobytes())
@@ -261,7 +289,9 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
 
 
 def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
-    # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
+    # Every second pixel and line suffices. Maximum coverage keeps the colours of small areas, one
+    # round of k-means those of
+    # large areas.
     chosen = [
         np.asarray(film.frame(time))[::2, ::2] for time in times[:: -(-len(times) // GIF_SAMPLES)]
     ]
@@ -271,7 +301,8 @@ def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) ->
     first, *others = [
         film.frame(time).quantize(palette=palette, dither=plain) for time in _counted(times)
     ]
-    # A gif counts hundredths of a second: rounding the instants, not the durations, keeps the film's length.
+    # A gif counts hundredths of a second. The instants are rounded, not the durations, which keeps
+    # the length of the film.
     instants = [round(100.0 * number / fps) for number in range(len(times) + 1)]
     durations = [10 * (after - before) for before, after in pairwise(instants)]
     first.save(

@@ -1,4 +1,6 @@
-"""Draw forces over time: that of chapter 3 beside a simulated contact, and the whole tool's on its workpart."""
+"""Figures of forces over time: the force of chapter 3 with a simulated contact, and the whole
+tool's force on its workpart.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,10 @@ from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 from bristle_sim.theory.force_history import BRISTLE
 
-MOST_DOTS = (
-    400  # points drawn one by one; a line stands for more, between which there is nothing to see
-)
-BESIDE = 0.25  # part of the contact's duration shown before its start and after its end, where a file holds them
+MOST_DOTS = 400  # largest number of points drawn as dots; more points are drawn as a line
+# Time shown before and after the contact, as a fraction of its duration, where the file has
+# samples.
+BESIDE = 0.25
 
 
 @styled()
@@ -98,14 +100,15 @@ def force_figure(comparison: ForceComparison) -> Figure:
     return figure
 
 
-PASSES = 12  # bristles that pass in the second panel
+PASSES = 12  # number of bristles that pass in the second panel
 
 
 @styled()
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
-    """Draw normal forces on the workpart in N, and the impulses of impacts in mN·s.
+    """Draw normal forces on the workpart, N, and the impulses of impacts, mN·s.
 
-    Raises ValueError for a tool whose bristle completes no turn.
+    Raises:
+        ValueError: for a tool whose bristle completes no turn.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")

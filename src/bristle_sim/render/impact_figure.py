@@ -1,4 +1,6 @@
-"""Draw a single impact: velocities of the tip over the normal impulse, by the energetic law and in time."""
+"""Figure of a single impact: velocities of the tip over the normal impulse, by the energetic law
+and in time.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,15 @@ PHASE_COLOURS = {
     "compression slip": "#e6eef6", "compression reverse slip": "#d3e2f0", "compression stick": "#dadde6",
     "restitution slip": "#eff5e8", "restitution reverse slip": "#e0ecd2", "restitution stick": "#e7e7df",
 }  # fmt: skip
-NARROWEST_NAMED = 0.09  # a phase that takes less than this fraction of the panel is not named in it
+NARROWEST_NAMED = 0.09  # width of the narrowest phase with a name, as a fraction of the panel
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
 
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
-    """Draw an impact on the impulse plane: the energetic law as lines, a contact resolved in time as crosses."""
+    """Draw an impact in the impulse plane: the energetic law as lines, a contact resolved in time
+    as crosses.
+    """
     figure = blank_figure(16.0, 7.4)
     surface = impacts.surface
     recorded = None
@@ -39,7 +43,7 @@ def impact_figure(impacts: Impacts) -> Figure:
     resolved = impacts.strikes.get("compliant")
     if resolved is not None and resolved.contact.history is not None:
         recorded = recorded_course(resolved.contact.history)
-        if resolved.contact.outcome != "rebound":  # a tip in stiction stays pressed on
+        if resolved.contact.outcome != "rebound":  # a tip in stiction stays in contact
             shown = recorded.impulse <= 1.01 * course.impulse[-1]
             recorded = ImpulseCourse(
                 *(
@@ -62,7 +66,9 @@ def impact_figure(impacts: Impacts) -> Figure:
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
-    """Draw the energetic law's straight lines over shaded phases, and a contact resolved in time as crosses."""
+    """Draw the straight lines of the energetic law over shaded phases, and a contact in time as
+    crosses.
+    """
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
     impulse = scale_for(float(course.impulse[-1]), "N·s")
     speed = scale_for(fastest, "m/s")
@@ -77,7 +83,7 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
         place = course.impulse * impulse.factor
         values = getattr(course, which) * speed.factor
         axes.plot(place, values, color=color, gid=which)
-        # Named on the side of the line that is away from zero.
+        # The name is on the side of the line away from zero.
         quarter = 0.25 * float(place[1])
         side = -1.0 if values[0] < 0.0 else 1.0
         look: dict[str, Any] = {
@@ -109,7 +115,7 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Shade the phases and write compression or restitution above, and slip or stick below that."""
+    """Shade the phases, and name compression and restitution above, slip and stick below."""
     ends, (_, right) = (course.impulse * factor).tolist(), axes.get_xlim()
     halves: dict[str, tuple[float, float]] = {}
     named = []
@@ -134,7 +140,7 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Draw dashed lines at p_c, p_s and p_f; those that fall together share a name."""
+    """Draw dashed lines at p_c, p_s and p_f; coincident lines share one label."""
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])
     for name, place in (("p_c", course.compression_end), ("p_s", course.slip_stop), ("p_f", last)):
@@ -148,8 +154,6 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         "fontsize": 8.0,
     }
     for place, names in marks.items():
-        top = (
-            0.8 if names == ["p_s"] else 1.0
-        )  # slip may stop within a phase whose name stands above
+        top = 0.8 if names == ["p_s"] else 1.0  # the line of p_s ends below the name of its phase
         axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=top)
         note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)

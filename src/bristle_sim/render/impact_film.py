@@ -1,4 +1,6 @@
-"""Film of one impact in ultra slow motion: the rods to scale, the tip enlarged, velocities and forces over time."""
+"""Film of one impact in slow motion: the rods to scale, the tip enlarged, velocities and forces
+over time.
+"""
 
 from __future__ import annotations
 
@@ -33,31 +35,36 @@ PANELS = (
 )
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
-# free motion shown before and after, as fractions of the time in touch
+# Free motion shown before and after the contact, as fractions of its duration.
 BEFORE = 0.10
 AFTER = 0.18
-STILL = 1e-6  # velocities below this fraction of the fastest are drawn as zero
-ARROW = (
-    0.13  # length of the tip's velocity before the impact, as a fraction of its drawing's height
-)
-LONGEST_FORCE = 0.28  # length of the largest force, as a fraction of its drawing's height
-LETTERS = 15.0  # height of the letters in a picture of normal size, px
-CRATER = 0.02  # depth at which the tip leaves, as a fraction of the largest, from which on the picture explains it
-# size of the enlarged rod's end, not to scale, points in a picture of normal size
+STILL = 1e-6  # largest velocity that is drawn as zero, over the fastest
+ARROW = 0.13  # length of the arrow of the largest velocity, over the height of the drawing
+# length of the arrow of the largest force, as a fraction of the drawing's height
+LONGEST_FORCE = 0.28
+LETTERS = 15.0  # height of the letters in a picture of default size, px
+# least depth at separation that the picture explains, as a fraction of the largest depth
+CRATER = 0.02
+# Radius and length of the enlarged end of the rod, not to scale, points in a picture of default
+# size.
 TIP_RADIUS = 9.0
 ROD_LENGTH = 300.0
 
 
 @dataclass(frozen=True, slots=True)
 class ContactMotion:
-    """Motion and forces of an impact over time, SI units: samples with straight lines between, two where a force jumps.
+    """Motion and forces of an impact over time, in SI units.
+
+    The samples are joined by straight lines; at a jump of a force there are two.
 
     Attributes:
-        time: s, from the first touch; negative before it.
-        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces on it (``normal_force``,
-            ``tangential_force``, N), and its displacement since the first touch, ``depth`` below the surface and ``along`` it, m.
-        phases: e.g. ``compression slip``, each with its start; the first is the arrival, the last the outcome.
-        touch_end: when the contact ends, s.
+        time: times from the first touch, s; negative before it.
+        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces
+            on it (``normal_force``, ``tangential_force``, N), and its displacement since the first
+            touch, ``depth`` below the surface and ``along`` it, m.
+        phases: phases with their starts, for example ``compression slip``; the first is the
+            arrival, the last the outcome.
+        touch_end: end of the contact, s.
     """
 
     time: Array
@@ -66,23 +73,27 @@ class ContactMotion:
     touch_end: float
 
     def largest(self, *names: str) -> float:
-        """Return the largest magnitude of the vector of these samples."""
+        """Return the largest magnitude of the vector of the named samples."""
         return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
 
     @property
     def compression_end(self) -> float:
-        """Instant at which the tip is deepest in the surface, s from the first touch."""
+        """Time of the deepest penetration from the first touch, s."""
         return float(self.time[int(np.argmax(self.samples["depth"]))])
 
     def at(self, name: str, time: float) -> float:
-        """Return one of the samples' arrays at an instant, s."""
+        """Return a sampled quantity at an instant, s."""
         return float(np.interp(time, self.time, self.samples[name]))
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return a contact's samples with free motion before and after it; a tip that does not leave stays where it is.
+    """Return the samples of a contact, with free motion before and after it.
 
-    Raises ValueError if the contact has no history: its law is instantaneous, or the tip did not approach.
+    A tip that does not leave the surface remains at rest after the contact.
+
+    Raises:
+        ValueError: if the contact has no history: its law is instantaneous, or the tip did not
+            approach.
     """
     history = record.history
     if history is None or history.time.size < 2:
@@ -110,7 +121,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
         after = [np.array([0.0, 0.0, *touching[2:, -1]])] * 2
     columns = np.column_stack([*before, touching, *after])
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
-    # A piece of no length is rounding at the end of another one.
+    # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
     parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[
         -len(record.phases) :
     ]
@@ -125,7 +136,10 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
 
 
 class TipDrawing:
-    """The surface and the tip's path, to scale; the rod's end and the forces are not to scale. ``moving`` are its artists."""
+    """Drawing of the tip: surface and path to scale, the rod's end and the forces not to scale.
+
+    ``moving`` holds the moving artists.
+    """
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
         along = motion.samples["along"]
@@ -183,15 +197,19 @@ class TipDrawing:
         up, aside = (
             motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential")
         )
-        # The normal arrow ends at the tip: above it is the rod.
+        # The normal arrow ends at the tip, since the rod is above the tip.
         point_arrow(self.forces[0], (x, y - up), (x, y), shortest=self._shortest)
         point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self._shortest)
 
 
 class ImpactFilm(Film):
-    """A film of an impact that the compliant law resolved in time; raises ValueError if it did not.
+    """Film of an impact that the compliant law resolved in time.
 
-    :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact visible.
+    :func:`bristle_sim.studies.timed_contact.with_visible_contact` returns impacts with a visible
+    contact.
+
+    Raises:
+        ValueError: if no such contact exists.
     """
 
     size = (960, 540)
@@ -242,7 +260,10 @@ class ImpactFilm(Film):
         )
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move drawings and markers to an instant, s; the arrow ends at a tip that comes, and begins at one that leaves."""
+        """Move drawings and markers to an instant, s.
+
+        The arrow of the velocity ends at an arriving tip, and begins at a leaving tip.
+        """
         motion = self.motion
         height = float(np.ptp(self.chain.get_ylim()))
         tangential, normal = (
@@ -299,10 +320,11 @@ class ImpactFilm(Film):
 def draw_chain(
     axes: Axes, centre_line: Array, hub_radius: float, letters: float
 ) -> FancyArrowPatch:
-    """Draw the rods as they strike, the tip at the origin, and return the arrow of the tip's velocity.
+    """Draw the rods at the strike, with the tip at the origin, and return the arrow of the tip's
+    velocity.
 
-    ``centre_line`` has root, hinges and tip from the hub's centre, shape (corners, 2), m; the hub's radius, m, is zero for a
-    fixed root.
+    ``centre_line`` holds root, hinges and tip from the hub's centre, shape (corners, 2), m. The
+    hub's radius, m, is zero for a fixed root.
     """
     points = centre_line - centre_line[-1]
     centre = -centre_line[-1]
@@ -329,7 +351,9 @@ def draw_chain(
 
 
 def _rod_outline(last_rod: Array) -> Array:
-    """Return the outline in points of a round-ended rod that leans as the last rod does and touches the origin from above."""
+    """Return the outline, in points, of a round-ended rod that leans as the last rod and touches
+    the origin from above.
+    """
     towards_hinge = -last_rod / math.hypot(*last_rod)
     across = np.array([-towards_hinge[1], towards_hinge[0]])
     turn = np.linspace(0.0, np.pi, 40)[:, None]

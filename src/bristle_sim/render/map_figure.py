@@ -1,4 +1,6 @@
-"""Draw maps of the strike over the bar's position, with the printed position, the formula's and the best ones."""
+"""Maps of the strike over the bar's position, with printed position, formula position and best
+positions.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +34,11 @@ ARC: dict[str, Any] = {
     "color": GREY,
     "linewidth": 0.7,
     "dashes": (3, 2),
-}  # of the bar's places at its distance
-ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # of the places for a lag of zero
+}  # look of the arc of bar positions at one distance from the hub
+ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # look of the line of zero lag
 COLOUR_PERCENTILE = 97.0
-"""Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
+"""Percentile of the values at which the colours end; beyond it are the few points near a jam, where
+work has no bound."""
 
 
 @styled()
@@ -57,7 +60,7 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
             unit,
             signed=number == 0,
         )
-        axes.autoscale_view()  # matplotlib puts it off until the limits are read
+        axes.autoscale_view()  # matplotlib defers autoscaling until the limits are read
         axes.autoscale(enable=False)
         axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
         for direction, look in places.values():
@@ -126,7 +129,9 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
 
 
 def _places_at(found: CueMap, directions: Array) -> Array:
-    """Return the bar's places at its distance from the hub's centre in some directions, shape (2, n), mm."""
+    """Return the bar positions in given directions, at the bar's distance from the hub's centre,
+    shape (2, n), mm.
+    """
     assert found.tool.bar is not None
     return (
         math.hypot(*found.tool.bar.centre)

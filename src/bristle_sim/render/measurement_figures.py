@@ -1,4 +1,6 @@
-"""Draw simulations beside measurements: spheres over the angle of incidence, and the strike against film and crater."""
+"""Figures of simulations with measurements: spheres over the angle of incidence, and the strike
+with film and crater.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ SPHERES = {
 
 @styled()
 def measured_figure(compliance: float) -> Figure:
-    """Draw velocity ratio, spin and rebound angle: measured points, and the law's curves with and without compliance."""
+    """Draw velocity ratio, spin and rebound angle: measured points, and curves of the law with and
+    without compliance.
+    """
     figure = blank_figure(16.0, 7.6)
     angle = np.linspace(0.5, 62.0, 400)
     lines = []
@@ -64,8 +68,9 @@ MAPS = {
 }
 """Title, note and factor of each map."""
 
-MOST_ABOVE = 3.0  # values above this multiple of the measured one take no part in its line: it would follow a jump
-SMEAR = 9  # places of the wire in an exposure
+# largest value, over the measured one, on which the contour is based: it would follow a jump
+MOST_ABOVE = 3.0
+SMEAR = 9  # number of positions of the wire in an exposure
 LOOKS: dict[str, dict[str, Any]] = {
     "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
     "nearest pair": {
@@ -83,7 +88,9 @@ MEASURED_LINE, NEAREST, MOTION, EXPOSED = LOOKS.values()
 
 @styled()
 def film_map_figure(film: FilmMap) -> Figure:
-    """Draw maps of touches, compression time and crater depth, and below them the nearest pass as a camera films it."""
+    """Draw maps of touches, compression time and crater depth, and below them the nearest pass as
+    filmed by a camera.
+    """
     figure = blank_figure(16.0, 14.0)
     for number, (name, (title, words, _)) in enumerate(MAPS.items()):
         axes = add_panel(

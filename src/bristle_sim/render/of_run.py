@@ -1,4 +1,4 @@
-"""The figure, the film and the notebook's views of a run, which :class:`Trajectory` calls."""
+"""Figure, film and notebook views of a run, which :class:`Trajectory` calls."""
 
 from __future__ import annotations
 
@@ -18,37 +18,42 @@ from bristle_sim.render.report import filled
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.pictures import Html
 
-POINTS = 300  # points of the tip's path in a summary's drawing, besides the samples
+POINTS = 300  # number of points of the tip's path in a summary's drawing, besides the samples
 MARGIN = 0.05  # free border of a summary's drawing, as a fraction of its larger extent
 
 
 def plot(run: Trajectory, until: float | None) -> Figure:
-    """Draw a run up to an instant, s, or to the end of its story."""
+    """Draw a run up to an instant, s; by default to the end of its story."""
     return pass_figure(run, run.tool, until=until)
 
 
 def film(
     run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]
 ) -> Path:
-    """Film a run, with frames a second and a size in px."""
+    """Film a run; ``fps`` is frames per second, ``size`` in px."""
     from bristle_sim.render.tool_films import pass_film
 
     return pass_film(run, run.tool, width=size[0], height=size[1], **options).write(path, fps)
 
 
 def view(run: Trajectory) -> Html:
-    """Return the motion under a slider as a frame, which keeps its style apart from the notebook's page."""
+    """Return the motion with a slider as an HTML frame, whose style is separate from the notebook's
+    page.
+    """
     page = filled("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
     look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
     return Html(f'<iframe srcdoc="{escape(page)}" {look}></iframe>')
 
 
 def summary_page(run: Trajectory) -> str:
-    """Return the summary as HTML beside a drawing to scale: tip path, wire at the strike or the end, and tool if known."""
+    """Return the summary as HTML with a drawing to scale.
+
+    The drawing shows the tip path, the wire at the strike or at the end, and the tool if known.
+    """
     contact = run.first_contact("workpart")
     tool = None
     wire = run.centre_line[-1 if contact is None else int(np.abs(run.time - contact.time).argmin())]
-    with contextlib.suppress(ValueError):  # a run of something else has no tool to draw
+    with contextlib.suppress(ValueError):  # the parameters of the run may describe no tool
         tool = run.tool
     path = run.course(points=POINTS).tip if run.time[-1] > run.time[0] else run.tip
     view = View.around([path, wire], None, MARGIN)

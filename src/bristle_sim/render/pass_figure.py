@@ -1,4 +1,6 @@
-"""Draw the whole pass on one page: the tool to scale with the tip's path, and retraction, relative speed and energy over time."""
+"""Figure of a whole pass: the tool to scale with the tip's path, and retraction, relative speed and
+energy over time.
+"""
 
 from __future__ import annotations
 
@@ -31,11 +33,13 @@ from bristle_sim.trajectory import Event, Motion, Trajectory
 DRAWING = (8.1, 6.6)
 PANEL = (13.4, 2.9)
 ROW = 3.2
-"""Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
+"""Width and height of the tool's drawing and of a panel over time, and distance of the panels,
+cm."""
 
 BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
 _WIRES = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
-"""Events at which the drawing of the tool shows the wire, with its colour; other events are grey."""
+"""Events at which the tool's drawing shows the wire, with the wire's colour; other events are
+grey."""
 
 _LOOKS: dict[str, dict[str, Any]] = {
     "wire, in the colour of its instant": {"color": GREY, "linewidth": 3.0},
@@ -53,11 +57,13 @@ class _Mark(NamedTuple):
 
 @styled()
 def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = None) -> Figure:
-    """Draw a pass: tool and tip path to scale (mm), and retraction, relative speed and energy over time (ms).
+    """Draw a pass: tool and tip path to scale (mm), and retraction, relative speed and energy over
+    time (ms).
 
     ``until`` is the last instant shown, s; by default shortly after the tip has left the workpart.
 
-    Raises ValueError if the trajectory has fewer than two instants.
+    Raises:
+        ValueError: if the trajectory has fewer than two instants.
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
     marks = _marks(trajectory, float(course.time[-1]))
@@ -81,7 +87,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
-    """Return the panels over time: by label the lines, and by name each line's values and look."""
+    """Return the panels over time by label; a panel has values and look of each line, by name."""
     potential = (
         "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
     )
@@ -101,7 +107,9 @@ def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[s
 
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
-    """Number the key events from 1; a start away from the radial direction is number 0."""
+    """Return the key events, numbered from 1; a start away from the radial direction has the number
+    0.
+    """
     events = key_events(trajectory, until)
     first = 1
     if abs(trajectory.relative_angle[0]) > CARRIED:
@@ -112,7 +120,7 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
         if trajectory.event_time("strike")
         else _WIRES | {"highest relative speed": BLACK}
     )
-    # Of several events of a name the first shows the wire.
+    # The first of several events of one name shows the wire.
     return [
         _Mark(number, event, wires.pop(event.name, GREY))
         for number, event in enumerate(events, first)
@@ -120,9 +128,11 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
-    """Move ascending positions apart until each is at least ``gap`` from the next, within the bounds.
+    """Move ascending positions apart until neighbours are at least ``gap`` apart, within the
+    bounds.
 
-    The result is the mean of pushing all to the right and pushing all to the left, which keeps order and gap.
+    The result is the mean of pushing all to the right and pushing all to the left, which keeps
+    order and gap.
     """
     wanted = np.asarray(positions, dtype=float)
     offsets = gap * np.arange(wanted.size)
@@ -176,12 +186,14 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
 def _draw_tool(
     axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
 ) -> dict[str, dict[str, Any]]:
-    """Draw the tool with the tip's path and the wire at some instants; return the looks of the path by name."""
+    """Draw the tool with the tip's path and the wire at some instants; return the looks of the path
+    by name.
+    """
     view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
     strike = run.event_time("strike")
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
-    # The sample after an impact begins the second line, so that the two meet at the strike.
+    # The sample after an impact begins the second line, so that the two lines meet at the strike.
     after = int(
         np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right")
     )
@@ -235,7 +247,9 @@ def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | Non
 
 
 def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
-    """List the numbered instants, and below them the strike's speeds, or why there is none."""
+    """List the numbered instants, and below them the speeds at the strike or the reason why there
+    is none.
+    """
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
     for x, heading in {0.08: "event", 0.75: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
@@ -253,7 +267,7 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
         _badge(axes, (0.03, 0.12 - row), mark)
         name = (
             mark.event.name
-        )  # of the motion up to the strike; the picture may swing farther after it
+        )  # the largest retraction up to the strike; after it the wire may swing farther
         if (
             name == "largest retraction"
             and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01

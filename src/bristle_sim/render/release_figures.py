@@ -1,4 +1,6 @@
-"""Draw bristles that swing freely in the belt: released from rest before a bar, and thrown by their inertia without one."""
+"""Figures of bristles that swing freely on the belt: released from rest, or thrown by their
+inertia.
+"""
 
 from __future__ import annotations
 
@@ -24,16 +26,20 @@ from bristle_sim.studies.cue_timing import CueTiming
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.theory.cueing import released_motion
 
-POINTS = 400  # instants of the formula's curve
-PLAN = (8.6, 2.9, 7.2, 6.9)  # place of the drawing to scale, cm
+POINTS = 400  # number of points of the formula's curve
+PLAN = (8.6, 2.9, 7.2, 6.9)  # left, bottom, width and height of the drawing to scale, cm
 
 
 @styled()
 def cue_figure(timing: CueTiming) -> Figure:
-    """Draw retraction and relative speed over time with their cue times, and the bars' places to scale (mm).
+    """Draw retraction and relative speed over time with cue times, and the bar's positions to scale
+    (mm).
 
-    ``timing`` is a release from rest up to the highest relative speed, with the places that were computed from it.
-    Raises ValueError if the trajectory lasts no time.
+    ``timing`` is a release from rest up to the highest relative speed, with the positions that
+    follow from it.
+
+    Raises:
+        ValueError: if the trajectory has no duration.
     """
     figure = blank_figure(16.0, 11.1)
     retraction = add_panel(figure, (1.5, 6.5, 5.8, 3.3), "released from rest: retraction")
@@ -63,7 +69,7 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
             axes.plot(time, values, color=color, linestyle=style, label=name)
             axes.axvline(cued, color=color, linewidth=0.8, linestyle=":")
         speed.plot([cued], [highest], "o", color=color, markersize=3.5)
-        # The earlier cue is named on its left, the later on its right.
+        # The label of the earlier cue is on its left, that of the later cue on its right.
         side, ha = (4.0, "left") if instants[-1] == latest else (-4.0, "right")
         words = f"cue time\n{cued:.4g} ms,\n{highest:.1f} rad/s"
         note(speed, words, (cued, 0.0), (side, 4.0), color=color, ha=ha, va="bottom")
@@ -113,7 +119,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
-        x, y = (0.65 * line[0] + 0.35 * line[-1]) * MILLIMETRES  # the bars are about the tips
+        x, y = (0.65 * line[0] + 0.35 * line[-1]) * MILLIMETRES  # away from the bars
         note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
@@ -121,7 +127,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
 
 @styled()
 def inertia_figure(driven: InertiaDriven) -> Figure:
-    """Draw retractions in degrees and rates relative to the hub in rad/s."""
+    """Draw retractions, degrees, and rates relative to the hub, rad/s."""
     figure = blank_figure(16.0, 8.2)
     turn = add_panel(
         figure,

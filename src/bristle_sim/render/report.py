@@ -1,4 +1,6 @@
-"""HTML pages that open offline: a scenario's report, two passes compared, a run's motion, and the bench."""
+"""HTML pages that open offline: the report of a scenario, a comparison of two passes, a run's
+motion, and the bench.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ from bristle_sim.units import Choice, Range
 from bristle_sim.version import __version__, named_commit
 
 Parameter = tuple[Range | Choice, Any, Any]
-"""A key's declaration, its value in this run, and its default."""
+"""Declaration of a key, its value in this run, and its default."""
 
 LIBRARIES = (
     "numpy",
@@ -43,7 +45,7 @@ BEFORE_UNIT = re.compile(
 
 ALIGNED = re.compile(
     r"\S {3,}\S|\n"
-)  # a line of a table in plain text, for which the page has a table of its own
+)  # pattern of a table line in plain text; the page has a table of its own
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
 
@@ -59,11 +61,24 @@ def write_report(
     plot_is_folder: bool = False,
     video: Path | None = None,
 ) -> None:
-    """Write a report as one self-contained page, which appears only when complete.
+    """Write a report as one self-contained page, which appears only when it is complete.
 
-    Name, question and parameters are the scenario's; the command makes the page again. ``plot`` draws the figure to a path,
-    or all figures to a folder; if it fails, a remark says why. ``video`` is the path of a finished film. A slider shows the
-    motion if the report's subject has a ``tool`` and a ``trajectory``. Raises OSError naming a file that cannot be written.
+    Args:
+        path: file of the page.
+        report: the report.
+        name: name of the scenario.
+        question: question of the scenario.
+        command: command that writes the page again.
+        parameters: the scenario's parameters.
+        plot: function that draws the figure to a path, or all figures to a folder; if it fails, a
+            remark gives the reason.
+        plot_is_folder: whether ``plot`` takes a folder.
+        video: path of a finished film.
+
+    A slider shows the motion if the report's subject has a ``tool`` and a ``trajectory``.
+
+    Raises:
+        OSError: if a file cannot be written; the message names it.
     """
     run = getattr(report.subject, "trajectory", None)
     tool = getattr(report.subject, "tool", None)
@@ -117,10 +132,13 @@ def write_comparison(
     changed: Sequence[Sequence[str]],
     rows: Sequence[Sequence[str]],
 ) -> None:
-    """Write the comparison of two passes as a page, which appears only when complete.
+    """Write the comparison of two passes as a page, which appears only when it is complete.
 
-    ``changed`` has key and both values of each key that differs, ``rows`` label, unit, both values and the difference of each
-    number. Raises OSError naming the file, if it cannot be written.
+    ``changed`` holds key and both values of each key that differs. ``rows`` holds label, unit, both
+    values and difference of each number.
+
+    Raises:
+        OSError: if the file cannot be written; the message names it.
     """
 
     def plot(report: Report, target: Path) -> None:
@@ -134,15 +152,19 @@ def write_comparison(
 
 
 def explore_page(knobs: Sequence[dict[str, Any]], **choices: Mapping[str, str]) -> str:
-    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`; it asks its own server for runs.
+    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`.
 
-    ``choices`` are words by name: the ``presets``, the ``downloads`` and the map's ``quantities``.
+    The page requests runs from its own server. ``choices`` are words by name: the ``presets``, the
+    ``downloads`` and the map's ``quantities``.
     """
     return filled("explore.html.jinja", keys=knobs, **choices)
 
 
 def filled(template: str, **content: Any) -> str:
-    """Return a template filled with content; its filters keep a number with its unit and let names break after underscores."""
+    """Return a template filled with content.
+
+    Its filters keep a number and its unit on one line, and permit a line break after an underscore.
+    """
     loader = jinja2.PackageLoader("bristle_sim.render", ".")
     strict = jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
@@ -159,7 +181,11 @@ def _write(path: Path, template: str, **content: Any) -> None:
 
 
 def verdict(report: Report) -> str:
-    """Return how many comparisons are within their tolerance and which are not, or nothing if none has a tolerance."""
+    """Return the sentence with the number of comparisons within their tolerance, and the names of
+    the others.
+
+    It is empty if no comparison has a tolerance.
+    """
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]
     if not judged:

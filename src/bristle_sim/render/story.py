@@ -1,4 +1,4 @@
-"""Choose the events that a picture labels, and describe the phases between them in words."""
+"""Choice of the events that a picture labels, and captions of the phases between them."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ import numpy as np
 
 from bristle_sim.trajectory import Event, Trajectory
 
-MOST_LABELS = 9  # as many labels as fit above a panel of full width
-AFTERMATH = 0.12  # how long the story goes on after the tip has left the workpart, as a fraction of the time before
-SAME_INSTANT = 1e-9  # events nearer to each other than this are one, s
-CARRIED = math.radians(
-    1.0
-)  # a bristle that starts nearer than this to radial is carried along, not thrown, rad
-LAGGING = (
-    0.01  # a bristle whose first rate differs from the hub's by this fraction does not turn with it
-)
+MOST_LABELS = 9  # largest number of labels that fit above a panel of full width
+AFTERMATH = 0.12  # time shown after the tip has left the workpart, as a fraction of the time before
+SAME_INSTANT = 1e-9  # largest interval between events that are simultaneous, s
+# Largest angle from radial at the start of a bristle that the hub carries; beyond it the belt
+# throws the bristle, rad.
+CARRIED = math.radians(1.0)
+LAGGING = 0.01  # largest relative rate at the start of a bristle that turns with the hub, over the hub speed
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
@@ -33,14 +31,16 @@ _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpa
 
 
 class Phase(NamedTuple):
-    """An interval of the run and its caption; it lasts to the next phase's start, s."""
+    """An interval of the run and its caption; it lasts until the start (s) of the next phase."""
 
     start: float
     caption: str
 
 
 def story_end(trajectory: Trajectory) -> float:
-    """Return the instant to which a pass is shown, s: shortly after the last touch of the workpart, or the end."""
+    """Return the last instant shown of a pass, s: shortly after the last touch of the workpart, or
+    the end.
+    """
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])
     touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
     touches += [
@@ -54,10 +54,10 @@ def story_end(trajectory: Trajectory) -> float:
 
 
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
-    """Return the events that are labelled, in order of time: of each name one up to the strike and one after it.
+    """Return the labelled events in order of time, at most nine.
 
-    Of several events of one name the first is returned; of releases, which follow a few taps, the last. At most nine are
-    returned.
+    Each name has at most one event up to the strike and one after it: the first of several, but the
+    last of several releases, which follow a few taps.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
@@ -69,9 +69,10 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 
 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
-    """Return the run's phases with their captions, in order of time; the first starts with the run.
+    """Return the phases of a run with their captions, in order of time; the first starts with the
+    run.
 
-    ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
+    ``strike_shown`` is the time, s, for which the caption of the strike is shown.
     """
     start = float(trajectory.time[0])
     events = _notable(trajectory)
@@ -101,7 +102,8 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
                     Phase(deepest, "strike: restitution"),
                 ]
                 found.append(Phase(contact.time + contact.duration, outcome))
-        elif obstacle in _SUSTAINED:  # a touch is sustained if a release follows, else a bounce
+        # a touch is sustained if a release follows, otherwise it is a bounce
+        elif obstacle in _SUSTAINED:
             following = next(
                 (each.name for each in later if each.name.startswith(f"{obstacle} ")), ""
             )
@@ -123,12 +125,14 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
-    """Return the phase at an instant."""
+    """Return the phase at an instant, s."""
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the notable events without the releases at the instant of a touch, which belong to a bounce."""
+    """Return the notable events, without releases at the instant of a touch, which belong to a
+    bounce.
+    """
     touches = dict[str, float]()
     found = []
     for event in trajectory.notable_events:

@@ -1,7 +1,8 @@
-"""One look for every picture: letters, panels with titles and notes, units with readable prefixes, and files.
+"""The common look of pictures: letters, panels with titles and notes, readable units, and files.
 
-Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and pyplot is not imported.
-Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 point text.
+Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
+pyplot is not imported. Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8
+point text.
 """
 
 from __future__ import annotations
@@ -43,18 +44,21 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
     "crater_depth": ("crater depth", "µm", 1e6),
 }
-"""Title, unit shown, and factor to it, of each quantity that a strike is judged by."""
+"""Quantities of a strike: title, unit shown, and factor to that unit."""
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the look, as a context in which figures are built or saved, or as a decorator."""
+    """Apply the look, as a context or as a decorator of functions that build or save figures."""
     with mpl.rc_context(_LOOK):
         yield
 
 
 class NotebookFigure(Figure):
-    """A figure that a notebook shows without pyplot: matplotlib registers its own pictures only where that is imported."""
+    """Figure that a notebook shows without pyplot.
+
+    matplotlib registers its own pictures only if pyplot is imported.
+    """
 
     def _repr_png_(self) -> bytes:
         picture = io.BytesIO()
@@ -72,7 +76,9 @@ def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0
 def axes_at(
     figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any
 ) -> Axes:
-    """Add axes at a place given in cm from the figure's lower left corner; ``options`` as for ``Figure.add_axes``."""
+    """Add axes at a position in cm from the figure's lower left corner; ``options`` as for
+    ``Figure.add_axes``.
+    """
     across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
     with styled():
         return figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
@@ -85,7 +91,10 @@ def add_panel(
     subtitle: str = "",
     **options: Any,
 ) -> Axes:
-    """Add axes at a place (left, bottom, width, height) in cm, with a title that the next letter of the figure leads."""
+    """Add axes with a title that begins with the next letter of the figure.
+
+    ``place`` is (left, bottom, width, height), cm.
+    """
     letter = "abcdefghij"[sum(bool(axes.get_title(loc="left")) for axes in figure.axes) % 10]
     axes = axes_at(figure, *place, **options)
     axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left", fontsize=8.5, pad=17.0)
@@ -94,7 +103,9 @@ def add_panel(
 
 
 def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
-    """Add a legend of named lines and marks, by default in one row at the foot; ``place`` as for ``legend``."""
+    """Add a legend of named lines and marks, by default in one row at the foot; ``place`` as for
+    ``legend``.
+    """
     handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
     target.legend(handles=handles, **{"loc": "lower center", "ncols": len(handles), **place})
 
@@ -102,7 +113,7 @@ def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **p
 def draw_colours(
     axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, extend: str = "neither", **look: Any
 ) -> Axes:
-    """Draw a map of coloured cells at their centres, and return the axes of its colour bar, to the right."""
+    """Draw a map of coloured cells, and return the axes of its colour bar on the right."""
     axes.grid(visible=False)
     image = axes.pcolormesh(
         x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look}
@@ -118,7 +129,7 @@ def draw_colours(
 def note(
     axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any
 ) -> None:
-    """Write small words beside a place, ``offset`` in points."""
+    """Write small words beside a point; ``offset`` is in points."""
     axes.annotate(
         words,
         place,
@@ -128,38 +139,41 @@ def note(
 
 
 def say(axes: Axes, words: str) -> None:
-    """Write in the middle of an empty panel why it is empty, and remove its ticks."""
+    """Write the reason in the middle of an empty panel, and remove its ticks."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
 def signed(value: float, decimals: int, width: int = 0) -> str:
-    """Format a number, with a real minus sign unless it rounds to zero."""
+    """Return the text of a number, with a true minus sign unless it rounds to zero."""
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
 class Scale(NamedTuple):
-    """Numbers shown in ``unit`` are ``factor`` times those in the plain unit."""
+    """Unit of shown numbers, and factor from the plain unit to it."""
 
     factor: float
     unit: str
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the scale on which a number of that size lies between 1 and 1000: 1.2e-3 N s is 1.2 mN·s."""
+    """Return the scale on which a number is between 1 and 1000, for example 1.2 mN·s for 1.2e-3 N
+    s.
+    """
     size = abs(largest)
     if not 0.0 < size < math.inf:
         return Scale(1.0, unit)
-    # A hair above: 999.9996 should not be written as 1000 of the smaller unit.
+    # The margin keeps 999.9996 from being written as 1000 of the smaller unit.
     exponent = 3 * math.floor(math.log10(size * (1.0 + 1e-6)) / 3.0)
     exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
     return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Write a figure as png, svg or pdf by the path's suffix; equal figures give equal bytes.
+    """Write a figure as png, svg or pdf, by the suffix of the path; equal figures give equal bytes.
 
-    Raises ValueError for another suffix or a missing folder.
+    Raises:
+        ValueError: for another suffix or a missing folder.
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")
@@ -170,7 +184,9 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def span_at_least(axes: Axes, fraction: float) -> None:
-    """Widen the y axis to a fraction of its largest value, and write its numbers without an offset."""
+    """Widen the y axis to at least a fraction of its largest value, and write its numbers without
+    an offset.
+    """
     low, high = axes.get_ylim()
     missing = fraction * max(abs(low), abs(high)) - (high - low)
     if missing > 0.0:

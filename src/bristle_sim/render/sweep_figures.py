@@ -1,4 +1,6 @@
-"""Draw a scenario's quantities over one key or two, and the strike's distributions under spread inputs."""
+"""Figures of a scenario's quantities over one key or two, of distributions under spread inputs, and
+of trade-offs.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +24,21 @@ from bristle_sim.studies.whole_pass import QUANTITIES
 if TYPE_CHECKING:
     import xarray as xr
 
-# panels in a row, and their size with its margins, cm
+# Number of panels in a row, and width and height of a panel with its margins, cm.
 COLUMNS = 3
 WIDTH = 6.0
 HEIGHT = 5.2
-TITLE_LETTERS = 32  # letters in a line of a panel's title
+TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 
 
 @style.styled()
 def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
-    """Draw a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
+    """Draw a panel for each quantity: a line over one key, or a map over two.
 
-    Raises ValueError if no point has a result.
+    Lines have gaps and maps white cells where there is no value.
+
+    Raises:
+        ValueError: if no point has a result.
     """
     quantities = [str(name) for name in found.data_vars if name != "failure"]
     names = [name for name in quantities if np.isfinite(found[name].values).any()]
@@ -56,20 +61,20 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
             style.draw_colours(axes, x, y, values.T if found[name].dims[0] == keys[0] else values)
         if not others:
             axes.plot(x, values, ".-", color=BLUE, markersize=4.0)
-            low, high = float(x.min()), float(x.max())  # also those without a result
+            low, high = float(x.min()), float(x.max())  # includes points without a result
             room = 0.05 * (high - low) or 0.5
             axes.set_xlim(low - room, high + room)
     return figure
 
 
 def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
-    """Return values in a readable unit, and their label with that unit."""
+    """Return the values of a quantity in a readable unit, and their label with that unit."""
     about = found[name].attrs
     label = str(about.get("long_name", name.removesuffix("_deg").replace("_", " ")))
     return _readable(found[name].values, label, str(about.get("units", "1")))[:2]
 
 
-MOST = 6  # inputs shown for each output
+MOST = 6  # largest number of inputs shown for each output
 ROW = 4.1  # height of an output's panels with their titles, cm
 KEY = {
     "passes; mean ± standard deviation": {"color": SKY, "linewidth": 6.0},
@@ -82,7 +87,9 @@ KEY = {
 
 @style.styled()
 def tolerance_figure(study: Study) -> Figure:
-    """Draw a histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
+    """Draw a histogram of each output with mean and 95 % interval, and the indices of its most
+    important inputs.
+    """
     height = ROW * len(study.outputs) + 1.4
     figure = style.blank_figure(16.0, height)
     for number, output in enumerate(study.outputs):
@@ -116,12 +123,14 @@ def tolerance_figure(study: Study) -> Figure:
     return figure
 
 
-KEY_HEIGHT = 3.0  # of a key's panel, cm
+KEY_HEIGHT = 3.0  # height of the panel of a key, cm
 
 
 @style.styled()
 def trade_off_figure(found: Design) -> Figure:
-    """Draw the best compromises of two conflicting wants, with the wanted point and the nearest one, and the keys along them."""
+    """Draw the best compromises of two conflicting wants, with the wanted and the nearest point,
+    and the keys along them.
+    """
     across, *rows = [*found.conflict, *found.varied]
     height = 0.7 + KEY_HEIGHT * (len(rows) + 1)
     figure = style.blank_figure(16.0, height)
@@ -148,7 +157,7 @@ def trade_off_figure(found: Design) -> Figure:
 
 
 def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
-    """Return values in a readable unit, their label with it, and its size."""
+    """Return values in a readable unit, their label with that unit, and the size of the unit."""
     shown, size = readable_unit(unit, values.ravel().tolist())
     shown = {"1": "", "deg": "°"}.get(shown, shown)
     return values / size, label + (f" ({shown})" if shown else ""), size

@@ -1,4 +1,4 @@
-"""Film of the tool to scale, in slow motion: one bristle, or a row of bristles."""
+"""Films of the tool to scale, in slow motion: one bristle, or a row of bristles."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from bristle_sim.trajectory import Interpolation, Motion, Trajectory
 if TYPE_CHECKING:
     from bristle_sim.studies.neighbours import NeighbourRow
 
-CAPTION_SHOWN = 0.5  # film time for which the instant of the strike keeps its caption, s
+CAPTION_SHOWN = 0.5  # film time for which the caption of the strike is shown, s
 ROW_SLOWER = 10.0
 ROW_AFTER = 0.15
-"""How much slower touches and strikes in a row are shown than the rest; how long a film of a row goes on after the last
+"""Slow-down of touches and strikes in a row over that of the rest; and time shown after the last
 bristle's strike, as a fraction of the time before."""
 
 
 class ToolFilm(Film):
-    """A tool with any number of wires and links, and rings where its wires touch each other."""
+    """Film of a tool with any number of wires and links, with rings where wires touch each other."""
 
     @styled()
     def __init__(
@@ -47,14 +47,18 @@ class ToolFilm(Film):
         """Draw the parts that do not move.
 
         Args:
-            tool: with hub, bar and workpart as drawn.
-            wires: of each the motion at an instant, s, and its colour.
+            tool: tool with hub, bar and workpart as drawn.
+            wires: for each wire the function that returns its motion at an instant (s), and its
+            colour.
             view: part of the tool that is shown, mm.
-            warp, story: the film's times, and captions.
-            readings: writes the read-outs from the motion of all wires, in the last one's colour if there are several.
-            size: of the picture, px.
-            trail: motion of a single wire, whose tip leaves a trail; the wire's radial line and other roots are shown too.
-            strike: place where a star marks the strike, m.
+            warp: the film's times.
+            story: the captions.
+            readings: function that returns the read-outs from the motions of all wires; they have
+            the colour of the last wire if there are several.
+            size: width and height of the picture, px.
+            trail: motion of a single wire, whose tip leaves a trail; the wire's radial line and
+            other roots are shown too.
+            strike: position of the star that marks the strike, m.
         """
         super().__init__(warp, *size, (wires[-1][1] if len(wires) > 1 else BLACK, BLACK))
         self.tool = tool
@@ -111,10 +115,10 @@ def pass_film(
 
     Args:
         run, tool: the pass.
-        width, height: px.
-        duration: of the film, s.
-        slower: how much slower the strike is shown than the rest.
-        until: the last instant shown, s.
+        width, height: size of the picture, px.
+        duration: duration of the film, s.
+        slower: slow-down of the strike over that of the rest.
+        until: last instant shown, s.
     """
     motion = Interpolation(run)
     contact = run.first_contact("workpart")
@@ -153,7 +157,9 @@ def _retraction(motion: Motion, whose: str = "") -> str:
 def row_film(
     row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0
 ) -> ToolFilm:
-    """Return a film of a row of bristles, from the first touch of the bar until after the last strike."""
+    """Return a film of a row of bristles, from the first touch of the bar to shortly after the last
+    strike.
+    """
     motions = [Interpolation(run) for run in row.bristles]
     colors = (SERIES * 2)[: len(row.bristles)]
     last = row.bristles[-1]

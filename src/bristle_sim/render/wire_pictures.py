@@ -1,4 +1,6 @@
-"""Figure and film of the strike of a wire that bends, beside the rigid bristle: force, measures, and the bending wave."""
+"""Figure and film of the strike of a wire that bends, with the rigid bristle: force, measures and
+the bending wave.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the force of one strike, and how its measures depend on the contact's duration and the number of links."""
+    """Draw the force of one strike, and its measures over the contact's duration and the number of
+    links.
+    """
     figure = style.blank_figure(16.0, 13.6)
     size = (6.3, 4.6)
     _draw_force(figure, struck)
@@ -100,13 +104,14 @@ def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
     return axes
 
 
-LONGEST_FORCE = 0.22  # arrow of the largest force as it is drawn, in lengths of the wire
-ARRIVED = 0.1  # fraction of the largest bending moment at which the wave has reached the hinge next to the root
-GRID = 400  # instants of the curves of force and of the map of bending moments
+LONGEST_FORCE = 0.22  # length of the arrow of the largest force, over the height of the drawn wires
+# bending moment at the hinge next to the root at the wave's arrival, over the largest
+ARRIVED = 0.1
+GRID = 400  # number of instants of the force curves and of the map of bending moments
 
 
 class WireFilm(Film):
-    """A film of a wire's strike, from the first touch until the bending wave has come back."""
+    """Film of a wire's strike, from the first touch until the bending wave has returned."""
 
     size = (960, 540)
     letter_size = 15.0
@@ -187,13 +192,17 @@ def _force(run: Any) -> tuple[Array, Array]:
 
 
 def _centre_line(run: Any, time: float) -> Array:
-    """Return root, joints and tip of a strike at an instant, m, linear between samples."""
+    """Return root, joints and tip of a strike at an instant, m, by linear interpolation."""
     columns = run.centre_line.reshape(run.time.size, -1).T
     return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
 
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
-    """Draw bending moments over time and place, root on top; return the wave's arrival at the hinge next to the root, s."""
+    """Draw bending moments over time and position, with the root on top.
+
+    Returns:
+        Time of the wave's arrival at the hinge next to the root, s.
+    """
     bristle = struck.strike.tool.bristle
     run = struck.wire
     time = np.linspace(0.0, run.time[-1], GRID)
