@@ -38,10 +38,8 @@ LEAST_DEPTH = 1e-13  # penetration times e* below which rounding decides when a 
 LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as it loads
 
 SAMPLES_OF_A_COURSE = 24
-SAMPLES_OF_AN_OUTCOME = 8
 SAMPLES_OF_A_SWING = 5
-"""Least number of intervals: of a contact of given duration, of one whose outcome matters, and of half a swing of a tangential
-spring."""
+"""Least number of intervals of a contact, whose history a reader draws, and of half a swing of a tangential spring."""
 
 
 @dataclass(eq=False)
@@ -98,8 +96,7 @@ class CompliantLaw(ContactLaw):
             rigid, space.velocity[0], restitution, duration
         )
         self.stiffness = self.stiffness if self.duration is None else stiffness
-        samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
-        longest = min(duration / samples, damped_interval(scene))
+        longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
         (normal, _), (_, tangential) = space.inverse_mass.tolist()
         if compliance and tangential:
             rigid = energetic_at(pair, space, compliance)
