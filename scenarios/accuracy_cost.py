@@ -1,8 +1,9 @@
 """The cost of accuracy: error against CPU time, compared with other packages on the same cases.
 
-A release flight, a strike under each contact law, the strike of a double pendulum and the whole pass are computed by
-every method at settings from coarse to fine. Errors are taken from closed forms or a converged reference; times are CPU
-times, all methods in turn. The table compares our CPU time (simulated) with the cheapest peer's (reference).
+Every method computes a release flight, a strike under each contact law, the strike of a double
+pendulum and a whole pass, at settings from coarse to fine. Errors are differences from closed forms
+or from a converged reference. Times are CPU times; all methods are timed in turn. The table
+compares our CPU time (simulated) with that of the cheapest peer (reference).
 """
 
 import sys

@@ -1,9 +1,10 @@
-"""Bent bristles: which of a reverse bent, a straight and a forward bent wire slides, and which retracts at once?
+"""Bent bristles: which of a reverse bent, a straight and a forward bent wire slides, and which
+retracts at once?
 
-All three pass the same bar and workpart at 2600 rpm; the strike is resolved in time over the 0.1 ms that the dissertation
-takes for a contact. The dissertation's high-speed film
-shows the forward bent tip retract at once, while the other two slide first. A wire of links strikes at the
-contact stiffness that would keep the rigid bristle in touch for contact_duration.
+All three pass the same bar and workpart at 2600 rpm. The strike is resolved in time over 0.1 ms,
+the dissertation's duration of a contact. In the dissertation's high-speed film the forward bent tip
+retracts at once, while the other two slide first. A wire of links strikes at the contact stiffness
+that would keep the rigid bristle in contact for contact_duration.
 """
 
 import sys
@@ -23,7 +24,7 @@ def run(tool: Tool, settings: Settings) -> Report:
 
 
 def plot(report: Report) -> Picture:
-    """Draw the three tips in touch."""
+    """Draw the three tips in contact."""
     from bristle_sim.render.bristle_figures import bent_figure
 
     return bent_figure(report.subject)

@@ -1,7 +1,9 @@
-"""Crater depth: chapter 4's two estimates, each computed in two ways, and the depth by a contact simulated in time.
+"""Crater depth: chapter 4's two estimates, each computed in two ways, and the depth by a contact
+simulated in time.
 
-Merchant's modified circle and the work-energy sum take force and motion from print. The bristle's contact in the scene
-gives force, path and energy of one event, and from them depths that can be compared with the measured 130 um.
+Merchant's modified circle and the work-energy sum use the printed force and motion. The bristle's
+contact in the scene has force, path and energy of one event. The depths that follow from them are
+compared with the measured 130 um.
 """
 
 import sys

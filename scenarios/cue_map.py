@@ -1,8 +1,8 @@
 """Cue map: where must the bar stand?
 
-The bar goes around the hub at its distance, and each pass is simulated up to its strike. The direction for which the
-bristle strikes radially is a root, that of the highest tip speed a maximum; both are compared with the dissertation's
-formula and its printed position.
+The bar moves around the hub at its distance, and each pass is simulated up to its strike. The
+direction at which the bristle strikes radially is a root, the direction of the highest tip speed a
+maximum. Both are compared with the dissertation's formula and with its printed position.
 """
 
 import sys
@@ -14,7 +14,7 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> Report:
-    """Search the directions of the bar, and compare them with the formula and with print."""
+    """Search the directions of the bar, and compare them with the formula and the printed position."""
     from bristle_sim.studies.cue_map import cue_map
 
     return cue_map(tool, settings, grid, with_reference=compared.reference == "yes")

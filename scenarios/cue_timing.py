@@ -1,8 +1,9 @@
 """Cue timing: how well do the quasi-static cue formulas place the bar?
 
-The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
-highest relative speed, and the hub's turn meanwhile, say where the bar must stand, for each reading of the printed belt
-stiffness. Full passes, with the bar there and where bar_horizontal and bar_vertical put it, show the strikes that follow.
+The bristle is released from rest relative to the hub at the retraction angle, without a bar in the
+scene. The time to its highest relative speed, and the hub's turn in that time, determine the
+position of the bar, for each reading of the printed belt stiffness. Whole passes with the bar
+there, and with the bar at bar_horizontal and bar_vertical, show the strikes.
 """
 
 import math
@@ -47,7 +48,7 @@ def run(
 
 
 def plot(report: Report) -> Picture:
-    """Draw the release, and the strikes that follow."""
+    """Draw the release, and the strikes of the whole passes."""
     from bristle_sim.render.release_figures import cue_figure
 
     return cue_figure(report.subject)

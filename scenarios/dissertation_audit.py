@@ -1,7 +1,9 @@
-"""The audit: every printed number and decidable statement of the dissertation's chapters 2 to 4, recomputed.
+"""The audit: every printed number and decidable statement of the dissertation's chapters 2 to 4,
+recomputed.
 
-A number is reproduced when the computed one lies within half a unit of its last printed digit. Each number that
-differs is listed with its most likely reason. ``--set show=differs`` leaves the rest out of the table; the JSON always has every row.
+A number is reproduced if the computed number lies within half a unit of the last printed digit.
+Each number that differs is listed with its most likely reason. ``--set show=differs`` limits the
+table to these; the JSON always has every row.
 """
 
 import sys

@@ -1,8 +1,10 @@
-"""Every computed figure of the dissertation, and table 3.1, redrawn from the equations, with simulated points on top.
+"""Every computed figure of the dissertation, and table 3.1, redrawn from the equations, with
+simulated points on top.
 
-Where a figure's quantity can be simulated, impacts through the scene stand on the formula's curve, by the energetic law and
-resolved in time; elsewhere the printed equation is evaluated number by number. The table says how far they lie apart.
-``--plot FOLDER`` writes one picture a figure, ``--plot FILE.pdf`` one page a figure; ``--only 2.24`` keeps to one.
+If a figure's quantity can be simulated, the points are impacts in the scene, by the energetic law
+and resolved in time. Otherwise they are the printed equation with its printed numbers. The table
+states the distances of the points from the curves. ``--plot FOLDER`` writes one picture for each
+figure, ``--plot FILE.pdf`` one page; ``--only 2.24`` selects one figure.
 """
 
 import sys
@@ -14,14 +16,14 @@ from bristle_sim.dissertation.figures import Selection
 
 
 def run(selection: Selection) -> Report:
-    """Compute the figures' curves and the simulated points on them."""
+    """Compute the curves of the figures and the simulated points."""
     from bristle_sim.dissertation.figures import figures_report
 
     return figures_report(selection)
 
 
 def plots(report: Report, target: Path) -> None:
-    """Draw one picture a figure, named after its number, or one page a figure."""
+    """Draw each figure as a picture named after its number, or on a page of one PDF."""
     from bristle_sim.render.dissertation_figures import save_figures
 
     save_figures(report.subject, target)

@@ -1,7 +1,8 @@
-"""Stronge's double pendulum: two hinged rods, the lower end strikes; slip stops, sticks or reverses on the way.
+"""Stronge's double pendulum: two hinged rods, the lower end strikes; slip stops, sticks or reverses
+on the way.
 
-Final rates, impulses and the kinetic-energy ratio are compared with the closed form, for any ratio of the rods' masses. The
-engine's own contact gains energy here; the energetic law never does.
+Final rates, impulses and the ratio of kinetic energies are compared with the closed form, for any
+mass ratio of the rods. The engine's own contact gains energy here; the energetic law never does.
 """
 
 import sys

@@ -1,9 +1,10 @@
 """Film and crater: which contact stiffness and wire damping would explain the measurements?
 
-Film and micrograph show one touch, some 50 us of compression and a crater 130 um deep. The stiffness of the contact, given as
-the time that a rigid bristle would be in touch, and the damping of the wire were never measured. A map over both has passes of
-a straight wire of links, each followed for half a millisecond from its strike; the nearest pair is then tried with bent wires,
-other numbers of links and other friction.
+Film and micrograph show one touch, some 50 us of compression and a crater 130 um deep. The
+stiffness of the contact (given as the duration of a rigid bristle's contact) and the damping of the
+wire were never measured. A map over both has passes of a straight wire of links, each followed for
+half a millisecond from its strike. The nearest pair is then tried with bent wires, other numbers of
+links and other friction.
 """
 
 import sys
@@ -22,14 +23,14 @@ def run(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
 
 
 def plot(report: Report) -> Picture:
-    """Draw the map with the measured values as lines, and the nearest pass as a camera would have seen it."""
+    """Draw the map with the measured values as lines, and the nearest pass as filmed by a camera."""
     from bristle_sim.render.measurement_figures import film_map_figure
 
     return film_map_figure(report.subject)
 
 
 def series(report: Report) -> Columns:
-    """Return the motion of the nearest pair's whole pass."""
+    """Return the motion of the whole pass of the nearest pair."""
     return dict(report.subject.run.columns())
 
 

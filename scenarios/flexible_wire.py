@@ -1,7 +1,8 @@
 """The wire that bends: what does the rigid bristle overstate?
 
-A straight radial wire of links turns without bending until its tip strikes. The contact has a finite stiffness, that which would keep
-the rigid bristle in touch for contact_duration; a strike of 50 us is over before the bending wave reaches the root.
+A straight radial wire of links turns without bending until its tip strikes. The contact has the
+finite stiffness that would keep the rigid bristle in contact for contact_duration. A strike of 50
+us is over before the bending wave reaches the root.
 """
 
 import sys
@@ -22,7 +23,7 @@ def run(
     settings: Settings,
     compared: Comparison,
 ) -> Report:
-    """Strike once with a wire of links, and compare it with the beam and with the rigid bristle."""
+    """Compare the strike of a wire of links with the beam and with the rigid bristle."""
     from bristle_sim.studies.flexible_wire import flexible_wire
 
     return flexible_wire(
@@ -38,7 +39,7 @@ def run(
 
 
 def plot(report: Report) -> Picture:
-    """Draw the force over time, and the effect of contact stiffness and number of links."""
+    """Draw the force over time, and the effects of contact stiffness and number of links."""
     from bristle_sim.render.wire_pictures import wire_figure
     from bristle_sim.studies.flexible_wire import wire_study
 
@@ -46,14 +47,14 @@ def plot(report: Report) -> Picture:
 
 
 def film(report: Report, **size: int) -> Film:
-    """Film the wave that bends the wire."""
+    """Film the bending wave in the wire."""
     from bristle_sim.render.wire_pictures import WireFilm
 
     return WireFilm(report.subject, **size)
 
 
 def series(report: Report) -> Columns:
-    """Return the contact in time."""
+    """Return the history of the contact."""
     return dict(report.subject.wire.contact.columns())
 
 

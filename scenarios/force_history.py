@@ -1,9 +1,11 @@
-"""Force history: the curve that chapter 3 assumes compared with the contact force of a bristle in the scene.
+"""Force history: the curve that chapter 3 assumes compared with the contact force of a bristle in
+the scene.
 
-Both have the same compressive impulse and compression time; the peak force is the finding. A measured force history takes
-the curve's place with ``--set force_csv=FILE``, a file of columns: the contact is found on any clock and
-above any zero, units are read from headings, ``time_column`` and ``force_column`` choose among several columns, and
-``force_per_volt`` is the sensitivity of a force recorded as a voltage.
+Both have the same compressive impulse and compression time; the peak force is the result. A
+measured force history replaces the curve with ``--set force_csv=FILE``, a file of columns. The
+contact is found on any clock and above any zero, and units are read from headings. ``time_column``
+and ``force_column`` choose among several columns, and ``force_per_volt`` is the sensitivity of a
+force recorded as a voltage.
 """
 
 import sys
@@ -23,7 +25,7 @@ def run(
     measurement: Measurement,
     settings: Settings,
 ) -> Report:
-    """Compare the simulated contact force with the curve of chapter 3, or with one that was measured."""
+    """Compare the simulated contact force with the curve of chapter 3, or with a measured force."""
     from bristle_sim.studies.force_comparison import force_comparison
 
     return force_comparison(hub, bristle, surface, history, measurement, settings)

@@ -1,7 +1,9 @@
-"""Hard cases: extreme masses, belts, speeds and sizes, jams, grazing, chatter, thin bars, long runs, small budgets.
+"""Hard cases: extreme masses, belts, speeds and sizes, jams, grazing, chatter, thin bars, long
+runs, small budgets.
 
-Each case has a promise: to stay accurate, to conserve what must be conserved, or to refuse in one clear line. The table
-shows each result. ``--set theme=jam`` tries one theme, ``--set effort=quick`` leaves out long cases.
+Each case has a promise: to stay accurate, to conserve a quantity, or to refuse in one clear line.
+The table shows each result. ``--set theme=jam`` tries one theme, ``--set effort=quick`` omits long
+cases.
 """
 
 import sys

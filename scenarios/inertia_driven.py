@@ -1,7 +1,8 @@
 """The inertia-driven tool: how fast is the tip of a bristle that no bar holds back?
 
-The wire arrives translating on a straight belt and enters the pulley with the rate 0; it lags, the belt whips it back, and it
-passes the radial direction. How fast is its tip then, and how fast must the pulley turn for the tip speed of the bar-cued tool?
+The wire arrives in translation on a straight belt and enters the pulley with the rate 0. It lags,
+the belt drives it back, and it passes the radial direction. How fast is its tip then, and how fast
+must the pulley turn for the tip speed of the bar-cued tool?
 """
 
 import sys
@@ -13,21 +14,21 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
-    """Let the wire enter the pulley, and compare its tip speed with the bar-cued one's."""
+    """Let the wire enter the pulley, and compare its tip speed with that of the bar-cued tool."""
     from bristle_sim.studies.inertia_driven import inertia_driven
 
     return inertia_driven(tool, settings, with_reference=compared.reference == "yes")
 
 
 def plot(report: Report) -> Picture:
-    """Draw the retraction over the hub's turn, and the rate relative to the hub over it."""
+    """Draw the retraction over the hub's turn, and the relative rate over the retraction."""
     from bristle_sim.render.release_figures import inertia_figure
 
     return inertia_figure(report.subject)
 
 
 def film(report: Report, **size: int) -> Film:
-    """Film the bristle that its inertia throws, from the pulley's beginning until it is radial."""
+    """Film the bristle thrown by its inertia, from its entry into the pulley until it is radial."""
     from bristle_sim.render.tool_films import pass_film
 
     if report.subject.radial is None:

@@ -1,8 +1,10 @@
-"""Measured impacts: the laws' predictions for spheres on glass and an ellipse on a floor, compared with the measurements.
+"""Measured impacts: the laws' predictions for spheres on glass and an ellipse on a floor, compared
+with the measurements.
 
-The spheres' points are the published ones, and nothing is fitted: a tangential spring with the ratio of stiffnesses that
-elasticity gives stands beside the rigid law. With ``data`` each law is fitted on every second impact of the ellipse and predicts
-the others; the best impulse at the point of contact says how much any law could.
+The points of the spheres are the published ones, and nothing is fitted. The rigid law is compared
+with a tangential spring whose stiffness follows from elasticity. With ``data`` each law is fitted
+to every second impact of the ellipse and predicts the other impacts; the best impulse at the
+contact point bounds the success of any law.
 """
 
 import sys
@@ -20,7 +22,7 @@ def run(measured: Measured) -> Report:
 
 
 def plot(report: Report) -> Picture:
-    """Draw the measured points with the curves of the rigid and of the elastic contact."""
+    """Draw the measured points with the curves of the rigid and the elastic contact."""
     from bristle_sim.render.measurement_figures import measured_figure
 
     return measured_figure(report.subject)

@@ -1,7 +1,9 @@
-"""Neighbours: from what spacing do the bristles of one plane touch each other, and what does a touch do to the strike?
+"""Neighbours: from what spacing do the bristles of one plane touch each other, and what does a
+touch do to the strike?
 
-A row of bristles on one hub, each a pitch behind the one before, is simulated together: wires touch each other, bar and
-workpart. Bristles that touch no other one are copies of a single pass, from which theory finds the least pitch.
+A row of bristles on one hub, each a pitch behind the bristle before it, is simulated together:
+wires touch each other, bar and workpart. Bristles that touch no other bristle repeat one pass, from
+which theory finds the least pitch.
 """
 
 import sys
@@ -13,7 +15,7 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -> Report:
-    """Simulate the row, and search the least pitches."""
+    """Simulate the row, and search for the least pitches."""
     from bristle_sim.studies.neighbours import neighbours
 
     return neighbours(tool, row, settings, with_reference=compared.reference == "yes")

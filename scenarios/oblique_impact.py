@@ -1,7 +1,9 @@
-"""One oblique strike of a radial bristle: impulses, works and rebound compared with the dissertation's closed forms.
+"""One oblique strike of a radial bristle: impulses, works and rebound compared with the
+dissertation's closed forms.
 
-The bristle is radial at the impact angle, its tip on the workpart, and turns at speed_ratio times the hub's speed. One
-contact law is requested; the table below compares all three.
+The bristle stands radially at the impact angle, with its tip on the workpart, and turns at
+speed_ratio times the hub's speed. The report is for the requested contact law; its table compares
+all three.
 """
 
 import sys
@@ -21,7 +23,7 @@ def run(
     contact: Contact,
     settings: Settings,
 ) -> Report:
-    """Strike once, and compare the impact with the closed forms."""
+    """Simulate one strike, and compare it with the closed forms."""
     from bristle_sim.studies.impacts import oblique_impact
 
     return oblique_impact(hub, bristle, strike, surface, contact, settings)

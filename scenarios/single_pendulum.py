@@ -1,7 +1,7 @@
 """Stronge's single pendulum: a rod on a fixed hinge strikes a rough surface with its end.
 
-The rebound ratio and the impulses are compared with the closed form; the rod does not rebound at all where friction
-reaches the tangent of the impact angle.
+The rebound ratio and the impulses are compared with the closed form. If friction reaches the
+tangent of the impact angle, the rod does not rebound.
 """
 
 import sys

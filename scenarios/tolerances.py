@@ -1,8 +1,9 @@
 """Tolerances: which of them matters?
 
-The tool's inputs spread about their values as parts, belts and hands do; thousands of passes are simulated. How the strike
-spreads, and which input causes it, is compared with first-order error propagation. A second list says how far the rounding
-of the printed inputs explains where the printed numbers differ from the computed ones.
+The tool's inputs spread about their values as parts, belts and hands do, and thousands of passes
+are simulated. The spread of the strike, and the inputs that cause it, are compared with first-order
+error propagation. A second list states the differences of printed from computed numbers that the
+rounding of the printed inputs explains.
 """
 
 import sys
@@ -14,7 +15,7 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Simulate tools whose inputs spread, and find which input makes the strike spread."""
+    """Simulate tools with spread inputs, and find the inputs that make the strike spread."""
     from bristle_sim.studies.tolerances import tolerances
 
     return tolerances(tool, spreads, sampling, settings)

@@ -1,8 +1,9 @@
 """The whole tool: which forces does a hand bear, and what does a load cell under the workpart show?
 
-One bristle is turned until its motion repeats. The tool's forces are the sum of its copies, one for each bristle, which
-must not touch each other; torque and power are compared with the energy that a turn loses, and the force behind a load
-cell of finite bandwidth is a band.
+One bristle is simulated turn by turn until its motion repeats. The tool's forces are the sum over
+copies of it, one for each bristle, which must not touch each other. Torque and power are compared
+with the energy that a turn dissipates. The force on a load cell of finite bandwidth varies within a
+band.
 """
 
 import sys
@@ -14,21 +15,21 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
-    """Turn one bristle until its motion repeats, and sum the forces of all."""
+    """Simulate one bristle until its motion repeats, and sum the forces of all bristles."""
     from bristle_sim.studies.whole_tool import whole_tool
 
     return whole_tool(tool, assembly, settings)
 
 
 def plot(report: Report) -> Picture:
-    """Draw the force of one bristle, and of all behind the load cell."""
+    """Draw the force of one bristle, and the force of all bristles that the load cell shows."""
     from bristle_sim.render.force_figures import whole_tool_figure
 
     return whole_tool_figure(report.subject)
 
 
 def series(report: Report) -> Columns:
-    """Return the force behind the load cell, from one bristle to the next."""
+    """Return the force that the load cell shows, over the time between two bristles."""
     from bristle_sim.studies.whole_tool import load_cell_series
 
     return load_cell_series(report.subject)
