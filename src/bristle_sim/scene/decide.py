@@ -36,8 +36,6 @@ def first_motion(system: System) -> Motion:
             continue
         if system.approach(pair) <= 0.0:
             motion = decide(system, motion, Happening(Kind.TOUCH, pair))
-        elif not motion.contacts:
-            motion = begin_motion(system, Contacts((), [*motion.separating, pair]))
     return motion
 
 
