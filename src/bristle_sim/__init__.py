@@ -1,4 +1,5 @@
-"""Simulate a bristle-blasting tool in time, and compare it with the formulas of its dissertation.
+"""Simulation of a bristle-blasting tool in time, and its comparison with the formulas of a
+dissertation.
 
 A pass at the dissertation's operating point, with its strike:
 
@@ -9,8 +10,9 @@ A pass at the dissertation's operating point, with its strike:
 >>> print(f"{strike.outcome} at {1e3 * strike.time:.2f} ms, impulse {1e3 * strike.impulse[0]:.2f} mN s")
 rebound at 4.53 ms, impulse 2.75 mN s
 
-What this module exports keeps its meaning from version to version; everything else may change. Each name is imported when
-it is first used, so that a program that needs the impact law alone does not wait for pymunk.
+The names that this module exports keep their meaning from version to version; everything else may
+change. Each name is imported when it is first used, so a program that needs the impact law alone
+does not load pymunk.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -86,7 +88,7 @@ _MODULES = {
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
 }
-"""Where each name is defined, below this package; names that are left out are parameters."""
+"""Module of each name, below this package; all other names are in ``parameters``."""
 
 
 def __getattr__(name: str) -> Any:
@@ -106,7 +108,9 @@ def __getattr__(name: str) -> Any:
 
 
 def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
-    """Return a function that names the missing extra, so that help and star imports work without it."""
+    """Return a function that raises ImportError and names the missing extra; help and star imports
+    work without it.
+    """
 
     def sweep(*_: Any, **__: Any) -> Any:
         """Evaluate a function at many points; needs the extra: pip install 'bristle_sim[sweep]'."""

@@ -1,10 +1,10 @@
-"""The command ``bristle-sim``, also as ``python -m bristle_sim``."""
+"""The command ``bristle-sim``, also run by ``python -m bristle_sim``."""
 
 import sys
 
 
 def main() -> int:
-    """Run the command; an interrupt while its modules are still being imported ends in one line, too."""
+    """Run the command; an interrupt during the import of its modules ends in one line too."""
     try:
         from bristle_sim.cli.command import main as command
 

@@ -10,11 +10,11 @@ Array = NDArray[np.float64]
 """An array of floats; docstrings give its shape and unit."""
 
 Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
+"""A float if the arguments are floats; otherwise an array of their broadcast shape."""
 
 
 class EqualByValue:
-    """Compare dataclasses that contain arrays: equal where all fields are equal, with NaN equal to NaN.
+    """Base class of dataclasses with arrays that are equal if all fields are equal; NaN equals NaN.
 
     Such a dataclass is declared with ``eq=False``.
     """
@@ -23,7 +23,7 @@ class EqualByValue:
     __hash__ = None  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are of one class and have equal fields."""
+        """Return whether both objects are of one class and have equal fields."""
         if type(other) is not type(self):
             return NotImplemented
         names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]

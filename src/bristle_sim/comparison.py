@@ -1,4 +1,7 @@
-"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule of agreement, and its words."""
+"""Comparison of simulated numbers with theory, reference and print, in tables and sentences.
+
+A table has one row for each quantity, and one rule of agreement.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from typing import Any
 from bristle_sim.conversion import plain_number
 
 Values = Mapping[str, float | None]
-"""Numbers by the names of their quantities; None where a number is not known."""
+"""Numbers by the names of their quantities; None for an unknown number."""
 
 UNKNOWN: Values = MappingProxyType({})
 
@@ -21,12 +24,18 @@ SIDES = ("simulated", "theory", "reference", "printed")
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """One number by simulation, theory, reference and print; None for a side without a value.
+    """One quantity by simulation, theory, reference and print.
 
-    The unit of a pure number is "1". Simulated values are from the pymunk scene, theory from a closed form, reference from
-    the independent solution, printed from the dissertation. ``tolerance`` is the largest relative difference that agrees
-    (absolute where the other side is 0), or None where a difference is a finding rather than an error. ``label`` is the
-    table's name of it, with its symbol; by default the name in words.
+    Attributes:
+        name: name of the quantity.
+        unit: its unit; "1" for a pure number.
+        simulated: value in the pymunk scene. This and the next three values are None if absent.
+        theory: value by a closed form.
+        reference: value by the reference, an independent solution.
+        printed: value printed in the dissertation.
+        tolerance: largest relative difference that agrees; absolute if the other value is 0. None
+            if a difference is a finding, not an error.
+        label: name of the quantity in tables, with its symbol; by default the name in words.
     """
 
     name: str
@@ -44,7 +53,11 @@ class Quantity:
 
     @property
     def judge_name(self) -> str | None:
-        """The side that the simulated value is compared with: ``reference`` if there is one, else ``theory``, else ``print``."""
+        """Side with which the simulated value is compared: ``reference``, else ``theory``, else
+        ``print``.
+
+        It is the first of the three with a value, or None.
+        """
         if self.reference is not None:
             return "reference"
         if self.theory is not None:
@@ -53,13 +66,16 @@ class Quantity:
 
     @property
     def judge(self) -> float | None:
-        """The value of that side."""
+        """Value with which the simulated value is compared; None without one."""
         first = self.theory if self.reference is None else self.reference
         return self.printed if first is None else first
 
     @property
     def relative_difference(self) -> float | None:
-        """(simulated - judge) / |judge|; None where it has no meaning."""
+        """Difference of the simulated value from the compared one, over the latter's magnitude.
+
+        It is None if either is missing or the compared value is 0.
+        """
         judge = self.judge
         return (
             (self.simulated - judge) / abs(judge) if self.simulated is not None and judge else None
@@ -67,14 +83,18 @@ class Quantity:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the difference is within the tolerance, which NaN never is; None without a tolerance or another value."""
+        """Whether the difference is within the tolerance; None without a tolerance or a value to
+        compare with.
+
+        NaN is never within a tolerance.
+        """
         if self.tolerance is None or self.judge is None:
             return None
         difference = self.relative_difference if self.judge else self.simulated
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
-        """The row as plain values, finite or None."""
+        """Return the quantity as plain values; numbers are finite or None."""
         numbers = {
             name: finite(getattr(self, name))
             for name in (*SIDES, "relative_difference", "tolerance")
@@ -90,9 +110,10 @@ def rows(
     printed: Values = UNKNOWN,
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
-    """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name.
+    """Return a quantity for each name, from the values of each side by name.
 
-    A tolerance, which may depend on the name, applies where there is a value to compare with.
+    ``units`` holds a unit, or a label and a unit, by name. ``tolerance`` may depend on the name; it
+    applies if there is a value to compare with.
     """
     found = []
     for name, declared in units.items():
@@ -122,7 +143,9 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
 
     def __str__(self) -> str:
-        """Return the title and the aligned table for a terminal; columns but the first stand at the right."""
+        """Return title and aligned table for a terminal; all columns but the first are aligned to
+        the right.
+        """
         return "\n".join([f"{self.title}:", *aligned([self.head, *self.rows], 1)])
 
 
@@ -131,17 +154,24 @@ class Report:
     """The results of a scenario.
 
     Attributes:
-        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where the question is not about an impact.
-        phases: of the impact, in order.
-        events: (name, time in s), in order.
-        remarks: sentences a reader of the table should know.
-        tables: further tables, beside that of the quantities.
-        extra: parts of the JSON that no other scenario has.
-        subject: the objects that pictures are drawn from.
-        answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
-        outcome_in_words: as sentences, sweeps and pages write it (``ContactRecord.outcome_in_words``); empty with no outcome.
-        not_reached: the sentence on an accuracy that a run has not reached (``Trajectory.accuracy_not_reached``). It becomes the
-            last remark; where it begins with "accuracy not reached", the answer does so, too.
+        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None if the question
+        is not about an impact.
+        quantities: the compared quantities.
+        phases: phases of the impact, in order.
+        events: names and times (s) of events, in order.
+        wall_s: wall time of the computation, s.
+        steps: number of engine steps.
+        remarks: sentences that explain the table.
+        tables: further tables, besides that of the quantities.
+        extra: entries of the JSON that no other scenario has.
+        subject: objects from which pictures are drawn.
+        answer: the scenario's question answered in one sentence, in a person's units; empty where
+            work was interrupted.
+        outcome_in_words: as sentences, sweeps and pages write it
+            (``ContactRecord.outcome_in_words``); empty with no outcome.
+        not_reached: the sentence on an accuracy that a run has not reached
+            (``Trajectory.accuracy_not_reached``). It becomes the last remark; where it begins with
+            "accuracy not reached", the answer does so, too.
     """
 
     outcome: str | None = None
@@ -159,9 +189,10 @@ class Report:
     outcome_in_words: str = ""
 
     def __post_init__(self) -> None:
-        """State an accuracy that was not reached, and leave rows that agree unjudged where there is no contact.
+        """State an accuracy that was not reached, and remove the tolerances of agreeing rows
+        without a contact.
 
-        Values that nothing has changed confirm nothing.
+        Without a contact the values are unchanged, and their agreement confirms nothing.
         """
         if self.not_reached:
             if self.not_reached.startswith("accuracy not reached"):
@@ -176,7 +207,7 @@ class Report:
 
 
 class Unfinished(KeyboardInterrupt):
-    """The user's interruption of long work, with a report of the finished part."""
+    """Exception for the user's interruption of long work; it holds a report of the finished part."""
 
     def __init__(self, report: Report) -> None:
         super().__init__("interrupted")
@@ -188,7 +219,7 @@ def finite(value: float | None) -> float | None:
     return float(value) if value is not None and math.isfinite(value) else None
 
 
-WIDTH = 100  # columns that a table fits in
+WIDTH = 100  # largest width of a table, in characters
 
 LAYOUTS = (
     (6, ()),
@@ -198,7 +229,7 @@ LAYOUTS = (
     (4, ("reference",)),
     (4, ("reference", "within")),
 )
-"""Digits, and columns that are left out, of ever narrower tables."""
+"""Digits and omitted columns of tables, widest first."""
 
 PREFIXES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
@@ -209,17 +240,18 @@ LARGEST_PREFIX = {
     "Pa": "G",
     **dict.fromkeys(("g", "N", "N m", "J", "W", "Hz"), "k"),
 }
-"""Units that are shown with a prefix, and the largest one that is customary."""
+"""Units that are shown with a prefix, and the largest customary prefix."""
 
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
-"""The smallest customary prefix of units for which smaller ones are unusual."""
+"""Smallest customary prefix of some units; for all others it is n."""
 
 
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
-    """Return an aligned table for a terminal of that width, in units with prefixes, without empty columns.
+    """Return an aligned table for a terminal of a given width, in units with prefixes and without
+    empty columns.
 
-    The relative difference names the side that it is from. Where the table would be too wide, the reference's own
-    column is left out first, then the tolerance.
+    The relative difference names the side with which the simulated value is compared. If the table
+    would be too wide, the column of the reference is omitted first, then the tolerance.
     """
     for layout in LAYOUTS:
         head, *lines = aligned(cells(quantities, *layout), 2)
@@ -232,7 +264,7 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
 def cells(
     quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()
 ) -> list[list[str]]:
-    """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
+    """Return the cells of the table, head first, without empty and omitted columns."""
     head = ["quantity", "unit", *SIDES, "difference from", "within", "ok"]
     lines = [head]
     for each in quantities:
@@ -259,7 +291,9 @@ def cells(
 
 
 def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
-    """Return the rows of a table as text; its first columns stand at the left, the others at the right."""
+    """Return the rows of a table as text; the first ``left`` columns are aligned to the left, the
+    others to the right.
+    """
     columns = list(zip(*lines, strict=True))
     return side_by_side(
         columns, [max(map(len, column)) for column in columns], range(left, len(columns))
@@ -269,7 +303,9 @@ def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
 def side_by_side(
     columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()
 ) -> list[str]:
-    """Join cells of several lines each into the lines of a row; those whose number is in ``right`` stand at the right."""
+    """Join cells of several lines each into the lines of a row; columns in ``right`` are aligned to
+    the right.
+    """
     lines = []
     for parts in zip_longest(*columns, fillvalue=""):
         padded = zip(parts, widths, strict=True)
@@ -282,7 +318,10 @@ def side_by_side(
 
 
 def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
-    """Return the unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
+    """Return the unit with a readable prefix, and its size in the given unit.
+
+    The largest value then has one to three digits before the decimal point.
+    """
     base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
     largest = max(map(abs, filter(None, map(finite, values))), default=0.0)
     shown = unit, 1.0
@@ -295,7 +334,9 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
 
 def _relative(value: float | None, sign: str = "") -> str:
-    """Return a relative number in per cent, or as a power of ten where it is small and as a multiple where it is large."""
+    """Return a relative number in per cent; as a power of ten if it is small, as a multiple if it
+    is large.
+    """
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"
     if 1e-4 <= abs(value) < 10.0:
@@ -304,20 +345,22 @@ def _relative(value: float | None, sign: str = "") -> str:
 
 
 LEAST_SIZE = 1e-12
-"""Reference values below this, in SI units, count as zero; no relative difference from them is computed."""
+"""Smallest value, in SI units, from which a relative difference is computed; a smaller one is
+zero."""
 
 
 def amount(value: float, unit: str, digits: int = 3) -> str:
-    """Return a number with its unit, prefixed as an engineer writes it: ``2.75 mN s``."""
+    """Return a number with its unit and a readable prefix, for example ``2.75 mN s``."""
     shown, factor = readable_unit(unit, [value])
     written = {"deg": "°", "1": ""}.get(shown, f" {shown}")
     return f"{plain_number(value / factor, digits)}{written}"
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return the quantity whose simulated value is relatively farthest from a side, with both: ``x 3 N, printed 4 N``.
+    """Return the quantity with the largest relative difference from a side, for example ``x 3 N,
+    printed 4 N``.
 
-    Empty where no quantity has both values.
+    It is empty if no quantity has both values.
     """
     farthest = -1.0
     shown = ""
@@ -330,7 +373,9 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 
 
 def differences(quantities: Sequence[Quantity]) -> str:
-    """Return a sentence on the largest differences from the formulas and from print; empty if there is nothing to compare."""
+    """Return the sentence on the largest differences from formulas and print; empty without values
+    to compare.
+    """
     formula = most_different(quantities, "theory", "by formula")
     printed = most_different(quantities, "printed", "printed")
     found = "; ".join(filter(None, (formula, printed)))
@@ -338,7 +383,10 @@ def differences(quantities: Sequence[Quantity]) -> str:
 
 
 def agreement(quantities: Sequence[Quantity]) -> str:
-    """Return whether the simulated values follow the closed forms: ``Yes, to 2e-16``, or the one that differs most."""
+    """Return whether the simulated values follow the closed forms.
+
+    The text is, for example, ``Yes, to 2e-16``, or names the quantity that differs most.
+    """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each for each in judged if not each.ok]
     if judged and not missed:

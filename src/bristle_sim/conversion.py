@@ -1,4 +1,4 @@
-"""Numbers with units as a person types them, and the factors between units."""
+"""Numbers with units, as a person types them, and conversion factors between units."""
 
 from __future__ import annotations
 
@@ -16,15 +16,17 @@ TYPED = re.compile(
     rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
     re.ASCII,
 )
-"""A decimal number and perhaps a product of powers of units. Python's float() takes more: grouped digits, those of other
-scripts, which nobody types on purpose here."""
+"""Pattern of a decimal number, with or without a product of powers of units.
+
+Python's float() accepts more, as grouped digits and digits of other scripts, which nobody types on
+purpose here."""
 
 TYPICAL_UNITS = (
     *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
     *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N mm/rad", "N mm/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
     *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
 )  # fmt: skip
-"""Units that a mistyped one is compared with."""
+"""Units with which a mistyped unit is compared."""
 
 DISPLAY = {
     "m": ("mm", 1e-3),
@@ -35,7 +37,8 @@ DISPLAY = {
     "Pa": ("MPa", 1e6),
     "1/s": ("Hz", 1.0),
 }
-"""Units that a person types and reads, and their size, by the unit in which a parameter is declared."""
+"""Units that a person types and reads, and their sizes, by the unit in which a parameter is
+declared."""
 
 DISPLAY_OF_KEY = {
     "wire_modulus": ("GPa", 1e9),
@@ -44,11 +47,11 @@ DISPLAY_OF_KEY = {
     "rate_1": ("rad/s", 1.0),
     "rate_2": ("rad/s", 1.0),
 }
-"""The same for keys whose sizes differ from those of other keys."""
+"""Units that a person types and reads, and their sizes, by key, for keys of unusual size."""
 
 
 def display_unit(key: str, unit: str) -> tuple[str, float]:
-    """Return the unit in which a person types and reads a key, and the number of its declared units in one of them.
+    """Return the unit in which a person types and reads a key, and its size in the declared unit.
 
     >>> display_unit("bristle_length", "m")
     ('mm', 0.001)
@@ -57,13 +60,19 @@ def display_unit(key: str, unit: str) -> tuple[str, float]:
 
 
 def plain_number(value: float, digits: int) -> str:
-    """Return a rounded number without an exponent, if it is 0 or from 1e-4 up to 1e7: ``1030`` instead of ``1.03e+03``."""
+    """Return a rounded number as text; without an exponent if it is 0 or from 1e-4 up to 1e7.
+
+    For example, it returns ``1030`` instead of ``1.03e+03``.
+    """
     text = f"{value:.{digits}g}"
     return f"{Decimal(text):f}" if 1e-4 <= abs(float(text)) < 1e7 else text
 
 
 def scaled(number: float, size: float) -> float:
-    """Return a number times the size of its unit, correctly rounded where a whole number of it makes the declared unit."""
+    """Return a number times the size of its unit.
+
+    The result is rounded correctly if the declared unit is a whole multiple of the unit.
+    """
     parts = round(1.0 / size) if size < 1.0 else 0
     return (
         number / parts
@@ -73,9 +82,11 @@ def scaled(number: float, size: float) -> float:
 
 
 def exact_text(value: float, key: str, unit: str) -> str:
-    """Return the shortest text with a unit that is read as exactly this number: ``27 mm``, ``261.8 rad/s``.
+    """Return the shortest text with a unit that is read as exactly a number, for example ``27 mm``
+    or ``261.8 rad/s``.
 
-    The unit is the displayed one, or the declared one where its text is shorter or the only exact one.
+    The unit is the displayed one, or the declared one if its text is shorter or the only exact
+    text.
     """
     own = f"{repr(value).removesuffix('.0')} {'' if unit == '1' else unit}".rstrip()
     shown, size = display_unit(key, unit)
@@ -87,29 +98,33 @@ def exact_text(value: float, key: str, unit: str) -> str:
 
 
 def conversion(unit: str, to: str) -> float | None:
-    """Return the factor that converts a number from one unit to another; None between different dimensions.
+    """Return the factor that converts a number from one unit to another; None between different
+    dimensions.
 
-    An angle is a dimension of its own here: 250 Hz are not 250 rad/s, nor N m the same as N m/rad.
+    An angle has a dimension of its own here: 250 Hz are not 250 rad/s, and N m is not N m/rad.
     """
     try:
         factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
-    except Exception:  # pint passes on whatever its parser meets: TokenError, ZeroDivisionError, AssertionError, ...
+    # pint raises the errors of its parser: TokenError, ZeroDivisionError, AssertionError, ...
+    except Exception:
         return None
     return factor if math.isfinite(factor) and factor > 0.0 else None
 
 
 def likely_unit(unit: str, to: str) -> str:
-    """Return advice: the convertible unit with the most similar name; empty if none is similar."""
+    """Return a hint with the convertible unit of the most similar name; empty if no name is
+    similar.
+    """
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
     closeness = (
         0.6 if conversion(unit, unit) is None else 1.0
-    )  # an existing unit matches only the same letters
+    )  # an existing unit must have the same letters
     likely = difflib.get_close_matches(_unspaced(unit), fitting, n=1, cutoff=closeness)
     return f"; did you mean {fitting[likely[0]]}?" if likely else ""
 
 
 def _unspaced(unit: str) -> str:
-    """Return a unit in small letters without blanks and signs of multiplication."""
+    """Return a unit in small letters without blanks and multiplication signs."""
     return re.sub(r"[\s*\u00b7]", "", unit).lower()
 
 

@@ -1,4 +1,4 @@
-"""Files that appear only when complete."""
+"""Files that appear only when they are complete."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from typing import BinaryIO
 _COUNT = itertools.count()
 
 _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
-"""Names of the streams that the process has open: the first three by name, all by number."""
+"""Pattern of the names of open streams: the first three by name, all by number."""
 
 
 def checked_target(
     path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False
 ) -> Path:
-    """Return the path of a file (or folder) that can be written; its name has one of the suffixes, if any are given.
+    """Return the path of a file or folder after a check that it can be written.
 
-    Raises ValueError in one line that begins with the option, if one names the path, or with the path itself.
+    The name must have one of the suffixes, if any are given.
+
+    Raises:
+        ValueError: in one line that begins with the option, if given, or with the path.
     """
     target = Path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)
@@ -41,10 +44,12 @@ def checked_target(
 
 @contextmanager
 def complete_or_absent(target: Path) -> Iterator[Path]:
-    """Yield the name of a partial file to write; it becomes the target on success and vanishes on failure.
+    """Yield the name of a partial file to write; it becomes the target on success and vanishes on
+    failure.
 
-    A symbolic link stays one, and the file it names is written. A pipe, a device, or an open stream such as ``/dev/stdout``
-    receives the bytes when the partial file is complete. An OSError names the target.
+    A symbolic link is kept, and the file it names is written. A pipe, a device or an open stream
+    such as ``/dev/stdout`` receives the bytes when the partial file is complete. An OSError names
+    the target.
     """
     import tempfile
 
@@ -85,7 +90,10 @@ def _descriptor(path: Path) -> int | None:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """Open a special file for writing; an open stream is used itself, as opening it by name would empty its file."""
+    """Open a special file for writing.
+
+    An open stream is used itself, since opening it by name would empty its file.
+    """
     number = _descriptor(path)
     if number is None:
         return path.open("wb")

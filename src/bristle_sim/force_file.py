@@ -1,8 +1,8 @@
-"""Read a measured force history from a text file: columns of numbers, perhaps below a line of headings with units.
+"""Reader of a measured force history in a text file of columns.
 
-Lines that begin with # and blank lines are remarks. Columns are separated by tab, semicolon, comma or blanks. Unless the
-comma separates columns, it may be the decimal sign. A heading may carry a unit, ``time (ms)``; without any, s and N are
-assumed.
+A line of headings may come first. Lines that begin with # and blank lines are ignored. Columns are
+separated by tab, semicolon, comma or blanks. Unless the comma separates columns, it may be the
+decimal sign. A heading may have a unit, as ``time (ms)``; otherwise s and N are assumed.
 """
 
 from __future__ import annotations
@@ -22,14 +22,16 @@ FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
 VOLTAGE = {"V": 1.0, "mV": 1e-3}  # all in SI
 
 UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
-"""A heading and its unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
+"""Pattern of a heading with its unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
 
-MOST = 1e100  # s or N: larger numbers are no measurement, and their squares overflow
-FEWEST_POINTS = 4  # fewer determine no curve: even where the start is known three unknowns are left
+MOST = 1e100  # largest time (s) or force (N); the squares of larger numbers overflow
+FEWEST_POINTS = 4  # least number of points: even with a known start three unknowns are left
 
 
 class Column(NamedTuple):
-    """A column: its number from 1, its heading without unit, and its unit, empty where none is given."""
+    """A column: its number from 1, its heading without the unit, and its unit, empty if none is
+    given.
+    """
 
     number: int
     name: str
@@ -40,7 +42,13 @@ class Column(NamedTuple):
 
 
 class ForceRecord(NamedTuple):
-    """The content of a file: times in s on its clock, increasing, and forces in N, each of shape (n,); and how it was read."""
+    """The content of a file.
+
+    Attributes:
+        time: increasing times on the file's clock, s, shape (n,).
+        force: forces, N, shape (n,).
+        reading: columns and units that were read, in words.
+    """
 
     time: Array
     force: Array
@@ -54,15 +62,19 @@ def read_force_csv(
     force_column: str | None = None,
     force_per_volt: float | None = None,
 ) -> ForceRecord:
-    """Read points of a force history from columns separated by comma, semicolon, tab or blanks.
+    """Read the points of a force history from columns separated by comma, semicolon, tab or blanks.
 
     Args:
-        path: of the file.
-        time_column: heading, or number from 1 on; by default the one with a unit of time, else the first.
-        force_column: likewise; by default the one with a unit of force, or the only other one.
-        force_per_volt: sensitivity, N/V, of a force recorded as a voltage.
+        path: name of the file.
+        time_column: heading or number of the time's column; by default the only column with a unit
+            of time, else the first.
+        force_column: heading or number of the force's column; by default the only column with a
+            unit of force, or the only other column.
+        force_per_volt: sensitivity of a force recorded as a voltage, N/V.
 
-    Raises ValueError in one line that names the file, and the line where there is one, for anything else.
+    Raises:
+        ValueError: for any other content, in one line that names the file and, if there is one, the
+            line of the fault.
     """
     lines = [
         (number, line)
@@ -126,7 +138,7 @@ def _lines(path: str | Path) -> list[str]:
 
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
-    """Return a line's cells, without blanks and quotes around them."""
+    """Return the cells of a line, without blanks and quotes around them."""
     try:
         row = (
             next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
@@ -147,7 +159,7 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _value(path: str | Path, number: int, row: list[str], decimal: str, column: Column) -> float:
-    """Return the finite number of a row in a column."""
+    """Return the number of a row in a column, which must be finite."""
     cell = row[column.number - 1] if column.number <= len(row) else ""
     value = _number(cell, decimal)
     if value is None or not math.isfinite(value):
@@ -159,7 +171,7 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
 
 
 def _column(number: int, heading: str) -> Column:
-    """Return a column with the name and unit of its heading; both signs of micro become u."""
+    """Return a column with name and unit from its heading; both signs for micro become u."""
     split = UNIT.match(heading)
     name, unit = split.groups() if split else (heading, "")
     return Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u"))
@@ -168,7 +180,10 @@ def _column(number: int, heading: str) -> Column:
 def _chosen(
     path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]
 ) -> Column:
-    """Return the column that the key names; by default the only one with a unit of its kind, or the only one left."""
+    """Return the column that a key names.
+
+    By default it is the only column with a unit of its kind, or the only column left.
+    """
     found = [each for each in columns if each.unit in units]
     if key is not None:
         found = [each for each in columns if key.strip() in (str(each.number), each.name)]
@@ -186,7 +201,7 @@ def _chosen(
 
 
 def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> float:
-    """Return the size of the column's unit, N."""
+    """Return the size of the unit of a force column, N."""
     volts = column.unit in VOLTAGE or (not column.unit and force_per_volt is not None)
     if volts and force_per_volt is not None:
         return VOLTAGE.get(column.unit, 1.0) * force_per_volt

@@ -1,4 +1,4 @@
-"""Numerical settings of a run, apart from anything physical; its events by name, and why it stopped."""
+"""Numerical settings of a run, names of its events, and reasons of its stop."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ from enum import StrEnum
 from bristle_sim.units import ANY, Declared, quantity, shown
 
 MAXIMUM_STEPS = 500_000
-"""Engine steps of a run by default: sixty whole passes of a rigid bristle, or one of a wire of 8 links; 2 to 6 s of CPU time, of a
-wire that bends 12 to 20 s."""
+"""Default step budget of a run: sixty whole passes of a rigid bristle, or one pass of a wire of 8
+links.
 
-MOST_SAMPLES = 1_000_000_000  # more than a run could hold
+It takes 2 to 6 s of CPU time; for a wire that bends, 12 to 20 s."""
+
+MOST_SAMPLES = 1_000_000_000  # largest number of samples in a period, more than a run could hold
 
 LEAST_NEEDED = 8
 MOST_NEEDED = 24
-"""Default samples in a period. Fewer make a poor picture; more are not worth their time, although the cubic through 24 is
+"""Smallest and largest default number of samples in a period.
+
+Fewer give a poor picture. More are not worth their time, although the cubic through 24 samples is
 accurate to 1e-5 only."""
 
 
@@ -26,10 +30,11 @@ accurate to 1e-5 only."""
 class Settings(Declared):
     """Accuracy, step budget and sampling of a run.
 
-    ``maximum_steps`` is the number of engine steps after which a run stops for that reason; a step that takes the engine's
-    solver hundreds of iterations counts once more for each hundred. ``samples_per_period`` is the least number of samples
-    in a period of the bristle on its belt; None chooses 8 to 24, so that a cubic through them meets the accuracy: its error
-    is h^4/384 of a motion sampled every h rad.
+    ``maximum_steps`` is the number of engine steps after which a run stops. A step that takes the
+    engine's solver hundreds of iterations counts once more for each hundred. ``samples_per_period``
+    is the least number of samples in a period of the bristle on its belt. None chooses 8 to 24, so
+    that a cubic through them meets the accuracy: its error is h^4/384 for samples at intervals of h
+    rad.
     """
 
     accuracy: float = quantity(
@@ -61,7 +66,7 @@ class Settings(Declared):
 
     @property
     def samples(self) -> int:
-        """Least number of samples in a period, given or by the accuracy."""
+        """Least number of samples in a period, as given or as required by the accuracy."""
         if self.samples_per_period is not None:
             return self.samples_per_period
         needed: int = math.ceil(math.tau / (384.0 * self.accuracy) ** 0.25)
@@ -72,23 +77,24 @@ EVENTS = (
     "bar touch", "bar release", "strike", "workpart touch", "workpart release", "wire touch", "wire release",
     "largest retraction", "highest relative speed", "retraction limit", "jam",
 )  # fmt: skip
-"""Events that a run records and that can end it, by name."""
+"""Names of the events that a run records and that can end it."""
 
 LARGEST_RETRACTION = (
     "largest retraction"  # an event: where the first link lags the hub most, before the strike
 )
 
-OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
+OBSTACLES = ("bar", "workpart", "wire")  # names of the obstacles that a wire can touch
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Events recorded at the end of a run in which the other event never happened."""
+"""Events recorded at the end of a run, and the events whose absence they record."""
 
 
 class StopReason(StrEnum):
-    """Why a run stopped; the value is the wording that people and saved files see.
+    """Reason why a run stopped; its value is the text that people and saved files see.
 
     Attributes:
-        remedy: a change that lets the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
+        remedy: a change that lets the run continue; ``{friction}`` stands for the key of the
+            touched obstacle's friction.
         gives_up: whether the method failed, so that the motion after the stop is missing.
     """
 
@@ -96,7 +102,7 @@ class StopReason(StrEnum):
     gives_up: bool
 
     def __new__(cls, wording: str, remedy: str, gives_up: bool = False) -> StopReason:
-        """Build a member from its wording, remedy and kind."""
+        """Return a member with its text, its remedy and whether it gives up."""
         member = str.__new__(cls, wording)
         member._value_ = wording
         member.remedy = remedy
@@ -133,9 +139,10 @@ class StopReason(StrEnum):
 
 
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
-    """Return a name that is known.
+    """Return a name if it is known.
 
-    Raises ValueError for an unknown name; the message suggests the name that was likely meant.
+    Raises:
+        ValueError: for an unknown name; the message suggests the most similar known name.
     """
     names = tuple(known)
     if isinstance(name, str) and name in names:

@@ -1,7 +1,8 @@
-"""A tool in a TOML file: the keys of ``--set``, each with its unit, meaning and source in a comment.
+"""A tool in a TOML file: the keys of ``--set``, each with unit, meaning and source in a comment.
 
-A text such as ``"27 mm"`` carries its unit, a bare number is in SI units or in degrees where the key ends in ``_deg``. A part that is absent is
-``bar = false``; a key that a file leaves out has its default. The keys of a part may also stand in a table of its name.
+A text such as ``"27 mm"`` has its unit. A bare number is in SI units, or in degrees if the key ends
+in ``_deg``. An absent part is ``bar = false``. An omitted key has its default. The keys of a part
+may also be in a table of its name.
 """
 
 from __future__ import annotations
@@ -18,30 +19,31 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
-ABSENT = "false"  # the text that ``read_keys`` returns for an absent part
+ABSENT = "false"  # text of an absent part, as ``read_keys`` returns it
 
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
-    """Read a parameter file and return the text of each key as it would be typed.
+    """Return the text of each key in a parameter file, as it would be typed.
 
     Args:
-        path: of the file.
-        further: keys that may stand in the file besides those of the tool.
+        path: name of the file.
+        further: keys that may be in the file besides those of the tool.
 
     Returns:
-        Text by key, and ``"false"`` by the name of each part that is absent.
+        Text by key, and ``"false"`` by the name of each absent part.
 
     Raises:
-        ValueError: in one line, for a file that is not TOML, an unknown key or table, and a key both in a table and outside.
+        ValueError: in one line, for a file that is not TOML, an unknown key or table, and a key
+            both in a table and outside.
         OSError: for a file that cannot be read.
     """
     content = Path(path).read_bytes()
     try:
         found = tomllib.loads(
             content.decode("utf-8-sig")
-        )  # editors may begin it with a byte order mark
+        )  # some editors write a byte order mark first
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
     known = tool_keys()
@@ -78,10 +80,11 @@ def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: s
 
 
 def read_tool(path: str | Path) -> Tool:
-    """Read a tool from a TOML file; a key that the file leaves out has its default.
+    """Read a tool from a TOML file; an omitted key has its default.
 
     Raises:
-        ValueError: in one line, for a file that is not TOML, an unknown key, or a value that is out of range.
+        ValueError: in one line, for a file that is not TOML, an unknown key, or a value out of
+            range.
         OSError: for a file that cannot be read.
     """
     typed = read_keys(path)
@@ -96,11 +99,13 @@ def read_tool(path: str | Path) -> Tool:
 
 
 def write_tool(tool: Tool, path: str | Path) -> None:
-    """Write a tool to a TOML file with a comment for each key; ``read_tool`` returns the same tool, to the last digit.
+    """Write a tool to a TOML file with a comment for each key.
+
+    ``read_tool`` returns the same tool, to the last digit.
 
     Raises:
-        ValueError: if ``tool`` is not a tool.
-        OSError: naming the file, if it cannot be written.
+        ValueError: if ``tool`` is not a Tool.
+        OSError: if the file cannot be written; the message names it.
     """
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
@@ -120,7 +125,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 
 
 def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
-    """Return a key's comment and its line; the line of a key without a value is a comment too."""
+    """Return the comment and the line of a key; without a value the line is a comment too."""
     words = f"{declared.meaning} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
     absent = value is None or isinstance(value, Computed)

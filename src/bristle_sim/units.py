@@ -1,7 +1,8 @@
-"""Declared parameters: default, unit, range, meaning and source together, once, and the units that a person may type.
+"""Declared parameters: default, unit, range, meaning and source in one place, and the units that
+may be typed.
 
-A declaration checks every value that enters a parameter object, from Python, a file or the command line; the scripts list and
-parse it; it is the documentation of its field.
+A declaration checks every value that enters a parameter object, from Python, a file or the command
+line. The scripts list and parse it, and it is the documentation of its field.
 """
 
 from __future__ import annotations
@@ -31,27 +32,31 @@ from bristle_sim.conversion import (
 )
 
 ANY = (0.0, math.inf)
-"""Usual sizes of a number, such as an accuracy, whose default says nothing about likely values."""
+"""Usual sizes of a number whose default does not indicate likely values, such as an accuracy."""
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
-"""A number whose thousands are grouped by commas, as in 3,000 rpm."""
+"""Pattern of a number whose thousands are grouped by commas, as in 3,000 rpm."""
 
-FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
+FAR = 100.0  # largest ratio of a usual value to its default, or of the default to the value
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A real number, or a whole one, with a unit and the range it must be in.
+    """Declaration of a real or whole number: unit, range and source.
 
     Attributes:
         key: its name on the command line and in messages.
-        unit: of the number; "1" for pure numbers.
-        lowest, highest, lowest_allowed: the range; whether it includes its lower end.
-        source: of the default.
+        unit: unit of the number; "1" for a pure number.
+        lowest, highest: ends of the range.
+        lowest_allowed: whether the range includes its lower end.
+        source: source of the default.
         optional: whether the value may be None.
-        usual: smallest and largest size that draws no warning; None for those within a factor of 100 of the default.
-        needs: a condition on another key without which this one has no effect, such as ``contact = compliant``.
-        whole: whether it must be a whole number, which is then kept as an int.
+        meaning: meaning of the number, in words.
+        usual: smallest and largest size without a warning; None for sizes within a factor of 100 of
+            the default.
+        needs: condition on another key without which this key has no effect, such as ``contact =
+            compliant``.
+        whole: whether the number must be whole; it is then an int.
     """
 
     key: str
@@ -77,19 +82,26 @@ class Range:
 
     @property
     def display(self) -> tuple[str, float]:
-        """The unit in which a person types and reads the number, "" for a pure one, and its size in the declared unit."""
+        """Unit in which a person types and reads the number, "" for a pure number, and its size in
+        the declared unit.
+        """
         return display_unit(self.key, self.unit)
 
     def with_display_unit(self, text: str) -> str:
-        """Return a typed text for :meth:`parse`, in which a bare number has the displayed unit: ``30`` becomes ``30 mm``."""
+        """Return a typed text for :meth:`parse`; a bare number gets the displayed unit, as ``30``
+        becomes ``30 mm``.
+        """
         typed = TYPED.fullmatch(text.strip())
         bare = typed is not None and not typed["unit"]
         return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
 
     def parse(self, text: str) -> float:
-        """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
+        """Return the checked value of a typed decimal number, with a unit (``27mm``) or in the
+        declared unit.
 
-        Raises ValueError in one line, if the text is no number, has another dimension, or is out of range.
+        Raises:
+            ValueError: in one line, if the text is no number, has another dimension, or is out of
+                range.
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
@@ -105,7 +117,11 @@ class Range:
         return self.check(number, text)
 
     def check(self, value: Any, typed: str | None = None) -> float:
-        """Return the value as a float without a negative zero, or raise ValueError naming key, value, range and unit."""
+        """Return the value as a float without a negative zero.
+
+        Raises:
+            ValueError: for a value out of range; the message names key, value, range and unit.
+        """
         if isinstance(value, bool) or not isinstance(value, Real):
             raise self.refusal(value)
         try:
@@ -125,7 +141,9 @@ class Range:
         return int(number) if self.whole else number + 0.0
 
     def _likely_display_unit(self, number: float, typed: str | None) -> str:
-        """Suggest the displayed unit for a refused bare number that is in the range with it: 27 m may be meant in mm."""
+        """Return a hint to the displayed unit if a refused bare number is in the range with it: 27
+        m may be meant in mm.
+        """
         size = self.display[1]
         bare = typed or f"{number:g}"
         fits = size < 1.0 and self.lowest <= scaled(number, size) <= self.highest
@@ -133,7 +151,7 @@ class Range:
         return f"; did you mean {meant}?" if fits and meant != bare else ""
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the error for a value that is refused; ``why`` may repeat a typed number with its unit."""
+        """Return the error for a refused value; ``why`` may repeat a typed number with its unit."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(
@@ -142,7 +160,9 @@ class Range:
 
 
 def displayed(declared: Any, value: Any) -> str:
-    """Return a key's value as a person reads it, a number with five digits and the displayed unit: ``27 mm``."""
+    """Return the value of a key as a person reads it, with five digits and the displayed unit, for
+    example ``27 mm``.
+    """
     if value is None or isinstance(value, str) or declared.whole:
         return "none" if value is None else str(value)
     unit, size = declared.display
@@ -150,7 +170,7 @@ def displayed(declared: Any, value: Any) -> str:
 
 
 def displayed_range(declared: Any) -> str:
-    """Return the range of a key in the displayed unit, for listings, or the words that it must be one of."""
+    """Return the range of a key in the displayed unit, or the permitted words, for listings."""
     if not isinstance(declared, Range) or declared.whole:
         return str(declared.allowed)
     low, high = (
@@ -160,16 +180,17 @@ def displayed_range(declared: Any) -> str:
 
 
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
-    """Return a line that says why a value is unusual, with the unit that may have been meant; empty where it is usual.
+    """Return a line that states why a value is unusual, with the unit that may be meant; empty for
+    a usual value.
 
-    ``given`` is the value as typed; a bare number may have been meant in another unit.
+    ``given`` is the value as typed; a bare number may be meant in another unit.
     """
     if not isinstance(declared, Range) or value is None:
         return ""
     least, most = declared.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
     if (
         value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)
-    ):  # but for rounding
+    ):  # the ends include rounding
         return ""
     unit = "" if declared.unit == "1" else f" {declared.unit}"
     ratio = (
@@ -186,10 +207,12 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
 
 
 def _meant_unit(declared: Range, text: str, typical: float) -> str:
-    """Suggest the unit of a bare number that would bring it within a factor of ten of a typical value."""
+    """Return a hint to the unit that would bring a bare number within a factor of ten of a typical
+    value.
+    """
     try:
         number = float(text)
-    except ValueError:  # it has a unit already
+    except ValueError:  # the text has a unit already
         return ""
     for unit in TYPICAL_UNITS:
         size = conversion(unit, declared.unit) or 1.0
@@ -200,7 +223,7 @@ def _meant_unit(declared: Range, text: str, typical: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A declared field with one of a few words."""
+    """Declaration of a field whose value is one of a few words."""
 
     key: str
     options: tuple[str, ...]
@@ -212,11 +235,15 @@ class Choice:
 
     @property
     def allowed(self) -> str:
-        """The words, for messages and listings."""
+        """The permitted words, for messages and listings."""
         return " | ".join(self.options)
 
     def check(self, value: Any) -> str:
-        """Return the word, or raise ValueError naming key, value and the words it must be one of."""
+        """Return the word.
+
+        Raises:
+            ValueError: for any other value; the message names key, value and permitted words.
+        """
         if not isinstance(value, str) or value not in self.options:
             raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
         return str(value)
@@ -224,21 +251,23 @@ class Choice:
     parse = check
 
 
-LONGEST_SHOWN = 100  # characters of a value in a message
+LONGEST_SHOWN = 100  # largest number of characters of a value in a message
 
 
 def shown(value: Any) -> str:
-    """Write any value in one short line, for messages."""
+    """Return any value as one short line, for messages."""
     try:
         text = reprlib.repr(value)
-    except ValueError:  # a whole number of thousands of digits, which Python does not write out
+    except ValueError:  # Python does not convert an integer of thousands of digits to text
         text = f"<{type(value).__name__}>"
     line = " ".join(each.strip() for each in text.splitlines())
     return line if len(line) <= LONGEST_SHOWN else f"{line[:LONGEST_SHOWN]}..."
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
-    """Return advice on a misspelt key: the likely one, else ``otherwise``, or by default all keys."""
+    """Return advice on a misspelt key: the most similar key, else ``otherwise``, by default the
+    list of all keys.
+    """
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
@@ -250,7 +279,9 @@ def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
 
 
 RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
-"""A declared range, unit, meaning and source: ``0 <= hub_radius <= 10 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
+"""Pattern of a rule: range, unit, meaning and source.
+
+An example is ``0 <= hub_radius <= 10 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
 
 
 def quantity(
@@ -261,9 +292,10 @@ def quantity(
     needs: str = "",
     whole: bool = False,
 ) -> Any:
-    """Declare a dataclass field for a real number; its range, unit, meaning and source are written as in :data:`RULE`.
+    """Declare a dataclass field for a real number by a default and a rule as in :data:`RULE`.
 
-    A default of None makes the parameter optional. The other arguments are the attributes of :class:`Range`.
+    A default of None makes the parameter optional. The other arguments are attributes of
+    :class:`Range`.
     """
     found = RULE.fullmatch(rule)
     assert found is not None, rule
@@ -279,18 +311,18 @@ count = functools.partial(quantity, usual=ANY, whole=True)
 
 
 WORDS = re.compile(r"(\w+)(?:: (.+?))?(?: \[(.+)\])?")
-"""A declared key, meaning and source: ``contact: law of impact [Stronge 1990]``."""
+"""Pattern of key, meaning and source of a word: ``contact: law of impact [Stronge 1990]``."""
 
 
 def words_of(rule: str) -> dict[str, Any]:
-    """Return key, meaning and source of a declared word or text, as in :data:`WORDS`."""
+    """Return key, meaning and source of a declared word or text, by the pattern :data:`WORDS`."""
     found = WORDS.fullmatch(rule)
     assert found is not None, rule
     return dict(zip(("key", "meaning", "source"), found.groups(""), strict=True))
 
 
 def choice(rule: str, *options: str) -> Any:
-    """Declare a dataclass field for one of a few words; by default the first."""
+    """Declare a dataclass field for one of a few words; the first is the default."""
     return declared_field(options[0], Choice(options=options, **words_of(rule)))
 
 
@@ -301,7 +333,9 @@ def declared_field(default: Any, declared: Any) -> Any:
 
 @functools.cache
 def declared_fields(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
-    """Return declaration and default of each declared field of a parameter class, by the field's name."""
+    """Return declaration and default of each declared field of a parameter class, by the name of
+    the field.
+    """
     return {
         each.name: (each.metadata["declaration"], each.default)
         for each in dataclasses.fields(kind)
@@ -310,14 +344,15 @@ def declared_fields(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
 
 
 def declarations(kind: Any) -> dict[str, Range | Choice]:
-    """Return the declarations of a parameter class by the names of its fields."""
+    """Return the declarations of a parameter class, by the names of its fields."""
     return {name: declared for name, (declared, _) in declared_fields(kind).items()}
 
 
 def validate(instance: Any) -> None:
-    """Check every declared field of a frozen dataclass instance, store it as a plain number or word, and warn of unusual ones.
+    """Check every declared field of a frozen dataclass instance, and store it as a plain number or
+    word.
 
-    A text such as "27 mm" counts as typed.
+    A text such as "27 mm" is parsed as if typed. An unusual value causes a warning.
     """
     kind: Any = type(instance)
     for name, (declared, default) in declared_fields(kind).items():
@@ -331,32 +366,33 @@ def validate(instance: Any) -> None:
 
 
 class Computed(float):
-    """The number of a declared field that was not given: its object computes it from its other fields.
+    """Number of a declared field that was not given: its object computes it from other fields.
 
-    A copy by ``dataclasses.replace`` computes it again, and a tool's file leaves it out.
+    A copy by ``dataclasses.replace`` computes it again, and a tool's file omits it.
     """
 
     __slots__ = ()
 
 
 class UnusualValueWarning(UserWarning):
-    """A parameter's value is so far from its default that its unit may be mistaken."""
+    """Warning: the value of a parameter is so far from its default that its unit may be mistaken."""
 
 
 class Declared:
-    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values cause a warning.
+    """Base class of frozen dataclasses whose declared fields are checked when an object is made.
 
-    The docstring of such a class lists key, meaning, unit, range, default and source of each declared field.
+    Unusual values cause a warning. The docstring of such a class lists key, meaning, unit, range,
+    default and source of each declared field.
     """
 
     __slots__ = ()
 
     def __init_subclass__(cls) -> None:
-        """Document the fields, before the decorator for dataclasses replaces them."""
+        """Document the fields before the dataclass decorator replaces them."""
         own = {
             name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)
         }
-        if not own:  # the decorator makes the class a second time, for its slots
+        if not own:  # the decorator creates the class a second time, for its slots
             return
         lines = [inspect.cleandoc(cls.__doc__ or ""), "", "Attributes:"]
         for name, each in {**getattr(cls, "__dataclass_fields__", {}), **own}.items():

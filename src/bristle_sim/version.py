@@ -1,4 +1,4 @@
-"""The version of this package, and the commit that its source stands at."""
+"""Version of this package, and commit of its source."""
 
 import functools
 from pathlib import Path
@@ -8,7 +8,8 @@ __version__ = "0.1.0"
 
 @functools.cache
 def commit() -> str:
-    """Return the commit of the checkout, or of the distribution's source; empty where neither is known.
+    """Return the commit of the checkout, or of the distribution's source; empty if neither is
+    known.
 
     The commit of a modified checkout ends in ``-dirty``.
     """
@@ -35,10 +36,10 @@ def commit() -> str:
         return subprocess.run(
             describe, capture_output=True, text=True, check=True, timeout=10.0
         ).stdout.strip()
-    except (OSError, subprocess.SubprocessError):  # without git, or not its owner
+    except (OSError, subprocess.SubprocessError):  # no git, or the checkout has another owner
         return ""
 
 
 def named_commit() -> dict[str, str]:
-    """Return the commit as an entry of a JSON object; an empty mapping if it is not known."""
+    """Return the commit as an entry of a JSON object; empty if it is unknown."""
     return {"commit": commit()} if commit() else {}

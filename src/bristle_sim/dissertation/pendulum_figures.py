@@ -135,6 +135,7 @@ def _curve(
         return [getattr(_closed_form(*impact(each)), quantity) for each in grid.tolist()]
 
     def read(contact: ContactRecord) -> float:
+        """Return the quantity of a simulated contact, with the dissertation's sign."""
         return (
             contact.impulse[0] if quantity == FINAL else -contact.rates_after[int(quantity[-1]) - 1]
         )

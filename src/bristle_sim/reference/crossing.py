@@ -224,6 +224,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
         return float(at.balance.accelerations[link])
 
     def zeros(value: Value, resolution: float, sense: int) -> list[float]:
+        """Return the times at which a quantity passes zero in a sense, +1 or -1."""
         if step.end <= step.start or step.sign(value, resolution) is not None:
             return []
         found = crossings(step.along(value), step.start, step.end, resolution)

@@ -237,6 +237,9 @@ def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     past = PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
+        """Return the event at which the foot of the bar's centre on a piece passes an end of the
+        piece.
+        """
         # A contact beyond the end by rounding passes it only when it has moved on by the margin.
         level = direction * (max(direction * end, direction * float(feet[piece])) + past)
         foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731

@@ -120,6 +120,7 @@ def cue_timing(
 
     @functools.cache
     def timed(stiffness: float) -> CueTiming:
+        """Return the release and passes of the tool with another belt stiffness, N m/rad."""
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
         return _timed(
             read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference

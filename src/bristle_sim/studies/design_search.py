@@ -218,6 +218,7 @@ def solution(question: Question, first: Array) -> Array | None:
     wants = len(question.want)
 
     def merit(fractions: Array) -> Array:
+        """Return the goal plus the penalty of the misses."""
         goal, *rest = question.costs(fractions)
         missed = np.abs(rest[:wants]).sum(axis=0) + np.maximum(rest[wants:], 0.0).sum(axis=0)
         return np.asarray(np.nan_to_num(goal + PENALTY * missed, nan=NO_STRIKE))

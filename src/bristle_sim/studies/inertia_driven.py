@@ -89,6 +89,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
 
     def run(bare: Tool, time: float) -> Trajectory:
+        """Simulate the tool without a bar for a time, s."""
         turn = bare.hub.speed * time
         if turn < LEAST_TURN:
             raise ValueError(

@@ -89,6 +89,7 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
     lines = cubics(lone.time, lone.centre_line, lone.centre_line_velocity)
 
     def distance(time: Array) -> Array:
+        """Return the distance of the two centre lines at instants, m."""
         within = np.maximum(time - delay, begin)  # before the start a bristle turns with the hub
         turned = np.exp(1j * lone.hub_speed * (time - delay - within))
         return polyline_distance(

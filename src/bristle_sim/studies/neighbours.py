@@ -256,6 +256,7 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
     speed = row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
+        """Return whether two wires touch at a pitch, deg."""
         if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
@@ -310,6 +311,7 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
+        """Return the tolerance of a quantity by name; None if nothing judges it."""
         value = (referred or theory)[name]
         # A touch may change all later motion, and any bristle of the row may end the run for all.
         if touched and reference is None:

@@ -224,6 +224,7 @@ def timed_contact(
         speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
+        """Return the contact of a duration and tip speed, and its compression time and impulse."""
         if (
             not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length)
             <= bristle.length

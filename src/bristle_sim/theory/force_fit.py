@@ -209,6 +209,7 @@ def _fitted(
         return None
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
+        """Return curve, start and baseline at values of the unknowns."""
         found = {
             name: size * value
             for (name, size), value in zip(sizes.items(), unknowns.tolist(), strict=True)

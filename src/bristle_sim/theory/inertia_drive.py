@@ -54,6 +54,7 @@ def largest_retraction(
     energy = 0.5 * inertia * hub_speed**2
 
     def excess(angle: float) -> float:
+        """Return the relative excess of the potential energy at an angle over the initial energy."""
         return (
             0.5 * stiffness * angle**2 + 2.0 * centrifugal * math.sin(0.5 * angle) ** 2
         ) / energy - 1.0

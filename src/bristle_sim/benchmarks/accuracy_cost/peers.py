@@ -42,6 +42,7 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     }
 
     def fly(tolerance: float) -> Run:
+        """Integrate the flight from its start, with the program of a tolerance."""
         integrator = compiled[tolerance]
         integrator.time = 0.0
         integrator.state[:] = start
