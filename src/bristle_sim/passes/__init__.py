@@ -1,6 +1,8 @@
-"""Many passes of straight rigid bristles at once, from the equations of motion alone, in NumPy arrays.
+"""Many passes of straight rigid bristles at once, by the equations of motion alone, in NumPy
+arrays.
 
-In reading order: ``ensemble`` (the entry), ``request`` (the tools), ``state`` (their numbers without dimension), ``motion``
-(flight), ``bar`` (kinematics at the bar), ``crossing`` (roots), ``flight`` (a step up to a touch), ``slide`` (on the bar),
-``run`` (a step and its consequences), ``strike`` (the law and the outcome), ``result``.
+Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``
+(their dimensionless numbers), ``motion`` (flight), ``bar`` (kinematics at the bar), ``crossing``
+(roots), ``flight`` (a step up to a touch), ``slide`` (motion on the bar), ``run`` (a step and its
+consequences), ``strike`` (impact law and outcome), ``result``.
 """

@@ -1,8 +1,10 @@
-"""Contact of straight wires with the bar, a fixed circle: gap, levers, and the motion of a wire that lies on it.
+"""Contact of straight wires with the bar, a fixed circle: gap, levers, and the motion of a wire
+that lies on it.
 
-Seen from the hub with the bar's direction downwards, the root is at the angle chi = psi - psi_b and the vector D leads from it to
-the bar's centre, D^2 = S^2 + rho^2 - 2 S rho cos chi, in the direction delta. A wire that lies on the bar keeps its centre line,
-or its end, at the distance R from the bar's centre. So its angle is delta - s eta, with s = 1 for a wire held back, and
+Seen from the hub with the bar's direction downwards, the root is at the angle chi = psi - psi_b.
+The vector D leads from the root to the bar's centre, D^2 = S^2 + rho^2 - 2 S rho cos chi, in the
+direction delta. A wire that lies on the bar keeps its centre line, or its end, at the distance R
+from the bar's centre. Its angle is therefore delta - s eta, with s = 1 for a wire held back, and
 
     sin eta = R/D on its flank,    cos eta = (D^2 + 1 - R^2)/(2 D) at its end.
 """
@@ -19,7 +21,9 @@ from bristle_sim.passes.state import Chosen, Passes, Place
 
 
 def half_window(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the largest |chi| at which a wire reaches the bar, D = 1 + R, rad; -1 where none does."""
+    """Return the largest |chi| at which a wire reaches the bar, D = 1 + R, rad; -1 if it never
+    does.
+    """
     room = radius**2 + distance**2 - (1.0 + reach) ** 2
     double = 2.0 * radius * distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 2.0, -1.0), where=double > 0.0)
@@ -27,9 +31,11 @@ def half_window(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the chi at which an undeflected wire first touches the bar, rad; infinite where it passes below the bar.
+    """Return the chi at which an undeflected wire first touches the bar, rad; infinite if it passes
+    below the bar.
 
-    It touches with its flank where S sin chi = -R, and with its end where S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2.
+    The wire touches with its flank where S sin chi = -R, and with its end where S^2 + (1 + rho)^2 -
+    2 S (1 + rho) cos chi = R^2.
     """
     foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
     cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))
@@ -38,9 +44,14 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 class Closest(NamedTuple):
-    """The closest approach of wire and bar: gap, its rate, and the bar's centre from the wire's nearest point (x, y, distance).
+    """The closest approach of wire and bar, with lengths over the bristle's.
 
-    ``along`` is that point's distance from the root.
+    Attributes:
+        gap: gap between wire and bar.
+        rate: rate of the gap.
+        x, y: position of the bar's centre from the wire's nearest point.
+        distance: distance of the two.
+        along: distance of the wire's nearest point from the root.
     """
 
     gap: Array
@@ -52,7 +63,7 @@ class Closest(NamedTuple):
 
 
 def closest(passes: Passes | Place, pose: Pose) -> Closest:
-    """Return the closest approach in poses of a shape (..., passes)."""
+    """Return the closest approach of wire and bar in poses of shape (..., passes)."""
     moving_x = passes.radius * pose.hub_cosine
     moving_y = passes.radius * pose.hub_sine
     x = passes.bar_x - moving_y
@@ -67,9 +78,13 @@ def closest(passes: Passes | Place, pose: Pose) -> Closest:
 
 
 class Levers(NamedTuple):
-    """Velocities (normal, tangential) of the wire's surface on the bar, and their changes per change of the wire's rate.
+    """Velocities of the wire's surface on the bar, and their derivatives with respect to the wire's
+    rate.
 
-    ``side`` is 1 for a wire behind the bar, which holds it back, and -1 for one before it.
+    Attributes:
+        normal, tangential: derivatives of the two velocities.
+        normal_velocity, tangential_velocity: the velocities.
+        side: 1 for a wire behind the bar, which holds it back, and -1 for a wire ahead of it.
     """
 
     normal: Array
@@ -80,7 +95,10 @@ class Levers(NamedTuple):
 
 
 def levers(passes: Passes, pose: Pose) -> Levers:
-    """Return the kinematics of a touch; the normal leads from the bar to the wire, the tangent is the normal turned clockwise."""
+    """Return the kinematics of a touch.
+
+    The normal points from the bar to the wire; the tangent is the normal turned clockwise.
+    """
     near = closest(passes, pose)
     normal_x = -near.x / near.distance
     normal_y = -near.y / near.distance
@@ -98,9 +116,12 @@ def levers(passes: Passes, pose: Pose) -> Levers:
 
 
 class Lying(NamedTuple):
-    """Angle, rate and angular acceleration of a wire that lies on the bar, and the force that presses it on over the inertia.
+    """Motion of a wire that lies on the bar, and the force of the contact.
 
-    ``pressure`` is the acceleration that the wire would have without the bar, less the one that it has, in the sense of the bar.
+    Attributes:
+        angle, rate, acceleration: relative angle and its two derivatives.
+        pressure: moment of the contact over the inertia, positive for a pressing wire. It is the
+            acceleration without the bar less the actual acceleration, towards the bar.
     """
 
     angle: Array
@@ -110,7 +131,9 @@ class Lying(NamedTuple):
 
 
 def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen) -> Lying:
-    """Return the motion of wires that lie on the bar with their flanks, or with their ends, at hub angles (..., passes)."""
+    """Return the motion of wires that lie on the bar with flank or end, at hub angles of shape
+    (..., passes).
+    """
     chi = hub_angle - passes.bar_angle
     sine = np.sin(chi)
     cosine = np.cos(chi)
@@ -136,13 +159,14 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen) -> Lyin
 
 
 LEAST_SQUARE = 1e-60
-"""Least square of a sine or a length: where the wire points at the bar's centre, its derivatives are large but finite."""
+"""Least square of a sine or a length, against a division by zero where the wire points at the bar's
+centre."""
 
 Turns = tuple[Array, Array, Array]
 
 
 def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
-    """Return eta and its two derivatives where sin eta = R/D, with D^2 and its derivatives."""
+    """Return eta and its two derivatives with sin eta = R/D, from D^2 and its two derivatives."""
     foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
     factor = -0.5 * passes.reach / (square * np.sqrt(foot))
     bent = square_2 - square_1**2 * (1.0 / square + 0.5 / foot)
@@ -150,7 +174,9 @@ def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Arr
 
 
 def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
-    """Return eta and its two derivatives where cos eta = (D^2 + 1 - R^2)/(2 D)."""
+    """Return eta and its two derivatives with cos eta = (D^2 + 1 - R^2)/(2 D), from D^2 and its two
+    derivatives.
+    """
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)
     cosine = 0.5 * (square + rest) / distance
@@ -163,7 +189,9 @@ def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array
 
 
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
-    """Return whether friction locks a wire on the bar: a force with its friction does not push it away."""
+    """Return whether friction locks a wire on the bar: a normal force with its friction does not
+    push it away.
+    """
     touch = levers(passes, pose_of(hub_angle, angle, rate))
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential
     return np.asarray(touch.normal * (touch.normal - rub) <= 0.0)

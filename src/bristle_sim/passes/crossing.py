@@ -1,7 +1,7 @@
-"""Roots of many functions at once, within brackets, without derivatives.
+"""Roots of many functions at once, within brackets and without derivatives.
 
-T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using
-derivatives*, Advances in Engineering Software 28 (1997) 145-149.
+T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear
+function without using derivatives*, Advances in Engineering Software 28 (1997) 145-149.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from bristle_sim.arrays import Array
 from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120
-"""Evaluations of a root: twice as many as bisection alone takes from a bracket of 1 rad to rounding."""
+"""Largest number of evaluations for a root: twice that of bisection from a bracket of 1 rad to
+rounding."""
 
 ROOT_ROUNDING = 5e-16
-"""Half width of a bracket, rad, at which its root is found: rounding of hub angles of some radians."""
+"""Half-width of the last bracket of a root, rad: rounding of hub angles of some radians."""
 
 Function = Callable[[Array], Array]
 
@@ -30,9 +31,10 @@ def root(
     """Return a root in each bracket.
 
     Args:
-        function_of: returns the function whose values are those of the brackets with these numbers.
-        ends: of the brackets.
-        values: of the function at the ends, of opposite signs.
+        function_of: function that returns, for the numbers of some brackets, the function whose
+        roots are in them.
+        ends: lower and upper ends of the brackets.
+        values: values of the function at the ends, of opposite signs.
     """
     found = np.empty(ends[0].shape)
     if not found.size:
@@ -41,7 +43,7 @@ def root(
     function = function_of(numbers)
     state = np.array(
         [*ends, ends[0], *values, values[0]]
-    )  # a, b, c and the function's values there
+    )  # a, b, c and the values of the function at these places
     fraction = np.full(found.shape, 0.5)
     for _ in range(MOST_EVALUATIONS):
         a, b, _, f_a, f_b, _ = state
@@ -69,7 +71,10 @@ def root(
 
 
 def _fraction(a: Array, b: Array, c: Array, f_a: Array, f_b: Array, f_c: Array) -> Array:
-    """Return the next place as a fraction of the bracket from b to a: inverse quadratic where it is safe, else the middle."""
+    """Return the next place as a fraction of the bracket from b to a.
+
+    It is found by inverse quadratic interpolation where that is safe; otherwise it is the middle.
+    """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         xi = (b - a) / (c - a)
         phi = (f_b - f_a) / (f_c - f_a)

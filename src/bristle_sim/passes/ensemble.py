@@ -1,4 +1,4 @@
-"""The public entry: passes of many tools at once, in blocks whose arrays fit the memory."""
+"""Passes of many tools at once, computed in blocks whose arrays fit the memory."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ from bristle_sim.settings import Settings
 from bristle_sim.units import declarations
 
 BLOCK = 1 << 14
-"""Passes that are begun together. A thousand numbers each take 130 MB; fewer passes spend more on calls than on numbers."""
+"""Number of passes that begin together.
 
-LEAST_FLYING = BLOCK // 4  # passes in flight below which the next block begins
+With a thousand numbers each they take 130 MB. With fewer passes the calls would take more time than
+the arithmetic."""
+
+LEAST_FLYING = BLOCK // 4  # number of passes in flight below which the next block begins
 
 UNCERTAIN = 1.0
-"""Error estimate of a pass that takes another course, by one touch more or less, or outcome within the accuracy."""
+"""Error estimate of a pass whose course or outcome a change within the accuracy would alter."""
 
 REASONS = {
     MISSED: "its tip stays above the workpart",
@@ -42,10 +45,12 @@ def ensemble(
     progress: Callable[[float], None] | None = None,
     **values: Any,
 ) -> Ensemble:
-    """Compute passes of straight rigid bristles with the energetic law of impact, from the start to the strike, for arrays of keys.
+    """Compute passes of straight rigid bristles up to the strike, for arrays of keys.
 
-    Between contacts I alpha'' + c alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0; on the bar
-    the angle is geometry, and the wire leaves it where the normal force falls to zero. Neither an engine nor a compiler is used.
+    The law of impact is the energetic one. Between contacts the equation of motion is I alpha'' + c
+    alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. On the bar
+    geometry gives the angle, and the wire leaves the bar where the normal force falls to zero.
+    Neither an engine nor a compiler is used.
 
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])
@@ -53,18 +58,20 @@ def ensemble(
     [34.5, 37.9, 41.1]
 
     Args:
-        tool: has the values of all keys that are not given; by default the dissertation's tool.
-        accuracy: relative accuracy requested, from 1e-11 to 0.1.
-        progress: is called with the fraction of the passes that are finished.
-        values: values of the tool's keys, such as ``friction=[0.2, 0.3]`` or ``bar_horizontal="50 mm"``: numbers in SI units,
-            or texts with a unit, in arrays whose shapes broadcast against each other.
+        tool: tool that gives the values of all other keys; by default the dissertation's tool.
+        accuracy: requested relative accuracy, from 1e-11 to 0.1.
+        progress: function that is called with the fraction of finished passes.
+        values: values of the tool's keys, such as ``friction=[0.2, 0.3]`` or ``bar_horizontal="50
+            mm"``: numbers in SI units, or texts with a unit, in arrays whose shapes broadcast
+            against each other.
 
     Returns:
-        The passes: arrays of the broadcast shape. A tool out of range, or one that this method cannot do, has the outcome
-        *refused* and its reason, and NaN for numbers.
+        The passes, in arrays of the broadcast shape. A tool that is out of range, or not computable
+        by this method, has the outcome *refused*, the reason, and NaN for numbers.
 
     Raises:
-        ValueError: in one line, for an unknown key, a text that is no such quantity, or shapes that do not broadcast.
+        ValueError: in one line, for an unknown key, a text that is no value of its key, or shapes
+        that do not broadcast.
     """
     declared = declarations(Settings)["accuracy"]
     accuracy = float(declared.check(accuracy))
@@ -91,7 +98,10 @@ def ensemble(
 
 
 class Results:
-    """The results of a request's passes; those that have ended wait until many are recorded at once."""
+    """The results of a request's passes.
+
+    Passes that have ended are kept until many can be recorded at once.
+    """
 
     def __init__(self, request: Request, accuracy: float) -> None:
         self.request = request
@@ -102,7 +112,7 @@ class Results:
         self.waiting = list[tuple[Passes, Chosen]]()
 
     def add(self, passes: Passes, ending: Chosen) -> None:
-        """Add passes that have ended, and how."""
+        """Add passes that have ended, with the codes of their ends."""
         self.waiting.append((passes, ending))
         if sum(each.size for each, _ in self.waiting) >= LEAST_FLYING:
             self._record_waiting()
@@ -114,7 +124,7 @@ class Results:
             self.waiting.clear()
 
     def _record(self, passes: Passes, ending: Chosen) -> None:
-        """Record the passes that have ended."""
+        """Record passes that have ended."""
         for code, reason in REASONS.items():
             over = passes.number[ending == code]
             self.reason[over] = reason
@@ -142,7 +152,7 @@ class Results:
             self.reason[numbers[open_question]] = reason
 
     def ensemble(self) -> Ensemble:
-        """Return the results in the request's shape."""
+        """Return the results in the shape of the request."""
         self._record_waiting()
         shape = self.request.shape
         shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
@@ -153,7 +163,9 @@ class Results:
 
 
 def _bar_measures(passes: Passes, values: dict[str, Array]) -> dict[str, Array]:
-    """Return the quantities up to the last contact with the bar, in SI units, and the error of the motion."""
+    """Return the quantities up to the last contact with the bar, in SI units, and the error
+    estimate.
+    """
     return {
         "release_time": (passes.release - passes.start) / values["hub_speed"],
         "release_retraction": -passes.release_angle,

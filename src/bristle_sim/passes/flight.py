@@ -14,31 +14,34 @@ from bristle_sim.passes.motion import ORDER, Course, Pose, course_of, free_accel
 from bristle_sim.passes.state import Chosen, Passes, Place
 
 NOTHING, BAR, WORKPART, HUB = range(4)
-"""Touches at the end of a step; a wire that folds back by a quarter turn lies on the hub."""
+"""Codes of touches at the end of a step; a wire that folds back by a quarter turn lies on the
+hub."""
 
 INTERVALS = 8
-"""Equal parts of a step; a gap is taken to have at most one minimum in each."""
+"""Number of equal parts of a step; a gap has at most one minimum in a part, by assumption."""
 
 LEAST_BEND = 0.1
-"""Least radius of the bar, over the bristle's length, for which the parts of a step are shortened."""
+"""Least reach of the bar, over the bristle's length, that shortens the parts of a step."""
 
 BEND = 0.5
-"""Path of the wire's end in a part of a step near the bar, over the radius at which it touches."""
+"""Longest path of the wire's end in a part of a step near the bar, over the bar's reach."""
 
 FASTER = 1.5
-"""Bound of a gap's rate within a step over the largest one at the ends of the step's parts."""
+"""Bound of a gap's rate within a step, over the largest rate at the ends of the parts."""
 
-EDGE = 1e-9  # rad; a hub angle this close to the window of the bar is within it
-
-HOP_ROUNDING = 1e-14  # depth, over the bristle's length, below which a wire that has just left the bar is not back on it
+EDGE = 1e-9  # largest distance of a hub angle outside the bar's window that is within it, rad
+# Least depth at which a wire that has just left the bar is on it again, over the bristle's length.
+HOP_ROUNDING = 1e-14
 
 NEWTON_ROUNDS = 2
-"""Rounds of Newton's method from the chord to the least angle: its place is then known to 1e-6, the angle to its square."""
+"""Rounds of Newton's method from the chord to the least angle.
+
+The error of its place is then 1e-6, that of the angle the square of that."""
 
 FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)
 
 Gap = Callable[..., Array]
-"""Returns gaps at steps or, with ``opens=True``, their rates."""
+"""Function that returns the gaps at steps or, with ``opens=True``, their rates."""
 
 
 @dataclass(slots=True)
@@ -46,9 +49,10 @@ class Search:
     """The search of a step for the first closing of a gap.
 
     Attributes:
-        place: step to the touch, or to where the search must go on, rad.
-        touched: whether the gap closes there.
-        margin: least gap at a minimum that was located, over the bristle's length; infinite where there was none.
+        place: step to the touch, or to the place where the search must continue, rad.
+        touched: whether the gap closes at that place.
+        margin: least gap at a located minimum, over the bristle's length; infinite without a
+        minimum.
     """
 
     place: Array
@@ -57,7 +61,12 @@ class Search:
 
 
 def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
-    """Advance every flight by a step; return what each touches then, and the least gap that it passed without a touch."""
+    """Advance every flight by one step.
+
+    Returns:
+        Codes of the touches at the end of the step, and the least gap that each wire passed without
+        a touch.
+    """
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
     passes.error = (
@@ -96,10 +105,10 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
-    """Return the steps, and the places of the passes near the bar.
+    """Return the steps, and the numbers of the passes near the bar.
 
-    A step ends with the pass and where the wire begins to reach the bar. Near the bar it is so short that a gap has at most one
-    minimum in each of its parts.
+    A step ends at the end of the pass, or where the wire begins to reach the bar. Near the bar it
+    is so short that a gap has at most one minimum in each of its parts.
     """
     chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
     near = np.flatnonzero(np.abs(chi) <= passes.window + EDGE)
@@ -116,9 +125,12 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
 
 
 def _gaps(obstacle: int, passes: Passes, course: Course) -> Callable[[Chosen], Gap]:
-    """Return the function that returns the gap of the passes with some numbers to an obstacle, as a function of the step."""
+    """Return the function that returns, for the numbers of some passes, their gap to an obstacle
+    over the step.
+    """
 
     def gap_of(numbers: Chosen) -> Gap:
+        """Return the gap of the passes with some numbers over the step."""
         place = passes.place(numbers)
         own = course.take(numbers)
 
@@ -134,7 +146,9 @@ def _gaps(obstacle: int, passes: Passes, course: Course) -> Callable[[Chosen], G
 
 
 def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array, Array]:
-    """Return the gap to an obstacle and its rate, over the bristle's length and per radian of the hub."""
+    """Return the gap to an obstacle, over the bristle's length, and its rate, per radian of the
+    hub.
+    """
     if obstacle == BAR:
         found = closest(passes, pose)
         return found.gap, found.rate
@@ -147,17 +161,18 @@ def first_closing(
 ) -> Search:
     """Find the first closing of each gap within a step.
 
-    A part of the step at whose end the gap is closed has a touch; so has one in which a minimum is located that is not positive.
-    Where the minimum is positive, the search ends with that part, and the next step begins there.
+    A part of the step has a touch if the gap is closed at its end, or if a minimum located in it is
+    not positive. If the minimum is positive, the search ends with that part, and the next step
+    begins there.
 
     Args:
-        gap_of: returns the gaps of the passes with some numbers as a function of the step.
-        gaps, rates: at FRACTIONS of the step.
-        step: rad.
+        gap_of: function that returns, for the numbers of some passes, their gap over the step.
+        gaps, rates: gaps and their rates at FRACTIONS of the step.
+        step: steps, rad.
         leaving: whether the gap begins at zero.
     """
     width = step / INTERVALS
-    with np.errstate(invalid="ignore"):  # without a workpart its gap is infinite
+    with np.errstate(invalid="ignore"):  # without a workpart the gap is infinite
         fastest = np.abs(rates).max(axis=0) * FASTER
         dips = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < fastest * width)
         hop = np.where(leaving, _hops(gaps, rates, width), np.nan)
@@ -191,7 +206,7 @@ def first_closing(
         high_gap[open_end] = np.where(closes, least, high_gap[open_end])
     search.place[number] = high
 
-    # A gap that begins at zero is divided by the step, so that its next zero alone remains.
+    # A gap that begins at zero is divided by the step, so that only its next zero remains.
     closed = np.flatnonzero(high_gap <= 0.0)
     chosen = number[closed]
     from_zero = leaves[closed]
@@ -216,7 +231,10 @@ def _lowest(
     slopes: tuple[Array, Array],
     hop: Array,
 ) -> Array:
-    """Return where gaps are least between two places: where the rate changes its sign, else where a hop's cubic says."""
+    """Return the places where gaps are least between two ends.
+
+    The place is where the rate changes its sign, or the minimum of a hop's cubic.
+    """
     dipping = (slopes[0] < 0.0) & (slopes[1] > 0.0)
     turning = np.flatnonzero(dipping)
     bottom = hop.copy()
@@ -231,7 +249,11 @@ def _lowest(
 
 
 def _hops(gaps: Array, rates: Array, width: Array) -> Array:
-    """Return where a gap that begins at zero would be least in the first part of a step, by its cubic; NaN where it opens."""
+    """Return the place of the minimum of a gap that begins at zero, in the first part of a step;
+    NaN if it opens.
+
+    The cubic through the part's ends gives it.
+    """
     bend = 3.0 * gaps[1] / width**2 - (2.0 * rates[0] + rates[1]) / width
     twist = (rates[0] + rates[1]) / width**2 - 2.0 * gaps[1] / width**3
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -243,7 +265,7 @@ def _hops(gaps: Array, rates: Array, width: Array) -> Array:
 def _note_retraction(
     passes: Passes, course: Course, rates: Array, step: Array, place: Array
 ) -> None:
-    """Note the least angle up to the end of the step: at a minimum within it, or at its end."""
+    """Record the least angle up to the end of the step: at a minimum within it, or at its end."""
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:

@@ -1,12 +1,14 @@
 """Flight of straight rigid bristles: Taylor series of their angles, in arrays.
 
-With the hub angle psi as time, the lengths over the bristle's and alpha the angle from the radial direction,
+With the hub angle psi as time, lengths over the bristle's length, and alpha the angle from the
+radial direction,
 
-    alpha'' = -d alpha' - k alpha - b sin alpha - g sin(psi + alpha),
+  alpha'' = -d alpha' - k alpha - b sin alpha - g sin(psi + alpha),
 
-k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). The series of sin and cos follow from
-(sin u)' = u' cos u and (cos u)' = -u' sin u by Cauchy products. Step: A. Jorba and M. Zou, *A software package for the
-numerical integration of ODEs by means of high-order Taylor methods*, Experimental Mathematics 14 (2005) 99-117.
+k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). The series of sin
+and cos follow from (sin u)' = u' cos u and (cos u)' = -u' sin u by Cauchy products. Step: A. Jorba
+and M. Zou, *A software package for the numerical integration of ODEs by means of high-order Taylor
+methods*, Experimental Mathematics 14 (2005) 99-117.
 """
 
 from __future__ import annotations
@@ -20,13 +22,19 @@ from bristle_sim.arrays import Array
 from bristle_sim.passes.state import Chosen, Passes
 
 ORDER = 20
-"""Order of the series. The search for touches costs as much as 15 further terms, so that fewer, longer steps are cheaper."""
+"""Order of the series.
+
+The search for touches costs as much as 15 further terms, so a high order with fewer steps is
+cheaper."""
 
 SAFETY = 0.9
-"""Fraction of the step at which the last terms of the series are as large as the tolerance."""
+"""Length of a step over that at which the last terms of the series equal the tolerance."""
 
 LONGEST_STEP = 1.0
-"""Longest step, rad of the hub: a bristle that rests has no other bound, and the workpart's height bends within a radian."""
+"""Longest step, rad of the hub.
+
+A bristle at rest has no other bound, and the height of its tip over the workpart is curved within a
+radian."""
 
 POWERS = np.arange(ORDER + 1)[:, np.newaxis]
 SINE_TERMS = np.array([(0.0, 1.0, 0.0, -1.0)[k % 4] / math.factorial(k) for k in range(ORDER + 1)])
@@ -36,7 +44,9 @@ COSINE_TERMS = np.array(
 
 
 class Pose(NamedTuple):
-    """Sine and cosine of the hub angle and of the wire's absolute angle, and d(alpha)/d(psi)."""
+    """Sine and cosine of the hub angle and of the wire's absolute angle, and the rate
+    d(alpha)/d(psi).
+    """
 
     hub_sine: Array
     hub_cosine: Array
@@ -51,13 +61,18 @@ def pose_of(hub_angle: Array, angle: Array, rate: Array) -> Pose:
     return Pose(np.sin(hub_angle), np.cos(hub_angle), np.sin(turn), np.cos(turn), rate)
 
 
-NO_RATE = np.zeros(())  # of a pose whose gap alone is wanted
+NO_RATE = np.zeros(())  # rate of a pose of which only the gap is needed
 
 
 class Course(NamedTuple):
-    """A flight about the present hub angle: Taylor terms of alpha, alpha', sin alpha and cos alpha, and sine and cosine of psi.
+    """A flight as series about the present hub angle.
 
-    The terms have the shape (ORDER + 1, passes), those of alpha' are k a_k with a row of zeros before them.
+    Attributes:
+        angle, sine, cosine: Taylor terms of alpha, sin and cos of the relative angle, shape (ORDER
+            + 1, passes).
+        rate: Taylor terms k a_k of alpha', with a row of zeros before them, shape (ORDER + 1,
+            passes).
+        hub_sine, hub_cosine: sine and cosine of psi.
     """
 
     angle: Array
@@ -68,7 +83,7 @@ class Course(NamedTuple):
     hub_cosine: Array
 
     def take(self, chosen: Chosen) -> Course:
-        """Return the courses of some of the passes."""
+        """Return the courses of the chosen passes."""
         return Course(*(each[..., chosen] for each in self))
 
     def angle_at(self, step: Array) -> Array:
@@ -122,7 +137,9 @@ def _horner(terms: Array, step: Array) -> Array:
 
 
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
-    """Return alpha'' of bristles that touch nothing; hub angles, angles and rates have a shape (..., passes)."""
+    """Return alpha'' of bristles without a contact; all angles and rates have the shape (...,
+    passes).
+    """
     torque = passes.damping * rate + passes.stiffness * angle + passes.centrifugal * np.sin(angle)
     if passes.heavy:
         torque += passes.gravity * np.sin(hub_angle + angle)
@@ -130,7 +147,7 @@ def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Arra
 
 
 def course_of(passes: Passes) -> Course:
-    """Return the flights about the present hub angles."""
+    """Return the flights as series about the present hub angles."""
     angle = np.empty((ORDER + 1, passes.size))
     rate = np.empty_like(angle)
     angle[0] = passes.angle
@@ -158,7 +175,7 @@ def course_of(passes: Passes) -> Course:
 
 
 def _sine(angle: Array) -> tuple[Array, Array]:
-    """Return the series of sine and cosine with their first terms."""
+    """Return the series of sine and cosine with their first terms set."""
     sine = np.empty((ORDER + 1, angle.size))
     cosine = np.empty_like(sine)
     np.sin(angle, out=sine[0])
@@ -167,7 +184,7 @@ def _sine(angle: Array) -> tuple[Array, Array]:
 
 
 def _extend(pair: tuple[Array, Array], rates: Array, k: int) -> None:
-    """Append the terms k + 1 of sine and cosine, from the products of u' with the other one."""
+    """Set the terms k + 1 of sine and cosine, from the products of u' with the other series."""
     sine, cosine = pair
     np.einsum("ij,ij->j", rates[1 : k + 2], cosine[k::-1], out=sine[k + 1])
     np.einsum("ij,ij->j", rates[1 : k + 2], sine[k::-1], out=cosine[k + 1])
@@ -176,7 +193,11 @@ def _extend(pair: tuple[Array, Array], rates: Array, k: int) -> None:
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
-    """Return the longest steps, rad, whose last two terms of the rate are within the tolerance of the bristle's scale of rates."""
+    """Return the longest steps, rad, at which the last two terms of the rate are within the
+    tolerance.
+
+    The tolerance is relative to the scale of the bristle's rates.
+    """
     longest = np.full(passes.size, LONGEST_STEP)
     for k in (ORDER - 1, ORDER):
         size = np.abs(course.rate[k]) / (tolerance * passes.rate_scale)

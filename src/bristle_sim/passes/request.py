@@ -1,4 +1,4 @@
-"""The request: a tool and arrays of its keys, checked and made into passes block by block."""
+"""A tool with arrays of its keys, checked and turned into passes block by block."""
 
 from __future__ import annotations
 
@@ -20,24 +20,18 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
-HUB_TURN = (
-    1.5 * math.pi
-)  # rad; turn of the hub after which a pass ends, as in a simulation by default
-MOST_RADIANS = (
-    1e5  # radians of the fastest motion that a pass may last: each step is some two of them
-)
-OVERLAP_ROUNDING = (
-    1e-11  # overlap with an obstacle at the start, over the bristle's length, that is rounding
-)
+HUB_TURN = 1.5 * math.pi  # turn of the hub in a pass, rad, as in a simulation by default
+MOST_RADIANS = 1e5  # longest pass, times the fastest rate, rad; a step is some 2 rad
+OVERLAP_ROUNDING = 1e-11  # largest overlap at the start that is rounding, over the bristle's length
 
 Values = dict[str, Array]
 
 
 @dataclass(slots=True)
 class Request:
-    """Keys of tools by name, with the arrays that are given, and the shape to which they broadcast.
+    """Given arrays of a tool's keys, and the shape to which they broadcast.
 
-    ``refused`` is the reason why no pass of this kind can be computed, empty if they can.
+    ``refused`` is the reason why no such pass can be computed; it is empty if passes can.
     """
 
     tool: Tool
@@ -51,12 +45,12 @@ class Request:
         return math.prod(self.shape)
 
     def at(self, numbers: Chosen) -> Values:
-        """Return the values of all keys of the passes with these numbers, each of their shape."""
+        """Return the values of all keys of the passes with given numbers."""
         values = {key: np.full(len(numbers), value) for key, value in key_values(self.tool).items()}
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
-        with np.errstate(over="ignore", invalid="ignore"):  # numbers of refused tools
+        with np.errstate(over="ignore", invalid="ignore"):  # refused tools have arbitrary numbers
             own = mass_of_volume(
                 values["bristle_length"], values["wire_diameter"], values["wire_density"]
             )
@@ -67,9 +61,11 @@ class Request:
 
 
 def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
-    """Return the checked request.
+    """Return the request after a check.
 
-    Raises ValueError for an unknown key, a text that is no number with a unit of the key, or shapes that do not broadcast.
+    Raises:
+        ValueError: for an unknown key, a text that is no number with a unit of the key, or shapes
+            that do not broadcast.
     """
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
@@ -100,12 +96,13 @@ def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
 
 
 def _array(declared: Range, value: Any) -> Array:
-    """Return the values of a key as numbers in its unit; NaN stands for a value that is left out."""
+    """Return the values of a key as numbers in its unit; NaN stands for an omitted value."""
     if value is None and declared.optional:
         return np.array(math.nan)
     array = np.asarray(value)
     if array.dtype.kind in "iuf":
-        with np.errstate(over="ignore"):  # of a longer type; it is then out of range
+        # a number of a longer type may overflow; it is then out of range
+        with np.errstate(over="ignore"):
             return array.astype(float)
     if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
         raise declared.refusal(value)
@@ -117,7 +114,9 @@ def _array(declared: Range, value: Any) -> Array:
 
 
 def key_values(tool: Tool) -> dict[str, float]:
-    """Return the numbers of a tool by key; NaN for one that is left out or computed from others."""
+    """Return the numbers of a tool by key; NaN for a number that is omitted or computed from
+    others.
+    """
     found = {}
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool
@@ -129,25 +128,25 @@ def key_values(tool: Tool) -> dict[str, float]:
 
 
 class Reasons:
-    """The reasons why passes of a block are refused; the first reason of each stays."""
+    """The reasons why passes of a block are refused; the first reason of each pass is kept."""
 
     def __init__(self, size: int) -> None:
         self.texts = np.full(size, "", dtype=object)
 
     def refuse(self, where: Chosen, text: str, values: Array | None = None) -> None:
-        """Refuse passes; ``text`` may hold a place ``{}`` for their values."""
+        """Refuse passes; ``text`` may have a place ``{}`` for their values."""
         for number in np.flatnonzero(where & (self.texts == "")):
             self.texts[number] = text if values is None else text.format(f"{values[number]:g}")
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
-    """Return the passes with these numbers whose tools the method can do, and the reasons why the others are refused."""
+    """Return the computable passes with given numbers, and the reasons why the others are refused."""
     values = request.at(numbers)
     reasons = Reasons(len(numbers))
     if request.refused:
         reasons.refuse(np.ones(len(numbers), dtype=bool), request.refused)
     _check_ranges(request, values, reasons)
-    with np.errstate(all="ignore"):  # numbers of refused tools
+    with np.errstate(all="ignore"):  # refused tools have arbitrary numbers
         passes = _built(request.tool, values, numbers)
         _check_tools(request.tool, values, passes, reasons)
     return passes.take(np.flatnonzero(reasons.texts == "")), reasons.texts
@@ -176,7 +175,7 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
 
 
 def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
-    """Return passes at their starts, lengths over the bristle's, times as hub angles."""
+    """Return passes at their starts, with lengths over the bristle's and times as hub angles."""
     size = len(numbers)
     length = values["bristle_length"]
     speed = values["hub_speed"]
@@ -238,7 +237,9 @@ def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
 
 
 def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -> None:
-    """Refuse tools whose parts do not fit together, that overlap an obstacle at the start, or that move too fast."""
+    """Refuse tools whose parts contradict each other, overlap an obstacle at the start, or move too
+    fast.
+    """
     if tool.workpart:
         low = ~(passes.depth > passes.radius)
         text = "penetration = {}: must be less than the bristle's reach beyond the hub's rim (in m)"

@@ -1,4 +1,4 @@
-"""The result of many passes: arrays by name, as a table, a labelled data set or a picture."""
+"""The result of many passes: arrays by name, a table, a labelled data set or a picture."""
 
 from __future__ import annotations
 
@@ -41,25 +41,34 @@ DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported onl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ensemble(EqualByValue):
-    """Many passes: arrays of one shape, NaN where a pass has no such number.
+    """The results of many passes in arrays of one shape; NaN where a pass lacks a number.
 
     Attributes:
-        keys: the values of the tool's keys that were given, in SI units, of shapes that broadcast to that of the results.
-        release_time: of the last contact with the bar before the strike, from the start of the pass on, s.
-        release_retraction: angle by which the wire lags its radial direction then, rad.
-        largest_retraction: before the strike, rad.
-        contact_time: of the strike, s.
-        lag_at_contact: behind the radial direction, rad.
-        relative_speed_at_contact: of the wire relative to the hub, rad/s.
-        tip_speed_at_contact: m/s.
-        normal_compressive_impulse, normal_final_impulse, tangential_compressive_impulse: on the tip, N s.
-        normal_compressive_work, tangential_compressive_work: of the impulse on the tip up to the end of compression, J.
-        entry_angle_at_contact: between the surface and the path on which the tip comes down, rad.
-        final_bristle_rate: the wire's absolute rate after the strike, rad/s.
-        error_estimate: of angle and rate at the strike over the motion's size; 1 where a change
-            within the accuracy gives another course, by one touch more or less, or outcome.
-        outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``, ``does not strike`` or ``refused``.
-        reason: why a pass was refused, has no strike, no release, or no valid error estimate; empty otherwise.
+        keys: given values of the tool's keys, in SI units, of shapes that broadcast to that of the
+        results.
+        release_time: time of the last contact with the bar before the strike, from the start of the
+        pass, s.
+        release_retraction: retraction at that time, rad.
+        largest_retraction: largest retraction before the strike, rad.
+        contact_time: time of the strike, from the start of the pass, s.
+        lag_at_contact: angle of the wire behind the radial direction at the strike, rad.
+        relative_speed_at_contact: rate of the wire relative to the hub at the strike, rad/s.
+        tip_speed_at_contact: speed of the tip at the strike, m/s.
+        normal_compressive_impulse: normal impulse on the tip up to the end of compression, N s.
+        normal_final_impulse: normal impulse on the tip, N s.
+        tangential_compressive_impulse: tangential impulse on the tip up to the end of compression,
+        N s.
+        normal_compressive_work: work of the normal impulse up to the end of compression, J.
+        tangential_compressive_work: work of the tangential impulse up to the end of compression, J.
+        entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
+        final_bristle_rate: absolute rate of the wire after the strike, rad/s.
+        error_estimate: error of angle and rate at the strike, over the size of the motion. It is 1
+        if a change within the accuracy alters the course, by one touch more or less, or the
+        outcome.
+        outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
+            ``does not strike`` or ``refused``.
+        reason: why a pass was refused, has no strike, no release, or no valid error estimate; empty
+            otherwise.
     """
 
     keys: dict[str, Array]
@@ -96,9 +105,12 @@ class Ensemble(EqualByValue):
         return {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()} | results
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Return one row for each pass, the last axis varying fastest; ``attrs["units"]`` holds the units.
+        """Return a DataFrame with one row for each pass; the last axis varies fastest.
 
-        Raises ImportError if pandas is not installed.
+        ``attrs["units"]`` holds the units.
+
+        Raises:
+            ImportError: if pandas is not installed.
         """
         frame: pd.DataFrame = _installed("pandas").DataFrame(
             {name: each.ravel() for name, each in self.columns().items()}
@@ -107,9 +119,12 @@ class Ensemble(EqualByValue):
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return the results with the keys as coordinates; an axis along which one key alone varies has its name.
+        """Return a Dataset of the results with the keys as coordinates.
 
-        Raises ImportError if xarray is not installed.
+        An axis along which only one key varies has the name of this key.
+
+        Raises:
+            ImportError: if xarray is not installed.
         """
         units = self._units()
         names = self._axes()
@@ -128,9 +143,11 @@ class Ensemble(EqualByValue):
         return found
 
     def plot(self) -> Any:
-        """Return a matplotlib figure of every quantity over the one key, or the two, along the axes.
+        """Return a matplotlib figure of every quantity over the one or two keys along the axes.
 
-        Raises ValueError if an axis has no key of its own, there are more than two, or no pass has a result.
+        Raises:
+            ValueError: if an axis has no key of its own, there are more than two axes, or no pass
+                has a result.
         """
         names = self._axes()
         if not 1 <= len(names) <= 2 or not set(names) <= set(self.keys):
@@ -144,7 +161,9 @@ class Ensemble(EqualByValue):
         return {key: key_unit(key) for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
-        """Return a name for each axis: that of the key that alone varies along it, and along no other."""
+        """Return a name for each axis: that of the only key that varies along it, if this key
+        varies along no other.
+        """
         names = []
         for axis, size in enumerate(self.shape):
             after = len(self.shape) - axis

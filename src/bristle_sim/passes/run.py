@@ -1,4 +1,4 @@
-"""The loop over steps: flight, touches of the bar, motion on it, release, until each pass has its strike or its end."""
+"""The loop over steps: flight, touches of the bar, motion on it, and release, until each pass ends."""
 
 from __future__ import annotations
 
@@ -16,30 +16,34 @@ from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM
 
 LOCAL_FRACTION = 1e-3
-"""Local tolerance over the accuracy: a thousand steps may add up, and a step's length depends on it weakly."""
+"""Local tolerance over the accuracy: the errors of a thousand steps may add up.
+
+The length of a step depends weakly on it."""
 
 MOST_TOLERANCE = 1e-9
-"""Largest local tolerance: taps magnify errors a thousandfold, and a hundred times longer steps save little at this order."""
+"""Largest local tolerance: taps magnify errors a thousandfold. At this order a larger tolerance
+saves little."""
 
-LEAST_TOLERANCE = 1e-14  # local tolerance below which rounding is larger
+LEAST_TOLERANCE = 1e-14  # smallest local tolerance; rounding is of this size
 
 LOWEST_REBOUND = 1e-10
-"""Height of a hop, over the bristle's length, below which the wire stays on the bar."""
+"""Lowest hop, over the bristle's length; after a lower one the wire stays on the bar."""
 
-MOST_TOUCHES = (
-    3000  # of the bar, after which a pass is refused: a restitution near 1 has no end of them
-)
+MOST_TOUCHES = 3000  # most touches of the bar; a restitution near 1 gives endlessly many
 
-LEAST_SPEED = 1e-300  # over the bristle's length, per radian; a lower one has no reciprocal
-
-ROUNDING = 1e-15  # error of a state that geometry gives, rad
+# least speed over the bristle's length, per radian, against a division by zero
+LEAST_SPEED = 1e-300
+ROUNDING = 1e-15  # error of a state that follows from geometry, rad
 
 STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS = range(1, 6)
-"""The ends of a pass: strike, end of the hub's turn, friction on the bar, taps without end, a fold."""
+"""Codes of the ends of a pass: strike, end of the hub's turn, friction on the bar, endless taps, a
+fold."""
 
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
-    """Advance every pass by one step and its consequences; return how it ends, 0 where it goes on."""
+    """Advance every pass by one step and its consequences; return the code of its end, 0 if it
+    continues.
+    """
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     kind, margin = fly(passes, tolerance)
     ending = np.zeros(passes.size, dtype=int)
@@ -56,7 +60,11 @@ def advance(passes: Passes, accuracy: float) -> Chosen:
 
 
 def touch_bar(passes: Passes, accuracy: float) -> Chosen:
-    """Resolve impacts on the bar, and follow the wires that stay on it to their release; return how the passes end, 0 if they go on."""
+    """Resolve impacts on the bar, and follow the wires that stay on it to their release.
+
+    Returns:
+        Codes of the ends of the passes; 0 for a pass that continues.
+    """
     touch = levers(passes, pose_of(passes.hub_angle, passes.angle, passes.rate))
     rows = np.array([touch.normal, touch.tangential])
     inverse_mass = (rows[:, np.newaxis] * rows).transpose(2, 0, 1)
@@ -78,9 +86,8 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
     amplified = np.abs(pressed) / approach
     passes.error = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
-    grazes = (
-        touch.normal_velocity**2 < -2.0 * pressed * accuracy
-    )  # the gap would open again by itself
+    # Without the bar the overlap would stay within the accuracy, and the gap would open again.
+    grazes = touch.normal_velocity**2 < -2.0 * pressed * accuracy
     passes.error = np.where(grazes, 1.0, passes.error)
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
     low |= comes_to_rest(passes, sides, at_end, pressed, parting, parting / approach)
@@ -102,10 +109,11 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 def comes_to_rest(
     passes: Passes, sides: Array, at_end: Chosen, pressed: Array, parting: Array, returned: Array
 ) -> Chosen:
-    """Return whether hops come to rest while the wire is still pressed onto the bar, so that it lies there as if it never hopped.
+    """Return whether hops come to rest while the wire is still pressed onto the bar.
 
-    Hops of an initial speed v that keep a fraction e of it last 2 v/(a (1 - e)) in all at an acceleration a. Twice that time is
-    looked ahead, and the pressure must stay within a factor of two.
+    The wire then lies on the bar as if it had never hopped. Hops with the initial speed v and the
+    restitution e last 2 v/(a (1 - e)) in all at an acceleration a. The pressure after twice that
+    time must be within a factor of two of the present one.
     """
     lost = pressed * (1.0 - returned)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
@@ -118,7 +126,9 @@ def comes_to_rest(
 
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
-    """Return whether wires that lie on the bar at hub angles touch it with their ends, D^2 > 1 + R^2."""
+    """Return whether wires that lie on the bar at given hub angles touch it with their ends, D^2 >
+    1 + R^2.
+    """
     chi = hub_angle - passes.bar_angle
     square = (
         passes.bar_distance**2

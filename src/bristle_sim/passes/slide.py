@@ -1,4 +1,4 @@
-"""Motion of wires on the bar: geometry gives it, and the force that presses them on it ends it where it falls to zero."""
+"""Motion of wires on the bar: geometry gives it, and it ends where the contact force falls to zero."""
 
 from __future__ import annotations
 
@@ -14,19 +14,22 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
 
 SAMPLES = 12
-"""Equal parts of the turn in which a wire lies on the bar with its flank, or with its end, in which a pressure that falls to zero
-does not rise again."""
+"""Number of equal parts of the turn in which a wire lies on the bar with its flank, or with its
+end.
+
+In one part a pressure that falls to zero does not rise again, by assumption."""
 
 FRACTIONS = np.linspace(0.0, 1.0, SAMPLES + 1)[:, np.newaxis]
 
 RELEASED, STRIKES, JAMMED, FOLDED = range(4)
-"""The ends of a contact: no force is left, the tip reaches the workpart, friction locks it, the wire folds back."""
+"""Codes of the ends of a contact: no force is left, the tip reaches the workpart, friction locks
+it, the wire folds back."""
 
 Measure = Callable[[Passes, Array, Lying], Array]
 
 
 def slide(passes: Passes, side: Array) -> Chosen:
-    """Advance wires that lie on the bar to their release, and return how it ends."""
+    """Advance wires that lie on the bar to the end of the contact, and return the code of this end."""
     chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
     turned = passes.hub_angle - chi
     flank = _flank(passes)
@@ -49,7 +52,7 @@ def slide(passes: Passes, side: Array) -> Chosen:
 
 
 def _flank(passes: Passes) -> Array:
-    """Return the |chi| up to which the bar touches the flank, D^2 = 1 + R^2, rad."""
+    """Return the largest |chi| at which the bar touches the flank, D^2 = 1 + R^2, rad."""
     room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
     double = 2.0 * passes.radius * passes.bar_distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
@@ -57,9 +60,12 @@ def _flank(passes: Passes) -> Array:
 
 
 def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
-    """Follow wires over hub angles, up to the end of the contact; return how it ends, -1 where it goes on.
+    """Follow wires over hub angles up to the end of the contact.
 
-    The contact of a ``fresh`` one has just been found to press.
+    The contact of a ``fresh`` wire has just been found to press.
+
+    Returns:
+        Codes of the ends of the contacts; -1 for a contact that continues.
     """
     ends = np.full(passes.size, at_end)
     motion = lying(passes, hub, side, ends)
@@ -87,6 +93,7 @@ def _piece(passes: Passes, hub: Array, side: Array, at_end: bool, fresh: Chosen)
         def measure_of(
             numbers: Chosen, chosen: Chosen = inside, measure: Measure = measure
         ) -> Function:
+            """Return the measure of the wires with some numbers as a function of the hub angle."""
             some, own_side, own_end = _some(passes, side, ends, chosen[numbers])
             return lambda where: measure(some, where, lying(some, where, own_side, own_end))
 
@@ -117,14 +124,14 @@ def _pressure(_passes: Passes, _hub_angle: Array, motion: Lying) -> Array:
 
 
 def _height(passes: Passes, hub_angle: Array, motion: Lying) -> Array:
-    """Return the tip's height above the workpart, over the bristle's length."""
+    """Return the height of the tip above the workpart, over the bristle's length."""
     return clearance(WORKPART, passes, pose_of(hub_angle, motion.angle, motion.rate))[0]
 
 
 def _note_retraction(
     passes: Passes, hub: Array, rates: Array, place: Array, side: Array, ends: Chosen
 ) -> None:
-    """Note the least angle at a minimum on the bar before the contact ends."""
+    """Record the least angle at a minimum on the bar before the contact ends."""
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (hub[:-1] < place)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:
@@ -145,5 +152,5 @@ def _note_retraction(
 def _some(
     passes: Passes, side: Array, ends: Chosen, chosen: Chosen
 ) -> tuple[Passes, Array, Chosen]:
-    """Return some of the wires on the bar."""
+    """Return the chosen wires on the bar, with their sides and ends."""
     return passes.take(chosen), side[chosen], ends[chosen]

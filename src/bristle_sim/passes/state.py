@@ -1,4 +1,6 @@
-"""Passes in numbers without dimension: lengths over the bristle's, times as hub angles, masses over the bristle's inertia."""
+"""Passes in dimensionless numbers: lengths over the bristle's, times as hub angles, moments over
+the bristle's inertia.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,11 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 
 Chosen = NDArray[Any]
-"""Places of passes, or a mask of them; or codes."""
+"""Numbers of passes, a mask of passes, or codes by pass."""
 
 
 class Place(NamedTuple):
-    """The columns of passes that gaps depend on."""
+    """The columns of passes on which gaps depend."""
 
     radius: Array
     bar_x: Array
@@ -34,18 +36,21 @@ class Passes:
         radius: r_h/L.
         stiffness, damping, centrifugal, gravity: k, d, b and g of the module ``motion``.
         rate_scale: scale of the rates, 1 + sqrt(k).
-        bar_distance, bar_angle: of the bar's centre from the hub's, S/L, and its direction as a hub angle, rad.
-        bar_x, bar_y: the bar's centre.
-        reach: (r_b + d/2)/L, at which the centre line touches the bar.
-        wire_radius: d/(2 L).
-        bar_friction, bar_restitution: at the bar.
-        window: half the hub's turn in which the wire reaches the bar, rad; negative where it never does.
-        depth: of the workpart below the hub's centre, over L; infinite without a workpart.
+        bar_distance: distance of the bar's centre from the hub's, S/L.
+        bar_angle: direction of the bar's centre as a hub angle, rad.
+        bar_x, bar_y: position of the bar's centre, over L.
+        reach: distance of the centre line from the bar's centre at a touch, (r_b + d/2)/L.
+        wire_radius: radius of the wire, d/(2 L).
+        bar_friction, bar_restitution: coefficients at the bar.
+        window: half the turn of the hub in which the wire reaches the bar, rad; negative if it
+        never does.
+        depth: depth of the workpart below the hub's centre, over L; infinite without a workpart.
         start, end: hub angles at which the pass starts and ends, rad.
-        hub_angle, angle, rate: psi, alpha and d(alpha)/d(psi) now.
+        hub_angle, angle, rate: present psi, alpha and d(alpha)/d(psi).
         touching: whether the wire has just left the bar, so that the gap begins at zero.
         touches: number of touches of the bar.
-        release, release_angle: psi and alpha at the last contact with the bar; NaN before one.
+        release, release_angle: psi and alpha at the last contact with the bar; NaN before the first
+        contact.
         lowest: least alpha so far, rad.
         error: estimated error of angle and of rate over ``rate_scale``.
     """
@@ -90,20 +95,20 @@ class Passes:
         return bool(self.gravity.any())
 
     def take(self, chosen: Chosen) -> Passes:
-        """Return some of the passes, by a mask or by their places here."""
+        """Return the chosen passes."""
         return Passes(*(each[chosen] for each in self._columns()))
 
     def place(self, chosen: Chosen) -> Place:
-        """Return the columns that gaps depend on, of some of the passes."""
+        """Return the columns of the chosen passes on which gaps depend."""
         return Place(*(getattr(self, name)[chosen] for name in Place._fields))
 
     def put(self, chosen: Chosen, some: Passes) -> None:
-        """Write the state of some passes back to their places."""
+        """Write the state of some passes back to the chosen places."""
         for name in STATE:
             getattr(self, name)[chosen] = getattr(some, name)
 
     def joined(self, *others: Passes) -> Passes:
-        """Return these passes followed by others."""
+        """Return these passes followed by other passes."""
         columns = zip(self._columns(), *(each._columns() for each in others), strict=True)
         return Passes(*map(np.concatenate, columns))
 
@@ -113,4 +118,4 @@ class Passes:
 
 COLUMNS = tuple(each.name for each in dataclasses.fields(Passes))
 STATE = COLUMNS[COLUMNS.index("hub_angle") :]
-"""Columns of a pass, and those that change during it."""
+"""Names of all columns of passes, and of the columns that change during a pass."""

@@ -1,4 +1,4 @@
-"""The strike of many bristles: the state when the tip meets the workpart, the energetic law, and the outcome in words."""
+"""The strike of many bristles: state at the workpart, energetic law, and outcome in words."""
 
 from __future__ import annotations
 
@@ -22,13 +22,20 @@ OUTCOMES = (
     "refused",
 )
 REBOUNDS, REVERSES, STICKS, STAYS, JAMS, MISSES, REFUSED = range(len(OUTCOMES))
-"""The outcomes of a pass, and their codes."""
+"""Outcomes of a pass in words, and their codes."""
 
-LEAST_SPEED = 1e-300  # a lower normal speed has no reciprocal
+LEAST_SPEED = 1e-300  # least normal speed, against a division by zero
 
 
 class Blow(NamedTuple):
-    """A tip that strikes: its velocity (m/s), what the impact does to it, the gain of the wire's rate (rad/s), the outcome's code."""
+    """The impact of a tip.
+
+    Attributes:
+        normal, tangential: velocity of the tip before the impact, m/s.
+        impact: result of the impact law.
+        gain: change of the wire's rate, rad/s.
+        outcome: code of the outcome.
+    """
 
     normal: Array
     tangential: Array
@@ -38,15 +45,16 @@ class Blow(NamedTuple):
 
 
 def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[str, Array]:
-    """Return the state at the strike, the impulses, and the rate and outcome after it, in SI units.
+    """Return the state at the strike, the impulses, and rate and outcome after it, in SI units.
 
-    The law is evaluated a second time for a state that is off by the accuracy: the change of the impulse shows how much the
-    impact magnifies an error, and where the outcome changes the error estimate is 1.
+    The law is evaluated a second time for a state that is off by the accuracy. The change of the
+    impulse shows how much the impact magnifies an error. If the outcome changes, the error estimate
+    is 1.
 
     Args:
-        passes: whose tips are at the workpart.
-        values: of the tools' keys.
-        accuracy: relative accuracy requested.
+        passes: passes whose tips are at the workpart.
+        values: values of the tools' keys.
+        accuracy: requested relative accuracy.
     """
     speed = values["hub_speed"]
     blow = _blow(passes, values, 0.0)
@@ -56,7 +64,7 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
         size, LEAST_SPEED
     )
 
-    # An error of the angle moves the instant of the strike, and with it the state.
+    # An error of the angle shifts the instant of the strike, and so changes the state.
     turn = passes.hub_angle + passes.angle
     spin = 1.0 + passes.rate
     acceleration = free_acceleration(passes, passes.hub_angle, passes.angle, passes.rate)
@@ -89,7 +97,9 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
 
 
 def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
-    """Return the impact of a wire whose angle, and rate over its scale, are off by a fraction."""
+    """Return the impact of a wire whose angle, and rate over its scale, are off by the number
+    ``off``.
+    """
     length = values["bristle_length"]
     turn = passes.hub_angle + passes.angle + off
     spin = 1.0 + passes.rate + off * passes.rate_scale
@@ -119,7 +129,10 @@ def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
 
 
 def outcome_codes(impact: Impact, tangential: Array) -> Chosen:
-    """Return the code of each outcome; a tip that reverses its slip, or sticks, does so in a phase with an impulse."""
+    """Return the codes of the outcomes.
+
+    A tip reverses its slip, or sticks, if it does so in a phase with an impulse.
+    """
     active = impact.phase_impulse > 0.0
     sense = np.sign(tangential)[:, np.newaxis]
     reverses = (active & (impact.phase_slip * sense < 0.0)).any(axis=-1)
