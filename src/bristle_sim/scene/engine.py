@@ -84,7 +84,7 @@ class EngineSteps:
 
     @cached_property
     def joint_solver(self) -> Any:
-        """The solver, made when it is first needed."""
+        """``solver.WireVelocities`` or ``link_solver.LinkVelocity``, made when it is first needed."""
         return self._make_solver()
 
     @property
