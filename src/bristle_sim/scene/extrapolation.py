@@ -67,7 +67,7 @@ WIDE = Repetitions(
 EVEN = Repetitions(
     2, 4, 6, 8, 10, 12, 16, 20, 24, power=2
 )  # symmetric in time; odd numbers have an error of their own
-LEAST_NOISE = HALVED.noise[3]  # rounding of an interval: none is known to be more accurate
+LEAST_NOISE = HALVED.noise[3]  # least error of an interval that rounding permits
 CUT_SHORT = (
     0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
 )

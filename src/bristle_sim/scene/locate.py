@@ -260,7 +260,7 @@ def settle(
     near: float,
     tolerance: float,
 ) -> IntervalResult | None:
-    """Return the result, near a guessed time, at which a function of the state is zero; None if in doubt.
+    """Return the result, near a guessed time, at which a function of the state is zero; None where guesses do not converge.
 
     Each guess is followed by secant steps along the motion with the accelerations at its end.
     """
