@@ -19,13 +19,11 @@ from bristle_sim.scene.system import System
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
-MOST_IMPACTS_AT_ONCE = (
-    64  # times the square of the number of contacts that pass them on; then links are wedged
-)
+MOST_IMPACTS_AT_ONCE = 64
+"""Most impacts at one instant, times the square of the number of contacts that pass them on; after more the links are wedged."""
 
-MOST_CHANGED_APPROACH = (
-    0.5  # by the error, as a fraction; the impact is beyond linear error propagation then
-)
+MOST_CHANGED_APPROACH = 0.5
+"""Largest relative change of the approach by the error; beyond it errors do not propagate linearly over the impact."""
 
 
 class Contacts(NamedTuple):

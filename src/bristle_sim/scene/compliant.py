@@ -27,7 +27,8 @@ LEAST_DURATION = 3e-7
 rigid-body limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*).
 During it, damping of a rate r > 1 takes the fraction r T of a velocity: the shortest contact is then shorter by sqrt(r)."""
 
-FORCE_ROUNDING = 1e-15  # error of a velocity by the force's rounding in an interval, times duration and e*
+FORCE_ROUNDING = 1e-15
+"""Error of a velocity by the force's rounding in an interval, times duration and e*."""
 
 CLEAR_OF_ROUNDING = 1e4
 """Ratio of tolerance to rounding from which closely spaced repetitions, whose weights are 100 times as large, need fewer steps.

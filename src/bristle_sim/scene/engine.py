@@ -18,9 +18,8 @@ from pymunk._chipmunk_cffi import ffi, lib
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import ClosedPair
 
-ITERATIONS_OF_A_STEP = (
-    100  # solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us
-)
+ITERATIONS_OF_A_STEP = 100
+"""Solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us."""
 
 LONGEST_WARM_RATIO = 1e3
 LONGEST_SINGLE_RATIO = 2.0
@@ -30,9 +29,8 @@ which becomes 1 - s times what it was. Further steps of the same length correct 
 make it grow without bound."""
 
 LOG_SOLVED = math.log(1e-17)  # iterations leave this fraction of the error: rounding
-MOST_ITERATIONS = (
-    40_000  # of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them
-)
+MOST_ITERATIONS = 40_000
+"""Most iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them."""
 
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""

@@ -27,9 +27,8 @@ from bristle_sim.scene.system import System
 
 LEAST_COMPLIANCE_IN_SLIP = 1e-3  # of a free link's; with less, the force that keeps a contact closed grows beyond bounds: a jam
 PLACE_ROUNDING = 4e-16  # of a tip's place, in the scene's unit of length
-LOCATED_VELOCITY = (
-    0.1  # fraction of an interval's error in velocity to which a spring's events are located
-)
+LOCATED_VELOCITY = 0.1
+"""Fraction of an interval's error in velocity to which a spring's events are located."""
 
 
 class Kind(Enum):
@@ -42,27 +41,22 @@ class Kind(Enum):
     SLIP_STOPS = auto()  # rigid contact: its slip velocity falls to zero
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
     SLIPS = auto()  # rigid contact, and the sense in which it slips from now on
-    KINK = (
-        auto()
-    )  # contact: it passes a corner of the wire, or its slip changes its sense without friction's
+    # contact: it passes a corner of the wire, or its slip changes its sense without friction's
+    KINK = auto()
     LOCKED = auto()  # rigid contact: no force keeps it closed
-    DENT_LEFT = (
-        auto()
-    )  # number of a pair: the tip comes out of the dent that a contact in time has left
+    # number of a pair: the tip comes out of the dent that a contact in time has left
+    DENT_LEFT = auto()
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
-    PRESSED_ON = (
-        auto()
-    )  # contact with a spring that unloads: the penetration exceeds the deepest one
+    # contact with a spring that unloads: the penetration exceeds the deepest one
+    PRESSED_ON = auto()
     RELOADING_ENDS = auto()  # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
     REST_ENDS = auto()  # contact with a spring in slip at rest: friction no longer keeps it at rest
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
-    CONE_REACHED = (
-        auto()
-    )  # contact with a spring that sticks: its tangential force reaches the friction cone
-    OVERDUE = (
-        auto()
-    )  # contact with a spring in the rigid-body limit: it lasts too long to be an impact
+    # contact with a spring that sticks: its tangential force reaches the friction cone
+    CONE_REACHED = auto()
+    # contact with a spring in the rigid-body limit: it lasts too long to be an impact
+    OVERDUE = auto()
     LARGEST_RETRACTION = auto()  # wire: its first link turns back towards the hub's direction
     HIGHEST_SPEED = auto()  # wire: the rate of its only link is highest
     RETRACTION_LIMIT = auto()  # wire: it lies on the hub

@@ -16,9 +16,9 @@ from bristle_sim.scene.build import Scene, damping_rate
 from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
-PLACING_COST = (
-    6.0  # of placing and reading the bodies once, in engine steps; it steers the choice of the step
-)
+PLACING_COST = 6.0
+"""Cost of placing and reading the bodies once, in engine steps; it steers the choice of the step."""
+
 ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
 LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
 
@@ -68,9 +68,8 @@ EVEN = Repetitions(
     2, 4, 6, 8, 10, 12, 16, 20, 24, power=2
 )  # symmetric in time; odd numbers have an error of their own
 LEAST_NOISE = HALVED.noise[3]  # least error of an interval that rounding permits
-CUT_SHORT = (
-    0.25  # fraction of a proposed interval; growth by a factor of four at most leads back from here
-)
+CUT_SHORT = 0.25
+"""Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
 
 
 class Extrapolation:

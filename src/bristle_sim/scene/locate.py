@@ -20,9 +20,9 @@ from bristle_sim.scene.system import LEAST_VALUE, System
 Value = Callable[[IntervalResult], float]
 """A function of the result of an interval."""
 
-LOCATED_VALUE = (
-    1e-3  # fraction of the accuracy to which a sign change is located, relative to the ends' values
-)
+LOCATED_VALUE = 1e-3
+"""Fraction of the accuracy to which a sign change is located, relative to the ends' values."""
+
 RATE_ROUNDING = 1e-13  # of the difference of two rates that give an acceleration, and of a force times a duration
 
 EXTREME_ERROR = 0.1
@@ -38,9 +38,8 @@ BEFORE_ZERO = 0.95
 """Fraction of the ends' values to which a zero of a force is located in a longer interval, and fraction of the time to it after which
 a shorter interval begins."""
 
-ENDS_WITHOUT_EXTREME = (
-    0.01  # fraction of an interval from its ends in which a function hardly moves
-)
+ENDS_WITHOUT_EXTREME = 0.01
+"""Fraction of an interval from its ends in which a function hardly moves."""
 
 
 class Monitor:
@@ -237,13 +236,13 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
-MOST_GUESSES = (
-    4  # one or two bring an event that is found on the polynomial of a whole interval to rounding
-)
+MOST_GUESSES = 4
+"""Most guesses; one or two bring an event that is found on the polynomial of a whole interval to rounding."""
+
 MOST_SECANTS = 3  # by the accelerations, from a guess's end
-ROUNDED_TOLERANCES = (
-    10.0  # within which the last guess must be, where rounding lets none come nearer
-)
+ROUNDED_TOLERANCES = 10.0
+"""Tolerances within which the value at the last guess must be, where rounding lets none come nearer."""
+
 SLOPE_SPAN = 1e-4  # fraction of an interval over which a slope is taken, before a secant step
 GUESS_TOLERANCE = 1e-7  # to which a guess is located, relative; the polynomial is hardly better
 

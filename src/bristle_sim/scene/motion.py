@@ -28,22 +28,21 @@ LONGEST_TURN = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
 
-BEYOND_RELEASE = (
-    1.02  # multiple of the time to an expected release that the next interval takes, to contain it
-)
+BEYOND_RELEASE = 1.02
+"""Multiple of the time to an expected release that the next interval takes, to contain it."""
+
 BEFORE_RELEASE = 0.95  # of the time to a release located by the steps of one repetition: an interval that ends before it
-SHORTEST_CONTACT_INTERVAL = (
-    1e-9  # fraction of a contact with a spring in which rounding exceeds the tolerance
-)
-OVERDUE_DURATIONS = (
-    10.0  # after which a contact in the rigid-body limit is no impact: it is pressed on
-)
-SHORTEST_SAMPLED = (
-    2e-3  # shorter intervals are left to the cubic: its error falls with their third power
-)
-CUBIC_RATE_ERROR = (
-    0.1  # fraction of the requested error of the rate above which the middle alone is not enough
-)
+SHORTEST_CONTACT_INTERVAL = 1e-9
+"""Fraction of a contact with a spring in which rounding exceeds the tolerance."""
+
+OVERDUE_DURATIONS = 10.0
+"""Expected durations after which a contact in the rigid-body limit is no impact: it is pressed on."""
+
+SHORTEST_SAMPLED = 2e-3
+"""Shortest interval with inner states; shorter ones are left to the cubic, whose error falls with their third power."""
+
+CUBIC_RATE_ERROR = 0.1
+"""Fraction of the requested error of the rate above which the middle alone is not enough."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest

@@ -17,9 +17,8 @@ import pymunk
 
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
-SHAPE_MARGIN = (
-    0.02  # fraction of the link's length by which obstacle shapes are enlarged in the engine
-)
+SHAPE_MARGIN = 0.02
+"""Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
 
 SAME_GAP = 1e-9  # two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch
 

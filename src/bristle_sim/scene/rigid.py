@@ -24,13 +24,11 @@ from bristle_sim.scene.interval import NUMBERS, sums_of
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 
-LEAST_SLIP = (
-    1e-9  # slip, in the scene's unit, below which it has no sense, however accurate the run is
-)
+LEAST_SLIP = 1e-9
+"""Slip, in the scene's unit, below which it has no sense, however accurate the run is."""
 
-LEAST_ACCELERATION = (
-    1e-7  # of slip, in the scene's unit, below which it is rounding of its difference over MOMENT
-)
+LEAST_ACCELERATION = 1e-7
+"""Acceleration of slip, in the scene's unit, below which it is rounding of a difference over ``MOMENT``."""
 
 
 class RigidContacts:

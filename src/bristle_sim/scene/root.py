@@ -7,9 +7,9 @@ from collections.abc import Callable
 # time, and fraction of the searched interval, of an instant
 SHORTEST_BRACKET = 1e-15
 SHORTEST_BRACKET_FRACTION = 1e-12
-MOST_TRIALS = (
-    110  # a smooth function takes three to six; a jump is halved for the last digit of a double
-)
+MOST_TRIALS = 110
+"""Most evaluations; a smooth function takes three to six, and a jump is halved down to the last digit of a double."""
+
 LEAST_PART = 1e-10  # fraction of the bracket: closest to its ends that the root is looked for
 
 

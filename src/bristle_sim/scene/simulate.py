@@ -35,9 +35,9 @@ REST_PERIODS = 3.0  # length of a run on a hub at rest, in the scene's periods
 RETRACTION_LIMIT = (
     math.pi / 2.0
 )  # angle from the radial direction at which a bristle lies on the hub, rad
-OVERLAP_ROUNDING = (
-    1e-11  # fraction of the bristle's length by which it may overlap an obstacle at the start
-)
+OVERLAP_ROUNDING = 1e-11
+"""Fraction of the bristle's length by which it may overlap an obstacle at the start."""
+
 PLACE_KEYS = {
     "bar": ("bar_horizontal", "bar_vertical"),
     "workpart": ("penetration",),

@@ -16,20 +16,18 @@ from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.system import System
 
-STOPS_TOGETHER = (
-    1e-5  # fraction of the approach with which slip and compression of one freedom stop together
-)
+STOPS_TOGETHER = 1e-5
+"""Fraction of the approach with which slip and compression of one freedom stop together."""
 
 LEAST_UNLOADING = 1e-5
 """Where slip starts or stops, a contact ends if less than this fraction of its spring's unloading is left. Only 1e-10 of its
 impulse is left, and the force is so small that rounding of the tip's place would start and stop slip endlessly."""
 
-PROBED_FRACTION = (
-    0.02  # of a contact: from here the force of stick is extrapolated back to where slip stops
-)
-CONE_ROUNDING = (
-    1e-9  # fraction of friction's limit by which rounding may lead the force in stick beyond it
-)
+PROBED_FRACTION = 0.02
+"""Fraction of a contact after which the force of stick is extrapolated back to where slip stops."""
+
+CONE_ROUNDING = 1e-9
+"""Fraction of friction's limit by which rounding may lead the force in stick beyond it."""
 
 
 def begin_spring(

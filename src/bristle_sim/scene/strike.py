@@ -302,9 +302,8 @@ def build_wire(
 
 
 SMALL_ANGLE = 1e-8  # rad; the mass matrix differs from that of the straight wire by 5e-17 of itself
-SHORT_STEP = (
-    1e-8  # from rest, in the scene's time units; the rates it gives are in proportion to it
-)
+SHORT_STEP = 1e-8
+"""Length of a step from rest, in the scene's time units; the rates that it gives are in proportion to it."""
 
 
 def wire_frequencies(tool: Tool) -> Array:

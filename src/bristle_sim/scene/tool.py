@@ -18,12 +18,11 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pai
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
-SLOWEST_MOTION = (
-    1e-100  # rad/s; slower is rest, whose energy would be too small a number in its own units
-)
-SHORTEST_PIECE = (
-    1e-12  # fraction of the wire's length; on a shorter piece of a link the knee is at the joint
-)
+SLOWEST_MOTION = 1e-100
+"""Slowest rate that counts as motion, rad/s; the energy of a slower one would be too small a number in its own units."""
+
+SHORTEST_PIECE = 1e-12
+"""Fraction of the wire's length; on a shorter piece of a link the knee is at the joint."""
 
 
 class Units:

@@ -25,16 +25,16 @@ QUINTIC_ERROR = 1.3e-5
 rate w."""
 
 NEAR_START = 16.0  # a polynomial's error near the start, over its bound and the square of the fraction passed
-SHORTEST_ADVANCE = (
-    1e-9  # time and length; a least gap sooner is the one at which the interval begins
-)
+SHORTEST_ADVANCE = 1e-9
+"""Shortest time and length after which a least gap is another one than that at which the interval begins."""
+
 LEAST_ADVANCE = (
     1.0 / 8.0
 )  # fraction of the interval; least values of the gap in between show in its slopes
 GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an extrapolated interval
-LOCATED_GAP = (
-    1e-6  # to which a touch is located, over the accuracy: a slow approach makes more of it in time
-)
+LOCATED_GAP = 1e-6
+"""Gap to which a touch is located, over the accuracy; a slow approach makes a larger error of the time from it."""
+
 SHORTEST_INTERVAL = 1e-13  # in the scene's time units; none shorter is accurate. A motion of that length is an instant
 OPENING = (
     1.0 / 16.0

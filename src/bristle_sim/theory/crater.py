@@ -39,9 +39,9 @@ from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 from bristle_sim.theory.numbers import require
 
-CUTTING_FRICTION = (
-    0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
-)
+CUTTING_FRICTION = 0.5
+"""Friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
+
 PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
 DEPTH_ROUNDING = 1e-12  # relative rounding error with which the extreme depths are still accepted
 

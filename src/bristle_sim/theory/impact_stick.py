@@ -32,9 +32,8 @@ from bristle_sim.theory.impact_events import (
 )
 from bristle_sim.theory.impact_phases import KNIFE_EDGE
 
-STEEPEST_CONE = (
-    1e150  # largest tangent of the cone's angle in the modes' units; a steeper cone is a half-plane
-)
+STEEPEST_CONE = 1e150
+"""Largest tangent of the cone's angle in the modes' units; a steeper cone is a half-plane."""
 
 
 class Contact(NamedTuple):
