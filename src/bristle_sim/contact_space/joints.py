@@ -296,8 +296,7 @@ def allowed_part(
 def close_joints(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True
 ) -> None:
-    """Apply the least change of velocity, in the norm of the kinetic energy, after which no joint
-    opens.
+    """Apply the velocity change of least kinetic energy after which no joint opens.
 
     Limits are ignored unless ``with_limits`` is set.
 
