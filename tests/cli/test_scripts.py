@@ -132,7 +132,7 @@ PROMISES = {
     ),
     "crater_depth": Promise(
         "merchant_crater_depth merchant_crater_depth_limit energy_crater_depth",
-        "shear_yield_stress plies friction impact_angle_deg",
+        "shear_yield_stress plies cutting_friction impact_angle_deg",
     ),
     "measured_impacts": Promise(
         "restitution_error spin_error rebound_angle_error_deg rigid_restitution_error rigid_spin_error"

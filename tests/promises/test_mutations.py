@@ -46,12 +46,11 @@ def test_unharmed_the_pass_stands_every_check() -> None:
 
 class TestBelt:
     def test_torque_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        true = pymunk.DampedRotarySpring
+        class ReversedSpring(pymunk.DampedRotarySpring):
+            def __init__(self, a, b, rest_angle, stiffness, damping):
+                super().__init__(a, b, rest_angle, -stiffness, damping)
 
-        def reversed_spring(a, b, rest_angle, stiffness, damping):
-            return true(a, b, rest_angle, -stiffness, damping)
-
-        monkeypatch.setattr("bristle_sim.scene.build.pymunk.DampedRotarySpring", reversed_spring)
+        monkeypatch.setattr("bristle_sim.scene.build.pymunk.DampedRotarySpring", ReversedSpring)
         assert failing() == set(CHECKS)
 
     @pytest.mark.parametrize("share", [0.99, 1.01])

@@ -207,7 +207,7 @@ def in_words(report: Report) -> str:
     shown = table(report.quantities, width)
     lines.append(shown)
     if " within" in shown.partition("\n")[0]:
-        lines.append("within: the largest relative difference that counts as agreement")
+        lines += ["", "within: the largest relative difference that counts as agreement"]
     if report.outcome is not None:
         phases = f" ({', '.join(report.phases)})" if report.phases else ""
         lines += ["", *_wrapped(f"outcome: {report.outcome_in_words or report.outcome}{phases}")]
