@@ -93,7 +93,7 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     """
     started = clock.perf_counter()
     found = _mapped(tool, grid, settings)
-    variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings, grid.workers)
+    variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings)
     values = {name: finite(each[found.nearest]) for name, each in found.results.items()}
     damping = found.tool.bristle.bending_damping_ratio
     duration = found.tool.contact.duration or 0.0
@@ -209,10 +209,8 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     )
 
 
-def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list[dict[str, Any]]:
+def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any]]:
     """Return the measures of the nearest case with other shapes, numbers of links and friction, or why there are none."""
-    from joblib import Parallel, delayed
-
     links = best.bristle.links
     changes: dict[str, dict[str, float]] = {
         "straight": {},
@@ -221,7 +219,7 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
         "rigid": {"wire_links": 1},
         **{
             f"{number} links": {"wire_links": number}
-            for number in sorted({links // 2, 5 * links // 4} - {1, links})
+            for number in sorted({links // 2, 3 * links // 2} - {0, 1, links})
         },
         **{f"friction {value:g}": {"friction": value} for value in (0.2, 0.5)},
     }
@@ -232,15 +230,14 @@ def _variants(best: Tool, knee: float, settings: Settings, workers: int) -> list
         except ValueError as error:
             return dict.fromkeys(MEASURES) | {"failure": str(error)}
 
-    found = Parallel(workers)(delayed(one)(keys) for keys in changes.values())
-    return [{"variant": name, **each} for name, each in zip(changes, found, strict=True)]
+    return [{"variant": name, **one(keys)} for name, keys in changes.items()]
 
 
 def _table(variants: list[dict[str, Any]]) -> Table:
     head = (
         "the nearest pair, but",
         "touches",
-        "compression, us",
+        "compression, µs",
         "crater, µm",
         "slide forward, mm",
     )
