@@ -11,8 +11,8 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import (
     double_pendulum_impact,
     single_pendulum_impact,
-    stick_friction,
 )
+from bristle_sim.theory.two_rods import stick_friction
 
 PAIR = {"angle_1": math.radians(20), "angle_2": math.radians(30), "rate_1": -0.1, "rate_2": -0.2}
 RODS = {"rod_mass": 5.0, "rod_length": 1.0, "restitution": 0.5} | PAIR

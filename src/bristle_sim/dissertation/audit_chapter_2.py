@@ -24,7 +24,7 @@ from bristle_sim.dissertation.printed import (
 )
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, RETRACTION_AT_RELEASE, Bar, Belt, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.theory import cueing, pendulums
+from bristle_sim.theory import cueing, pendulums, two_rods
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.monofilament import (
@@ -338,7 +338,7 @@ def pendulum_figures() -> Figures:
     law = energetic_impact(
         3.0 / mass * np.outer(lever, lever), speed * lever, 0.31, 0.42
     ).impulse_normal
-    threshold = pendulums.stick_friction(700, IMPACT_ANGLE, IMPACT_ANGLE)
+    threshold = two_rods.stick_friction(700, IMPACT_ANGLE, IMPACT_ANGLE)
     fast_rate = heavy_rod(1e4).final_rate_2
     limit_rate = heavy_rod(1e8).final_rate_2
     return {
