@@ -1,4 +1,6 @@
-"""The command line that every scenario script shares: keys, table, JSON, CSV, picture, video and exit status."""
+"""The command line of every scenario script: keys, table, JSON, CSV, picture, video and exit
+status.
+"""
 
 from bristle_sim.cli.main import main
 from bristle_sim.cli.scenario import Columns, Film, Picture, Scenario

@@ -1,4 +1,4 @@
-"""The command ``bristle-sim``: list the scenarios, or run one as its script does."""
+"""The command ``bristle-sim``: it lists the scenarios, or runs one as its script does."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ COMMANDS = {
     "limits": "find where the outcome of a pass changes: KEY=FROM:TO [--set KEY=VALUE]... [--json FILE|-]",
     "explore": "turn a tool's knobs in the browser and see its pass: [FILE.toml] [--port N]",
 }
-"""Commands beside the scenarios."""
+"""Commands besides the scenarios, with their help."""
 
 HELP = f"""for example
   {PROGRAM} cue_and_impact --set hub_speed=3000rpm --set bristle_length=25mm --report pass.html
@@ -32,7 +32,9 @@ HELP = f"""for example
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the scenario or the command that the first argument names, or list all; return the exit status."""
+    """Run the scenario or command that the first argument names, or list all; return the exit
+    status.
+    """
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
     name = first.removesuffix(".py")
@@ -62,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _complete(known: dict[str, Path]) -> None:
-    """Answer the shell that completes a command line, if the extra is installed."""
+    """Answer a shell that completes a command line, if the extra is installed."""
     try:
         from bristle_sim.cli.completion import complete
     except ImportError:
@@ -73,7 +75,7 @@ def _complete(known: dict[str, Path]) -> None:
 
 
 def _command(name: str, given: Sequence[str]) -> int:
-    """Run a command that serves the scenario of the whole pass; return the exit status."""
+    """Run a command that uses the scenario of the whole pass; return the exit status."""
     from bristle_sim.cli import compare, design, limits
     from bristle_sim.cli.explore import entry
 
@@ -99,9 +101,10 @@ def _command(name: str, given: Sequence[str]) -> int:
 
 
 def overview() -> str:
-    """Return one line for each scenario, its name and its question, and how to run one.
+    """Return the name and question of each scenario in one line, and the way to run one.
 
-    The question is read from the script's text, since importing every script would take seconds.
+    The question is read from the text of the script, since the import of every script would take
+    seconds.
     """
     known = script_paths()
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}

@@ -1,4 +1,6 @@
-"""``bristle-sim compare A.toml B.toml``: the differences of two tools, of their answers and of the numbers of their passes."""
+"""``bristle-sim compare A.toml B.toml``: the differences of two tools, their answers and their
+passes.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
     Raises:
         ValueError: for bad input.
-        OSError: naming the file, if the page cannot be written.
+        OSError: if the page cannot be written; the message names the file.
     """
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
@@ -57,7 +59,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def _row(first: Quantity, second: Quantity) -> list[str]:
-    """Return label, unit, both values, and their relative difference."""
+    """Return label, unit, both values and their relative difference."""
     a, b = first.simulated, second.simulated
     unit, size = readable_unit(first.unit, [a, b])
     shown = ["none" if each is None else f"{each / size:.6g}" for each in (a, b)]

@@ -1,4 +1,6 @@
-"""Completion in the shell: scenarios, their options, and the keys of ``--set`` and ``--sweep``; needs the extra."""
+"""Completion in the shell of scenarios, options, and keys of ``--set`` and ``--sweep``; it needs
+the extra.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from bristle_sim.units import Choice
 
 
 def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
-    """Answer the shell and exit; ``names`` are those of all scenarios and commands."""
+    """Answer the shell and exit; ``names`` are the names of all scenarios and commands."""
     parser = (
         argparse.ArgumentParser()
         if scenario is None
@@ -31,7 +33,10 @@ def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
 
 
 def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:
-    """Return the beginnings of ``--set`` or ``--sweep``: each key, and for a word its options, which no sweep takes."""
+    """Return the beginnings of assignments for ``--set`` or ``--sweep``: each key with ``=``.
+
+    A key whose value is a word is completed with its words; it cannot be swept.
+    """
     found = []
     for key, (declared, _) in scenario.keys().items():
         options = declared.options if isinstance(declared, Choice) else ("",)

@@ -1,4 +1,6 @@
-"""``bristle-sim design``: the tool of some ranges whose pass has wanted quantities, and how sharply they depend on the keys."""
+"""``bristle-sim design``: the tool in given ranges whose pass has wanted quantities, and the
+sensitivity to its keys.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +24,18 @@ OPTIONS = {
     "max": ("KEY=VALUE", "upper limit of a quantity, or of a key that is varied"),
     "set": ("KEY=VALUE", "another key of the tool"),
 }
-"""Metavariable and help of the options that may be repeated."""
+"""Metavariable and help of options that may be repeated."""
 
 FILES = {"json": (), "plot": (".png", ".svg", ".pdf"), "write_tool": (".toml",)}
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Print the answer and write the requested files; return the exit status, 1 where the wants conflict.
+    """Print the answer and write the requested files; return the exit status, 1 if the wants
+    conflict.
 
     Raises:
         ValueError: for bad input.
-        OSError: naming the file, if one cannot be written.
+        OSError: if a file cannot be written; the message names it.
     """
     for name, (metavar, words) in OPTIONS.items():
         parser.add_argument(f"--{name}", metavar=metavar, action="append", default=[], help=words)
@@ -81,7 +84,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
-    """Return names and texts of assignments."""
+    """Return the texts of assignments by name."""
     found = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
@@ -92,7 +95,7 @@ def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
 
 
 def _fields(found: Design, values: Values) -> dict[str, Any]:
-    """Return the results for JSON; ``values`` are those of the given tool's keys."""
+    """Return the results for the JSON; ``values`` are those of the given tool's keys."""
     keys = {key for part in tool_keys().values() for key in part}
     return {
         "outcome": found.report.outcome,
@@ -109,7 +112,7 @@ def _fields(found: Design, values: Values) -> dict[str, Any]:
 
 
 def _tables(found: Design) -> list[str]:
-    """Return the quantities before and after, and their changes per 1 % of each key, in aligned lines."""
+    """Return the quantities of both tools, and their changes by 1 % of each key, in aligned lines."""
     head = [
         "quantity",
         "unit",

@@ -1,4 +1,4 @@
-"""Picture, film and time series that several scenarios of a single impact show."""
+"""Picture, film and time series of the scenarios of a single impact."""
 
 from bristle_sim.cli.scenario import Columns, Film, Picture
 from bristle_sim.comparison import Report
@@ -12,7 +12,9 @@ def plot(report: Report) -> Picture:
 
 
 def film(report: Report, **size: int) -> Film:
-    """Film the impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
+    """Film the impact in slow motion, with the printed 50 us of compression unless contact_duration
+    is given.
+    """
     from bristle_sim.render.impact_film import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
 
@@ -20,12 +22,12 @@ def film(report: Report, **size: int) -> Film:
 
 
 def series(report: Report) -> Columns:
-    """Return the impact in time, where its law resolves it."""
+    """Return the history of the impact, if its law resolves it in time."""
     return dict(report.subject.strikes[report.subject.law].contact.columns())
 
 
 def contact_series(report: Report) -> Columns:
-    """Return the contact resolved in time of a study of its force."""
+    """Return the history of the contact in a study of its force."""
     if report.subject.contact is None:
         raise ValueError(report.subject.no_contact)
     return dict(report.subject.contact.record.columns())

@@ -19,7 +19,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
     Raises:
         ValueError: for bad input.
-        OSError: naming the file, if the JSON cannot be written.
+        OSError: if the JSON cannot be written; the message names the file.
     """
     parser.add_argument(
         "range", metavar="KEY=FROM:TO", help="a key of the tool and the range of its values"

@@ -1,4 +1,4 @@
-"""Run a scenario from the command line: options, order of work, interruption, exit status."""
+"""A scenario on the command line: options, order of work, interruption, exit status."""
 
 from __future__ import annotations
 
@@ -38,18 +38,18 @@ KINDS = {
 }  # fmt: skip
 """File suffixes that each option accepts; an empty tuple accepts any."""
 
-ON_STANDARD_OUTPUT = ("json", "csv")  # options that take - for it
-
-# exit statuses; the last is a shell's after SIGINT
+ON_STANDARD_OUTPUT = ("json", "csv")  # options whose value - stands for standard output
+# Exit statuses; the last is that of a shell after SIGINT.
 MISSED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:
-    """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130 (interrupted).
+    """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130
+    (interrupted).
 
-    ``program`` is the name of the command in messages; by default the script's.
+    ``program`` is the name of the command in messages; by default the name of the script.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     remarks = list[str]()
@@ -59,7 +59,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
     with ending_in_order(), progress(program), catch_warnings():
         simplefilter(
             "ignore", UnusualValueWarning
-        )  # those of typed values are printed in one line each
+        )  # typed values have warnings of their own, in one line each
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
@@ -99,7 +99,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
 
 def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str]) -> Values:
-    """Return the key values by file and options, and add warnings to the remarks."""
+    """Return the values of all keys by file and options; warnings are added to ``remarks``."""
     if options.parameters is not None:
         from_file, idle = scenario.assignments_from(options.parameters)
         options.set = [*from_file, *options.set]
@@ -115,7 +115,9 @@ def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str])
 
 @dataclass
 class Work:
-    """A requested run of a scenario: key values, the files to write, and the command that repeats it."""
+    """A requested run of a scenario: values of its keys, files to write, and the command that
+    repeats it.
+    """
 
     scenario: Scenario
     options: argparse.Namespace
@@ -124,7 +126,10 @@ class Work:
     command: str
 
     def deliver(self, report: Report, status: int) -> int:
-        """Write the requested files, of an interrupted run the JSON alone, and print the answer; return the exit status."""
+        """Write the requested files and print the answer; return the exit status.
+
+        Of an interrupted run only the JSON is written.
+        """
         texts = {}
         options = self.options
         if self.scenario.series is not None and options.csv is not None and not status:
@@ -189,7 +194,7 @@ def _write(work: Work, option: str, target: Path, report: Report) -> None:
 
 
 def draw(scenario: Scenario, report: Report, path: Path) -> None:
-    """Draw the report's figure to a file, or its figures to a folder."""
+    """Draw the figure of a report to a file, or its figures to a folder."""
     if scenario.plot is not None:
         from bristle_sim.render.style import save_figure
 
@@ -204,9 +209,10 @@ def _flag(option: str) -> str:
 
 
 def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
-    """Return the files that the options name, after checks that each can be written and none is named twice.
+    """Return the files that the options name, after checks that each can be written and none is
+    named twice.
 
-    A device such as /dev/null may serve several options.
+    Several options may name a device such as /dev/null.
     """
     found = dict[str, Path]()
     seen = dict[str, str]()
@@ -248,7 +254,7 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """Raise, so that ``main`` reports it in one line."""
+        """Raise ValueError, which ``main`` reports in one line."""
         unknown = message.removeprefix("unrecognized arguments: ")
         if unknown != message:
             setting = "=" in unknown and not unknown.startswith("-")
@@ -295,7 +301,10 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
 def parser_of(
     scenario: Scenario, program: str, *, sweeping: bool = False
 ) -> argparse.ArgumentParser:
-    """Return a parser of the options of the scenario, or of a sweep of it; any other option has the value None."""
+    """Return a parser of the options of a scenario, or of a sweep of it.
+
+    The other options have the value None.
+    """
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
     left_out = set[str]()
     if "hub_speed" not in scenario.keys():  # noqa: SIM118

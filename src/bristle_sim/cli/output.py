@@ -1,4 +1,6 @@
-"""Print a scenario's answer, table and remarks, its JSON and CSV, and the progress of long work, which a signal ends in order."""
+"""Output of a scenario: answer, table, remarks, JSON, CSV and progress; and an orderly end by a
+signal.
+"""
 
 from __future__ import annotations
 
@@ -25,21 +27,24 @@ from bristle_sim.comparison import WIDTH, Report, finite, table
 from bristle_sim.files import complete_or_absent
 from bristle_sim.version import __version__, named_commit
 
-SILENCE = 15.0  # longest time without a word on the progress of long work, s
+SILENCE = 15.0  # longest time between two reports on the progress of long work, s
 SIGNALLED = (
     128  # exit status of a shell whose command was ended by a signal, less the signal's number
 )
-LATER = 1e-3  # seconds after which a signal that came at a bad moment is tried again
+LATER = 1e-3  # time after which a signal that came at a bad moment is repeated, s
 
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 if sys.platform != "win32":
     USUAL[signal.SIGHUP] = signal.SIG_DFL  # the terminal was closed
-"""Python's own handlers, which are replaced."""
+"""Python's own handlers of signals, which are replaced."""
 
 
 @contextmanager
 def progress(program: str) -> Iterator[None]:
-    """Show the progress of long work on standard error: in one changing line on a terminal, else in a new line at intervals."""
+    """Show the progress of long work on standard error.
+
+    A terminal shows it in one changing line, any other stream in a new line at intervals.
+    """
     if sys.stderr is None:
         yield
         return
@@ -62,7 +67,10 @@ def progress(program: str) -> Iterator[None]:
 
 
 class _Progress(logging.Handler):
-    """Keep the last report on the progress; print it at once on a terminal, elsewhere after a silence."""
+    """Log handler that keeps the last report on the progress.
+
+    A terminal shows a report at once, any other stream after a silence.
+    """
 
     def __init__(self, program: str, *, terminal: bool) -> None:
         super().__init__(logging.INFO)
@@ -72,7 +80,7 @@ class _Progress(logging.Handler):
         self.started = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Note a report."""
+        """Keep a report, and show it on a terminal; print a warning at once."""
         if record.levelno >= logging.WARNING:
             print_error(f"{self.program}: warning: {record.getMessage()}")
             return
@@ -81,7 +89,10 @@ class _Progress(logging.Handler):
             print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the last report and the elapsed time at intervals until the work has ended, unless a progress bar is shown."""
+        """Print the last report and the elapsed time at intervals until the work has ended.
+
+        Nothing is printed while a progress bar is shown.
+        """
         before, end = ("\r\x1b[K", "") if self.terminal else ("", "\n")
         while not ended.wait(SILENCE):
             if getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
@@ -97,7 +108,10 @@ class _Progress(logging.Handler):
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """Let SIGINT raise KeyboardInterrupt, SIGTERM and SIGHUP SystemExit, where there is no other handler for them."""
+    """Let SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP raise SystemExit.
+
+    A signal with another handler is left alone.
+    """
     before = {}
     hook = sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
@@ -114,7 +128,10 @@ def ending_in_order() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """Raise the exception that ends the work, or try again later within a callback or the hook, where it would be lost."""
+    """Raise the exception that ends the work.
+
+    Within a callback or the hook it would be lost; there the signal is repeated later.
+    """
     while frame is not None:
         code = frame.f_code
         callback = (
@@ -133,7 +150,9 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 def _end_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat an end that was lost in a destructor or another callback; report anything else as usual."""
+    """Repeat an end that was lost in a destructor or another callback; report any other exception
+    as usual.
+    """
     if issubclass(lost.exc_type, KeyboardInterrupt):
         _try_again(signal.SIGINT)
     elif isinstance(lost.exc_value, SystemExit) and isinstance(lost.exc_value.code, int):
@@ -147,7 +166,7 @@ def _try_again(number: int) -> None:
 
 
 def document(name: str, values: Mapping[str, Any], report: Report, *, finished: bool = True) -> str:
-    """Return the results as JSON, in SI units at full precision; it says so if the work was interrupted."""
+    """Return the results as JSON, in SI units at full precision; an interrupted work is marked."""
     found = {
         "outcome": report.outcome,
         "quantities": [row.as_dict() for row in report.quantities],
@@ -162,7 +181,7 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
 
 
 def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -> str:
-    """Return the JSON of a scenario's results: answer, version and key values first."""
+    """Return the JSON of a scenario's results, with answer, version and key values first."""
     head = {
         "scenario": name,
         "answer": answer,
@@ -174,7 +193,7 @@ def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -
 
 
 def plain(value: Any) -> Any:
-    """Turn values into JSON's own types; a number that is not finite becomes null."""
+    """Return values as JSON's own types; a number that is not finite becomes null."""
     if isinstance(value, Mapping):
         return {key: plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
@@ -185,12 +204,14 @@ def plain(value: Any) -> Any:
 
 
 def format_value(value: Any) -> str:
-    """Return a key's value as a person reads it."""
+    """Return the value of a key as a person reads it."""
     return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Return a time series at full precision: names and units in the first row, then one row a sample."""
+    """Return a time series as CSV at full precision: names with units in the first row, then one
+    row for each sample.
+    """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -199,7 +220,7 @@ def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
 
 
 def in_words(report: Report) -> str:
-    """Return the answer, the table, the outcome where the question is about an impact, and the remarks."""
+    """Return answer, table, outcome of an impact, if any, and remarks as text."""
     width = (
         max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
     )
@@ -221,14 +242,14 @@ def in_words(report: Report) -> str:
 
 
 def _wrapped(remark: str) -> list[str]:
-    """Wrap a remark into lines that fit; a remark in columns or lines stays as it is."""
+    """Return a remark in lines that fit; a remark in columns or lines is unchanged."""
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
     return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
 
 
 def write_text(target: Path, text: str) -> None:
-    """Write a file of lines that appears only when complete."""
+    """Write a text file that appears only when it is complete."""
     with complete_or_absent(target) as partial:
         partial.write_text(text + "\n", encoding="utf-8", newline="")
 
@@ -245,6 +266,6 @@ def print_line(text: str) -> None:
 
 
 def print_error(text: str) -> None:
-    """Print on standard error if there is one; print() would take standard output in its place."""
+    """Print on standard error, if there is one; print() would otherwise use standard output."""
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)

@@ -1,4 +1,6 @@
-"""A scenario: one question, the keys of its run, the values that are typed for them, and the functions that show the answer."""
+"""A scenario: its question, the keys of its run, the typed values, and the functions that show the
+answer.
+"""
 
 from __future__ import annotations
 
@@ -29,30 +31,35 @@ Film = Any  # a film of bristle_sim.render
 Declaration = Range | Choice
 
 TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
-"""The classes whose declared fields are the keys of a tool."""
+"""Classes whose declared fields are the keys of a tool."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """One question that a script answers on the command line.
 
-    The functions import the modules they need when they are called, so that help and bad input are answered at once and
-    Ctrl-C ends in order even while libraries load.
+    Its functions import their modules when they are called. Help and bad input are therefore
+    answered at once, and Ctrl-C is handled even while libraries load.
 
     Attributes:
-        name: of the script, without suffix.
-        question: in a sentence.
-        run: answers the question. The declared fields of its arguments' classes are the script's keys; of a Tool those of
-            all its parts. It may raise ValueError for values that do not fit together.
-        plot: returns the figure of a report.
-        plots: draws the figures of a report into a folder, or on the pages of a PDF, where there are several.
-        film: returns the film of a report, with ``width`` and ``height`` in px if they are given.
-        series: returns the time series of a report, by name and unit, one entry a sample; None without a motion.
-        tool: returns the tool that was found, if it differs from the run's.
-        defaults: key values that differ from the parameter classes' own, each with its source.
+        name: name of the script, without suffix.
+        question: the question in a sentence.
+        run: function that answers the question. The declared fields of its arguments' classes are
+        the script's keys; for a Tool, the fields of all its parts. It may raise ValueError for
+        values that contradict each other.
+        plot: function that returns the figure of a report.
+        plots: function that draws several figures of a report into a folder or on the pages of a
+        PDF.
+        film: function that returns the film of a report, with ``width`` and ``height`` in px if
+        they are given.
+        series: function that returns the time series of a report, by name and unit, with one entry
+        for each sample; None without a motion.
+        tool: function that returns the tool found, if it differs from the given one.
+        defaults: values of keys that differ from the defaults of the parameter classes, each with
+        its source.
         without: keys of the arguments that have no effect on the answer.
-        highest: upper limits of keys that are lower than in the parameter classes, each with its reason.
-        options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
+        highest: upper limits of keys below those of the parameter classes, each with its reason.
+        options: keys with an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
     name: str
@@ -70,21 +77,23 @@ class Scenario:
 
     @property
     def arguments(self) -> dict[str, type]:
-        """The classes of the run's arguments, by name."""
+        """Classes of the run's arguments, by name."""
         found = get_type_hints(self.run)
         del found["return"]
         return found
 
     @property
     def parts(self) -> tuple[type, ...]:
-        """The parameter classes whose declared fields are the keys."""
+        """Parameter classes whose declared fields are the keys."""
         found: list[type] = []
         for kind in self.arguments.values():
             found += TOOL if kind is Tool else [kind]
         return tuple(found)
 
     def keys(self) -> dict[str, tuple[Declaration, Any]]:
-        """Return every key with its declaration and default; the declaration's source is that of this default."""
+        """Return every key with its declaration and default; the declaration has the source of this
+        default.
+        """
         found = {}
         for part in self.parts:
             for declared, default in declared_fields(part).values():
@@ -102,11 +111,14 @@ class Scenario:
     def values_of(
         self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None
     ) -> dict[str, Any]:
-        """Return every key's value: its default, the last that the ``KEY=VALUE`` assignments give it, or one of the numbers.
+        """Return the value of every key.
+
+        It is the default, the last value that the ``KEY=VALUE`` assignments give, or one of the
+        numbers.
 
         Raises:
-            ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
-                without effect.
+            ValueError: in one line, for an unknown key, a refused value, or a key without effect
+                because of another key's value.
         """
         keys = self.keys()
         typed = dict[str, Any]()
@@ -139,7 +151,7 @@ class Scenario:
         return values
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
-        """Return one line for each typed value that is unusual, with the unit that may have been meant."""
+        """Return one line for each unusual typed value, with the unit that may be meant."""
         keys = self.keys()
         found = {}
         for assignment in assignments:
@@ -148,13 +160,15 @@ class Scenario:
         return [*filter(None, found.values())]
 
     def assignments_from(self, path: str) -> tuple[list[str], list[str]]:
-        """Return the assignments that a tool's file makes, and a warning for each value that the scenario does not use.
+        """Return the assignments in a tool's file, and a warning for each value that the scenario
+        does not use.
 
-        A shape of the wire and a law of impact that are a tool's defaults leave the scenario's own, such as a bent wire.
+        If the wire's shape or the law of impact is the tool's default, the scenario keeps its own,
+        such as a bent wire.
 
         Raises:
-            ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
-                an absent part.
+            ValueError: in one line, for a file that cannot be read or is not TOML, an unknown key,
+                a refused value, or an absent part.
         """
         keys = self.keys()
         assignments = list[str]()
@@ -176,7 +190,7 @@ class Scenario:
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
             if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == known[key][1]:
-                continue  # a tool that is as usual leaves the scenario its own wire and law
+                continue  # for the tool's default the scenario keeps its own wire and law
             if key in keys:
                 assignments.append(f"{key}={text}")
             elif value != known[key][1]:
@@ -184,7 +198,7 @@ class Scenario:
         return assignments, idle
 
     def answer(self, values: Values) -> Report:
-        """Build the run's arguments from key values, and run."""
+        """Run the scenario with arguments that are built from the values of keys."""
         arguments = {}
         for name, kind in self.arguments.items():
             arguments[name] = build_parameters(kind, values)
@@ -197,7 +211,9 @@ class Scenario:
         ]
 
     def key_list(self) -> str:
-        """Return two lines or more for each key, 100 columns wide: default, unit and range, then meaning and source."""
+        """Return two or more lines for each key, 100 columns wide: default, unit and range, then
+        meaning and source.
+        """
         rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
             unit = "" if declared.unit == "word" else declared.unit
@@ -220,7 +236,9 @@ class Scenario:
 
 
 def build_parameters(kind: Any, values: Values) -> Any:
-    """Return a parameter object of the given class, or a tool, with key values; a field without one has its default."""
+    """Return a parameter object of a class, or a tool, with values of keys; an omitted field has
+    its default.
+    """
     given = {}
     for name, (declared, _) in declared_fields(kind).items():
         if declared.key in values:

@@ -1,6 +1,7 @@
-"""The scripts of the scenarios, and the scenario of each.
+"""The scripts of the scenarios, and the scenario of each script.
 
-A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work tree has it beside ``src``.
+A wheel has the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work tree has it beside
+``src``.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from bristle_sim.cli.scenario import Scenario
 
 
 def script_paths() -> dict[str, Path]:
-    """Return the scenarios' scripts by name, from the installed package or from the work tree."""
+    """Return the scripts of the scenarios by name, from the installed package or the work tree."""
     package = Path(__file__).parents[1]
     folder = package / "scenarios"
     if not folder.is_dir():
@@ -28,5 +29,5 @@ def load_scenario(path: Path) -> Scenario:
 
 
 def main_scenario() -> Scenario:
-    """Return the scenario of the whole pass, which the commands beside the scenarios run."""
+    """Return the scenario of the whole pass, which the further commands use."""
     return load_scenario(script_paths()["cue_and_impact"])

@@ -1,4 +1,6 @@
-"""``--sweep KEY=FROM:TO:N``: a scenario's quantities over one or two of its keys, as a table, JSON, CSV, and lines or maps."""
+"""``--sweep KEY=FROM:TO:N``: a scenario's quantities over one or two keys, as table, JSON, CSV,
+lines or maps.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,11 @@ MOST_POINTS = 10**6
 """Largest number of values of a key."""
 
 MOST_ROWS = 60
-"""Largest number of points shown in a terminal; files contain all."""
+"""Largest number of points shown in a terminal; files contain all points."""
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
-    """Sweep, write the requested files, and print the table.
+    """Sweep the keys, write the requested files, and print the table.
 
     Raises:
         ValueError: for bad input, if no point has a result, or without the extra ``sweep``.
@@ -64,7 +66,11 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
-    """Answer a scenario's question at these values of its keys. Raises ValueError for a value that is refused."""
+    """Return the report of a scenario at given values of its keys.
+
+    Raises:
+        ValueError: for a refused value.
+    """
     return scenario.answer(scenario.values_of(assignments, keys))
 
 
@@ -92,7 +98,7 @@ def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
 
 
 def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
-    """Return keys, quantities and reasons by name and unit, one entry a point."""
+    """Return keys, quantities and reasons by name and unit, with one entry for each point."""
     import xarray as xr
 
     names = [
@@ -111,7 +117,7 @@ def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
 
 
 def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
-    """Return the number of points, and the reasons of those that lack results."""
+    """Return the number of points, and the reasons of points without results."""
     import numpy as np
 
     reasons, numbers = np.unique(found["failure"].values, return_counts=True)
@@ -126,7 +132,9 @@ def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
 
 
 def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
-    """Return the quantities over the keys in tables that fit the width; no table of more than MOST_ROWS points."""
+    """Return the quantities over the keys in tables that fit the width; none for more than
+    MOST_ROWS points.
+    """
     if found["failure"].size > MOST_ROWS:
         return []
     columns = list[tuple[str, ...]]()

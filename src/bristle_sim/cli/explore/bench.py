@@ -28,7 +28,7 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Computed, Range, declarations, displayed
 
 OFTEN = ("hub", "bar", "workpart")
-"""Parts whose knobs are open when the page is loaded."""
+"""Parts whose knobs are visible when the page is loaded."""
 
 SLIDERS = {
     "accuracy": (1e-10, 1e-2),
@@ -43,16 +43,20 @@ SLIDERS = {
     "tangential_compliance": (0.0, 1.5),
     "wire_links": (1.0, 12.0),
 }
-"""Ranges of sliders in SI units; those of other keys run from a third to three times the value at the beginning."""
+"""Ranges of sliders, SI units; other sliders run from a third to three times the first value."""
 
 WHOLE = 1500
 PANEL_COLUMNS = 300
-"""Most samples of a run that a panel shows whole, and the intervals of time, each a pixel or two wide, of which it shows the first,
-last, least and largest values of a longer run."""
+"""Largest number of samples that a panel shows whole, and number of its columns for a longer run.
+
+A column is one or two pixels wide. It shows the first, last, least and largest value in its
+time."""
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Return every key as a dictionary for the page; ``start`` are the assignments that the page begins with."""
+    """Return every key as a dictionary for the page; ``start`` holds the assignments of the first
+    tool.
+    """
     values = pass_of.values_of(start)
     groups = {
         each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()
@@ -64,7 +68,9 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
 
 
 def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
-    """Return one key: its words, and for a number the unit that is shown, its start and its range in that unit."""
+    """Return the words of one key; for a number also its displayed unit, and its first value and
+    range in this unit.
+    """
     words = {
         "key": declared.key,
         "label": declared.key.removesuffix("_deg").replace("_", " "),
@@ -102,7 +108,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Return the run for typed values on top of those that the page began with."""
+    """Return the run for typed assignments in addition to those of the first tool."""
     values = pass_of.values_of([*start, *typed])
     report = pass_of.answer(values)
     run = report.subject.trajectory
@@ -132,16 +138,18 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
 
 
 def _typed(declared: Range | Choice, value: Any) -> str:
-    """Return the shortest text that is read as a key's value: ``27 mm``."""
+    """Return the shortest text that is read as the value of a key, for example ``27 mm``."""
     if value is None or isinstance(declared, Choice):
         return format_value(value)
     return exact_text(value, declared.key, declared.unit)
 
 
 def series(run: Trajectory) -> dict[str, Any]:
-    """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force.
+    """Return the curves of the panels, in ms, degrees, rad/s, m/s and N.
 
-    ``marks`` are the instants and names of events. ``drawn`` states the number of samples in them; others would not change a panel by a pixel.
+    They are time, retraction, rate relative to the hub, tip speed and normal force. ``marks`` are
+    instants and names of events. ``drawn`` states the number of samples in the curves; other
+    samples would not change a panel by a pixel.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
@@ -163,7 +171,9 @@ def series(run: Trajectory) -> dict[str, Any]:
 
 
 def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
-    """Return the samples that a panel can show: in each of its columns the first, the last and every curve's extremes."""
+    """Return the samples that a panel can show: in each of its columns the first, the last and
+    every curve's extremes.
+    """
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], PANEL_COLUMNS + 1)[:-1])
     kept = set[int]()
     for first, end in pairwise([*edges.tolist(), time.size]):
@@ -194,7 +204,7 @@ DOWNLOADS = {
     "png": "picture (PNG)",
     "svg": "picture (SVG)",
 }
-"""Files of a run, by the ending of their names."""
+"""Files of a run for download, by suffix."""
 
 PRESETS = {
     "27 mm wire, 2500 rpm (Zhang 2020)": "",
@@ -204,7 +214,8 @@ PRESETS = {
     "35 mm wire, 1800 rpm": "hub_speed=1800 rpm&hub_radius=40 mm&bristle_length=35 mm&wire_diameter=0.9 mm"
     "&belt_stiffness=0.05 N m/rad&bar_radius=6 mm&bar_horizontal=66.59 mm&bar_vertical=33.02 mm",
 }
-"""Tools by their dimensions, each with its assignments as the query of an address; but for Zhang's, the strike is radial."""
+"""Tools by their dimensions, with assignments as the query of an address; except Zhang's, they
+strike radially."""
 
 
 def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
@@ -239,7 +250,7 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
 
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
-    """Return the assignments that make a tool from the defaults."""
+    """Return the assignments that change the default tool into a given tool."""
     assignments = list[str]()
     known = pass_of.keys()
     for part, keys in tool_keys().items() if tool is not None else ():

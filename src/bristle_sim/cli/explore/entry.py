@@ -1,4 +1,4 @@
-"""The two ways into the bench: the command ``bristle-sim explore``, and ``bristle_sim.explore`` in a notebook."""
+"""The two entries to the bench: ``bristle-sim explore``, and ``bristle_sim.explore`` in a notebook."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     """Show the bench in a notebook: knobs for every key of a tool, and its pass.
 
     Args:
-        tool: the one to begin with; by default that of the dissertation.
-        height: of the frame, px.
+        tool: the first tool; by default that of the dissertation.
+        height: height of the frame, px.
 
     Returns:
-        The frame, which a notebook shows. Its page comes from this process, and ends with it.
+        The frame, which a notebook shows. This process serves its page as long as it runs.
 
     Raises:
         ModuleNotFoundError: without the extra ``explore``.
@@ -45,7 +45,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
     Raises:
         ValueError: for bad input, or without the extra ``explore``.
-        OSError: if the port is taken.
+        OSError: if the port is in use.
     """
     parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
     parser.add_argument(

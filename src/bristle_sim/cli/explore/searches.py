@@ -1,4 +1,6 @@
-"""Answers of the bench from many passes: the map of two keys, the limits of one, a bar for a radial strike, and a design."""
+"""Answers of the bench from many passes: a map over two keys, limits of one key, a bar for a radial
+strike, and a design.
+"""
 
 from __future__ import annotations
 
@@ -26,29 +28,31 @@ from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import Range
 
-ACCURACY = 1e-6  # relative, of the passes in a map: far less than a shade
-CELLS = 40  # of the coarse map along each side
-PARTS = 5  # of a coarse cell's side in the fine map
-SHADES = 254  # steps of a map's scale
+ACCURACY = 1e-6  # relative accuracy of the passes in a map: far below one shade
+CELLS = 40  # number of cells along each side of the coarse map
+PARTS = 5  # number of fine cells along a side of a coarse cell
+SHADES = 254  # number of steps of a map's scale
 EXTREMES = (
     1.0,
     99.0,
-)  # percentiles between which the scale runs, so that one extreme value does not blacken a map
+)  # percentiles at the ends of the scale, so that a single extreme value does not darken a map
 
 COLOURS = {OUTCOME: "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
-"""Quantities that a map shows, and their words."""
+"""Quantities that a map can show, with their labels."""
 
 
 def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) -> dict[str, Any]:
     """Return the map of a quantity over two keys, row by row from below.
 
-    The fine map has PARTS points for each of the coarse one. It computes them in the cells where the outcome changes or a linear
-    interpolation is wrong by a shade, and interpolates the others.
+    The fine map divides each side of a coarse cell into PARTS. It computes points in the cells
+    where the outcome changes or a linear interpolation is wrong by a shade; it interpolates the
+    other points.
 
     Args:
         pass_of: the scenario of the pass.
-        assignments: make the tool.
-        on: JSON of ``x`` and ``y``, a key and the ends of its range each, and ``of``, the quantity.
+        assignments: assignments of the tool.
+        on: JSON with ``x`` and ``y``, each a key and the ends of its range, and ``of``, the
+        quantity.
         fine: 1 for the fine map.
     """
     asked = json.loads(on)
@@ -56,7 +60,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     ends = [_ends(pass_of, *asked[axis]) for axis in "xy"]
 
     def passes(*fractions: Array) -> tuple[Array, NDArray[Any]]:
-        """Return values and codes of the outcome at fractions of the ranges of x and y."""
+        """Return values and outcome codes at fractions of the ranges of x and y."""
         places = {
             key: low + (high - low) * each
             for (key, low, high), each in zip(ends, fractions, strict=True)
@@ -110,7 +114,10 @@ def _coded(numbers: Array) -> str:
 
 
 def _rough(values: Array, codes: NDArray[Any], low: float, high: float) -> NDArray[np.bool_]:
-    """Return the coarse cells in which a linear interpolation may be wrong: by h^2 f''/8 along each side, or by an outcome."""
+    """Return the coarse cells in which a linear interpolation may be wrong.
+
+    Its error is h^2 f''/8 along each side, or the outcomes of the corners differ.
+    """
     kinds = 2 * codes + np.isnan(values)
     rough = maximum_filter(kinds, 3) != minimum_filter(kinds, 3)
     for axis, edges in enumerate(([[1, 1], [0, 0]], [[0, 0], [1, 1]])):
@@ -120,7 +127,7 @@ def _rough(values: Array, codes: NDArray[Any], low: float, high: float) -> NDArr
 
 
 def _interpolated(values: Array, codes: NDArray[Any]) -> tuple[Array, NDArray[Any]]:
-    """Return values, linear between the coarse points, and the nearest points' outcomes."""
+    """Return values interpolated between the coarse points, and the outcomes of the nearest points."""
     place = np.arange(CELLS * PARTS + 1) / PARTS
     weights = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(CELLS + 1)))
     nearest = np.ix_(*2 * [np.rint(place).astype(int)])
@@ -139,7 +146,10 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
-    """Return the assignments of the tool that has the wanted quantities, with the map's keys in their ranges, and the sentence on it."""
+    """Return the assignments of the tool with the wanted quantities, and the sentence on it.
+
+    The keys of the map are varied in their ranges.
+    """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     ranges = [_ends(pass_of, *asked[axis]) for axis in "xy"]
@@ -153,7 +163,9 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the assignments that place the bar, at its distance from the hub's centre, for a radial strike."""
+    """Return the assignments that place the bar for a radial strike, at its distance from the hub's
+    centre.
+    """
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)
     strike = simulation(Settings(accuracy=values["accuracy"]))

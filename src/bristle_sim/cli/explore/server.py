@@ -1,4 +1,4 @@
-"""The bench's server. Each request carries the whole state, so that several users share none."""
+"""The server of the bench. Each request carries the whole state, so users share no state."""
 
 from __future__ import annotations
 
@@ -22,20 +22,21 @@ from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.render.report import explore_page
 
-OF_THE_PAGE = ("pin", "on", "fine")  # parts of an address that are no keys of the tool
-
-READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
+OF_THE_PAGE = ("pin", "on", "fine")  # parts of an address that are not keys of the tool
+READ_TIMEOUT = 30.0  # longest wait for further bytes of a request, s
 
 NAMES = ("localhost", "127.0.0.1", "::1")
-"""Names by which this machine calls its own server. A page elsewhere can let a name of its own point here (DNS rebinding); its
-requests carry that name."""
+"""Names of this machine in requests to its own server.
+
+Another page can let a name of its own point here (DNS rebinding); its requests carry that name and
+are refused."""
 
 
 def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
-    """Return the bench as a web application that begins with the tool of these assignments, on a host.
+    """Return the bench as a web application for a host; the first tool has the given assignments.
 
     Raises:
-        ValueError: for values that are refused.
+        ValueError: for a refused value.
     """
     app = Flask("bristle_sim.cli.explore", static_folder=None)
     pass_of = main_scenario()
@@ -54,6 +55,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
     @app.before_request
     def check_host() -> Response | None:
+        """Refuse a request whose Host header does not name this server."""
         if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
             return None
         return Response(
@@ -64,6 +66,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
     @app.after_request
     def protect(response: Response) -> Response:
+        """Add the headers that limit a browser to the page's own script and this server."""
         response.headers["Content-Security-Policy"] = policy
         response.headers["X-Content-Type-Options"] = "nosniff"
         response.headers["Referrer-Policy"] = "no-referrer"
@@ -92,6 +95,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
     @app.get("/download/<kind>")
     def download(kind: str) -> Response:
+        """Answer with a file of the run."""
         if kind not in bench.DOWNLOADS:
             return Response(status=404)
         found = workers.answer("", "download", kind, [*start, *typed()])
@@ -109,9 +113,10 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
 
 def meant_for(header: str, host: str, port: str) -> bool:
-    """Whether a Host header names the server: this machine, or the host it listens on, with the server's port.
+    """Return whether a Host header names this server: this machine or its host, with its port.
 
-    A server that listens on every address of the machine may be called by any address; one cannot be made to point elsewhere.
+    A server that listens on every address of the machine may be called by any address, since an
+    address cannot be made to point elsewhere.
     """
     try:
         named = urlsplit(f"//{header}")
@@ -133,13 +138,15 @@ def _is_address(name: str) -> bool:
 
 
 def content_policy(page: str) -> str:
-    """Return the policy by which a browser runs the page's own script and asks this server alone."""
+    """Return the policy by which a browser runs only the page's own script and requests only this
+    server.
+    """
     scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
     digests = [
         base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts
     ]
     own = " ".join(f"'sha256-{digest}'" for digest in digests)
-    # A notebook on this machine shows the page in a frame.
+    # A notebook on this machine may show the page in a frame.
     frames = "'self' http://localhost:* http://127.0.0.1:* vscode-webview:"
     return (
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; img-src data:; connect-src 'self';"
@@ -148,11 +155,11 @@ def content_policy(page: str) -> str:
 
 
 def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0) -> BaseWSGIServer:
-    """Return a server of the bench that listens, and answers each request from a thread of its own.
+    """Return a listening server of the bench, which answers each request in a thread of its own.
 
     Raises:
-        OSError: if it cannot listen there.
-        ValueError: for values that are refused.
+        OSError: if it cannot listen on the host and port.
+        ValueError: for a refused value.
     """
     taken = io.StringIO()
     try:
@@ -160,12 +167,12 @@ def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0)
             return make_server(
                 host, port, application(start, host), threaded=True, request_handler=_Quiet
             )
-    except SystemExit:  # werkzeug's answer to a port that is taken
+    except SystemExit:  # werkzeug raises it for a port in use
         raise OSError(f"--host {host} --port {port}: {taken.getvalue().splitlines()[0]}") from None
 
 
 class _Quiet(WSGIRequestHandler):
-    """Answers requests without a log line for each, and waits for one no longer than READ_TIMEOUT."""
+    """Request handler without a log line for each request, and with the timeout READ_TIMEOUT."""
 
     timeout = READ_TIMEOUT
 
@@ -177,7 +184,7 @@ def serve(start: Sequence[str] = ()) -> str:
     """Serve the bench from a thread of this process, and return its address.
 
     Raises:
-        ValueError: for values that are refused.
+        ValueError: for a refused value.
     """
     serving = server(start)
     threading.Thread(target=serving.serve_forever, daemon=True).start()

@@ -1,7 +1,9 @@
-"""The processes that compute for the bench, so that a run can be ended, and a fault ends a run and not the server.
+"""Processes that compute for the bench, so that a run can be stopped and a fault ends a run but not
+the server.
 
-A worker reads one job a line from its standard input, and writes its progress and its answer, a line each, all JSON. A line with
-a job's number stops that job. A worker ends when its input ends, and so with the server, however that ends.
+A worker reads jobs from its standard input, one in each line, and writes its progress and its
+answer in one line each; all are JSON. A line with the number of a job stops that job. A worker ends
+when its input ends, and therefore with the server, however that ends.
 """
 
 from __future__ import annotations
@@ -21,15 +23,16 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, BinaryIO
 
 TIME_LIMIT = 60.0
-"""Longest time that an answer may take, s. A run of the default tool takes 0.05 s, that of a wire of four links some seconds."""
+"""Longest time of an answer, s.
 
-GRACE = 3.0  # longest time in which a stopped job must end, s; its process is ended then
-REPORTED = 0.2  # shortest time between two reports on a job's progress, s
+A run of the default tool takes 0.05 s, a run of a wire of four links some seconds."""
+
+GRACE = 3.0  # longest time until a stopped job ends, s; after it the process is ended
+REPORTED = 0.2  # shortest time between two reports on the progress of a job, s
 STOPPED = "stopped by a newer run"
 
-MOST_RUNNING = 4  # answers computed at once; further requests wait for as long as TIME_LIMIT
-
-MOST_IDLE = 2  # workers kept without a job; each holds about 100 MB
+MOST_RUNNING = 4  # largest number of simultaneous answers; further requests wait up to TIME_LIMIT
+MOST_IDLE = 2  # largest number of workers without a job; each holds about 100 MB
 
 Answer = dict[str, Any]
 
@@ -38,12 +41,12 @@ class Worker:
     """A process that waits for jobs.
 
     Attributes:
-        reason: the line that says why it was ended, if the server has ended it.
-        progress: the fraction of its job that is done, as far as it is known.
+        reason: reason why the server has ended the process, in one line; empty otherwise.
+        progress: finished fraction of its job, as far as it is known.
     """
 
     def __init__(self) -> None:
-        """Start the process, which begins to import what it needs."""
+        """Start the process, which imports its modules."""
         self.reason = ""
         self.progress = 0.0
         self._number = 0  # of its job
@@ -52,7 +55,9 @@ class Worker:
         self._finalize = weakref.finalize(self, _end, self._process)
 
     def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
-        """Return the answer to a job; ``error`` is the one line of a refusal, or of the worker's end."""
+        """Return the answer to a job; ``error`` is the line of a refusal, or of the end of the
+        process.
+        """
         sent = self._process.stdin
         received = self._process.stdout
         assert sent is not None
@@ -89,7 +94,7 @@ class Worker:
         return self._process.poll() is None
 
     def stop(self) -> None:
-        """Stop the job, and end the process if it has not stopped in time."""
+        """Stop the job; end the process if the job does not stop in time."""
         number = self._number
         sent = self._process.stdin
         assert sent is not None
@@ -105,7 +110,7 @@ class Worker:
             self.end(STOPPED)
 
     def end(self, reason: str = "") -> None:
-        """End the process, for a reason that its answer then gives."""
+        """End the process; the answer to its job then states the reason."""
         self.reason = reason
         self._process.kill()
 
@@ -119,17 +124,20 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 class Workers:
-    """The workers of a server, one of which always waits, so that replacing one costs no time."""
+    """The workers of a server; one always waits, so that a new one costs no time."""
 
     def __init__(self) -> None:
-        """Start no worker before the first request."""
+        """Start without workers; the first request starts one."""
         self._idle: list[Worker] = []
         self._running: dict[str, Worker] = {}
         self._lock = threading.Lock()
         self._free = threading.BoundedSemaphore(MOST_RUNNING)
 
     def answer(self, page: str, kind: str, *arguments: Any) -> Answer:
-        """Return the answer to a job. A newer job of the same page ends its older one; a page "" has no other jobs."""
+        """Return the answer to a job.
+
+        A newer job of the same page stops the older one. A page "" has no other jobs.
+        """
         with self._lock:
             if (older := self._running.get(page)) is not None:
                 older.stop()
@@ -142,7 +150,7 @@ class Workers:
             self._free.release()
 
     def progress(self, page: str) -> float:
-        """Return the fraction of a page's job that is done; 0 if it is not known."""
+        """Return the finished fraction of the job of a page; 0 if it is unknown."""
         worker = self._running.get(page)
         return 0.0 if worker is None else worker.progress
 
@@ -168,17 +176,18 @@ class Workers:
 
 
 def work() -> None:
-    """Answer jobs until standard input ends, then end at once, in the middle of a run too."""
+    """Answer jobs until standard input ends, then end at once, even during a run."""
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
-    )  # Ctrl-C ends the server, and with it standard input
+    )  # Ctrl-C ends the server, and therefore standard input
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # where anything printed goes
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for all other printed text
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
     watch = Watch(answers)
 
     def read() -> None:
+        """Read jobs and stops from standard input until it ends."""
         for line in sys.stdin.buffer:
             if line.startswith(b"["):
                 jobs.put(line)
@@ -199,7 +208,7 @@ def work() -> None:
         "download": bench.download,
     }
     pass_of = main_scenario()
-    bench.run_of(pass_of, [], [])  # imports what a run needs
+    bench.run_of(pass_of, [], [])  # imports the modules of a run
     logger = logging.getLogger("bristle_sim.scene.run")
     logger.addHandler(watch)
     logger.setLevel(logging.DEBUG)
@@ -214,15 +223,15 @@ def work() -> None:
 
 
 class StoppedError(Exception):
-    """The server has stopped the job."""
+    """Error: the server has stopped the job."""
 
 
 class Watch(logging.Handler):
-    """Reports the progress that a run logs, and ends the run if its job is stopped.
+    """Log handler that reports the progress of a run, and ends the run if its job is stopped.
 
     Attributes:
-        number: of the present job.
-        stopped: number of the last job that was stopped.
+        number: number of the present job.
+        stopped: number of the last stopped job.
     """
 
     def __init__(self, answers: BinaryIO) -> None:
@@ -233,7 +242,11 @@ class Watch(logging.Handler):
         self._reported = 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Report the fraction that is the record's argument. Raises StoppedError."""
+        """Report the fraction in a log record.
+
+        Raises:
+            StoppedError: if the job is stopped.
+        """
         if self.stopped == self.number:
             raise StoppedError(STOPPED)
         if time.monotonic() - self._reported > REPORTED:
