@@ -211,7 +211,7 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
         system.event("jam", wires)
         return Contacts(staying)
     # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
-    spent = outcome is Outcome.NO_REBOUND and spring.expected.moves
+    spent = outcome is Outcome.NO_REBOUND and spring.expected.finite_duration
     leaves = outcome is Outcome.REBOUND and system.approach(pair) > system.slow
     again = None if leaves else pressed_on(system, replace(motion, contacts=tuple(staying)), pair)
     if again is not None:
@@ -226,7 +226,7 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
 
 def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> None:
     """Add the difference from the impact law to the error of a contact whose duration is to be short enough for that limit."""
-    if contact.start is None or spring.expected.moves:
+    if contact.start is None or spring.expected.finite_duration:
         return
     limit, _ = system.law_of(contact.pair).resolve(system.scene, contact.start, contact.pair)
     system.recording.error += max(

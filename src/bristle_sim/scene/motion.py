@@ -334,7 +334,7 @@ def overdue(system: System, motion: Motion) -> Happening | None:
     for contact, spring in motion.springs:
         since = 0.0 if contact.start is None else system.state.time - contact.start.time
         if since > OVERDUE_DURATIONS * spring.expected.duration and (
-            single or not spring.expected.moves
+            single or not spring.expected.finite_duration
         ):
             return Happening(Kind.OVERDUE, contact)
     return None

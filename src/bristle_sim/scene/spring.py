@@ -98,13 +98,14 @@ class ContactCourse:
 class Expectation(NamedTuple):
     """The impact law's prediction of a contact (duration, outcome), and its integration (longest interval, stepper).
 
-    In a contact of given duration the bodies move noticeably (``moves``); otherwise it is the rigid-body limit with constant K.
+    In a contact of ``finite_duration``, a given one, the bodies move noticeably. Any other contact is short enough for the
+    rigid-body limit.
     """
 
     duration: float
     longest: float
     outcome: str
-    moves: bool
+    finite_duration: bool
     stepper: Extrapolation
 
 

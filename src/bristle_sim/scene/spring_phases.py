@@ -94,7 +94,9 @@ def change_spring(
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, contact, spring, kind)
     # Bodies that vibrate meanwhile may press the point on again.
-    quiet = not spring.loading and (system.mechanism.single_link or not spring.expected.moves)
+    quiet = not spring.loading and (
+        system.mechanism.single_link or not spring.expected.finite_duration
+    )
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
     if outcome is None and quiet and penetration - spring.residual < least:
         return Outcome.REBOUND
@@ -108,7 +110,7 @@ def change_spring(
         and not spring.slip
         and not spring.elastic
     ):
-        if not spring.expected.moves:
+        if not spring.expected.finite_duration:
             return Outcome.JAM
         if course.stopped is None:
             # Bodies that move meanwhile may still get out.
@@ -222,7 +224,7 @@ def _penetration(system: System, contact: ActiveContact, spring: Spring) -> floa
 
 def _ends_in_stiction(system: System, spring: Spring) -> bool:
     """Return whether a rigid-body limit ends where that law stops, if only a single link's single contact is of interest."""
-    halts = not spring.expected.moves or (
+    halts = not spring.expected.finite_duration or (
         system.plan.single_contact and system.mechanism.single_link
     )
     return halts and spring.expected.outcome == Outcome.STICTION
