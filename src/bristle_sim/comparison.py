@@ -273,11 +273,11 @@ def cells(
         numbers = [
             "-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values
         ]
-        difference = _relative(each.relative_difference, "+")
+        difference = relative_text(each.relative_difference, "+")
         difference += "" if difference == "-" else f" {each.judge_name}"
         tail = (
             difference,
-            _relative(each.tolerance),
+            relative_text(each.tolerance),
             {True: "yes", False: "NO", None: "-"}[each.ok],
         )
         lines.append([each.label, "-" if unit == "1" else unit, *numbers, *tail])
@@ -333,7 +333,7 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
     return shown
 
 
-def _relative(value: float | None, sign: str = "") -> str:
+def relative_text(value: float | None, sign: str = "") -> str:
     """Return a relative number in per cent; as a power of ten if it is small, as a multiple if it
     is large.
     """

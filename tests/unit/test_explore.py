@@ -230,10 +230,25 @@ def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert command.main(["compare", *paths, "--report", str(page)]) == 0
     said = capsys.readouterr().out
     assert "hub_speed   250   270" in said
+    assert "2387.3 rpm and 2578.3 rpm" in said  # 250 and 270 rad/s times 30/pi
+    assert re.match(
+        r"fast against slow: normal impulse p_fy \S+ mN s instead of \S+ mN s \(-", said
+    )
     assert "slow: The bristle strikes at " in said
     assert page.read_text(encoding="utf-8").count("<svg") == 2
     assert command.main(["compare", *paths]) == 0
     assert said.startswith(capsys.readouterr().out)
+    table = tmp_path / "numbers.csv"
+    picture = tmp_path / "pair.svg"
+    assert command.main(["compare", *paths, "--csv", str(table), "--plot", str(picture)]) == 0
+    assert table.read_text(encoding="utf-8").startswith(
+        "quantity,unit,slow,fast\nrelease_time,s,0.00"
+    )
+    assert "tip speed" in picture.read_text(encoding="utf-8")
+    bs.write_tool(bs.Tool(workpart=bs.Workpart(penetration=-0.002)), tmp_path / "high.toml")
+    capsys.readouterr()
+    assert command.main(["compare", paths[0], str(tmp_path / "high.toml")]) == 0
+    assert capsys.readouterr().out.startswith("slow strikes, high does not strike.\n")
     assert command.main(["compare", paths[0], str(tmp_path / "none.toml")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 

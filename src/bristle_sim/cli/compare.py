@@ -1,4 +1,4 @@
-"""``bristle-sim compare A.toml B.toml``: the differences of two tools, their answers and their
+"""``bristle-sim compare A.toml B.toml``: a verdict on two tools, and the differences of keys and
 passes.
 """
 
@@ -7,11 +7,29 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from bristle_sim.cli.output import format_value, print_line
+from bristle_sim.cli.output import csv_text, format_value, print_line, write_text
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.comparison import Quantity, aligned, readable_unit
+from bristle_sim.comparison import (
+    Quantity,
+    Report,
+    aligned,
+    amount,
+    readable_unit,
+    relative_text,
+)
 from bristle_sim.files import checked_target
+from bristle_sim.studies.strike_measures import beside_radial
+from bristle_sim.units import displayed
+
+SUFFIXES = {"report": (".html",), "plot": (".png", ".svg", ".pdf"), "csv": (".csv",)}
+"""File suffixes that each option accepts."""
+
+LEAST_PART = 1e-6  # a value that is a smaller fraction of the other one is rounding, without a relative difference
+
+VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
+"""The quantities that the verdict compares, besides the lag."""
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -26,20 +44,29 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument(
         "--report", metavar="FILE.html", help="write a page with the numbers and the pictures"
     )
+    parser.add_argument("--plot", metavar="FILE", help="draw the motions of both (PNG, SVG, PDF)")
+    parser.add_argument("--csv", metavar="FILE.csv", help="write the numbers of both, in SI units")
     options = parser.parse_args(arguments)
-    target = (
-        None
-        if options.report is None
-        else checked_target(options.report, (".html",), option="--report")
-    )
+    targets = {
+        name: checked_target(given, suffixes, option=f"--{name}")
+        for name, suffixes in SUFFIXES.items()
+        if (given := getattr(options, name)) is not None
+    }
     names = (Path(options.first).stem, Path(options.second).stem)
     one, two = (
         pass_of.values_of(pass_of.assignments_from(path)[0])
         for path in (options.first, options.second)
     )
     reports = [pass_of.answer(one), pass_of.answer(two)]
+    declared = pass_of.keys()
     changed = [
-        [key, format_value(one[key]), format_value(two[key])] for key in one if one[key] != two[key]
+        [
+            key,
+            *map(format_value, (one[key], two[key])),
+            " and ".join(displayed(declared[key][0], each[key]) for each in (one, two)),
+        ]
+        for key in one
+        if one[key] != two[key]
     ]
     others = {each.name: each for each in reports[1].quantities}
     shown = [
@@ -47,15 +74,68 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     ]
     rows = [_row(each, others[each.name]) for each in shown]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
-    keys = aligned([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)
+    head = ["key (SI)", *names, "as typed"]
+    keys = aligned([head, *(changed or [["no key differs", "", "", ""]])], 1)
     quantities = aligned([["quantity", "unit", *names, "difference"], *rows], 2)
-    print_line("\n".join([*answers, "", *keys, "", *quantities]))
-    if target is not None:
-        from bristle_sim.render.report import write_comparison
+    verdict = _verdict(names, reports)
+    print_line("\n".join([verdict, *answers, "", *keys, "", *quantities]))
+    for name, target in targets.items():
+        if name == "csv":
+            columns: dict[str, list[Any]] = {
+                "quantity": [each.name for each in shown],
+                "unit": [each.unit for each in shown],
+                names[0]: [each.simulated for each in shown],
+                names[1] + " (second)" * (names[0] == names[1]): [
+                    others[each.name].simulated for each in shown
+                ],
+            }
+            write_text(target, csv_text(columns).removesuffix("\n"))
+        elif name == "plot":
+            from bristle_sim.render.pass_figure import pair_figure
+            from bristle_sim.render.style import save_figure
 
-        write_comparison(target, names, reports, changed, rows)
-        print_line(f"--report: wrote {target}")
+            save_figure(pair_figure(names, [each.subject.trajectory for each in reports]), target)
+        else:
+            from bristle_sim.render.report import write_comparison
+
+            write_comparison(target, names, reports, changed, rows, verdict)
+        print_line(f"--{name}: wrote {target}")
     return 0
+
+
+def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
+    """Return a sentence that says how the second tool's strike differs from the first's."""
+    first, second = (each.outcome_in_words for each in reports)
+    if "does not strike" in (first, second):
+        words = [
+            f"{name} {'does not strike' if each == 'does not strike' else 'strikes'}"
+            for name, each in zip(names, (first, second), strict=True)
+        ]
+        return f"{words[0]}, {words[1]}."
+    one, two = ({each.name: each for each in report.quantities} for report in reports)
+    found = []
+    for name in VERDICT:
+        a, b = one[name], two[name]
+        beside = _difference(a.simulated, b.simulated)
+        found.append(
+            f"{a.label} {amount(b.simulated or 0.0, b.unit)} instead of {amount(a.simulated or 0.0, a.unit)}"
+            + (f" ({beside})" if beside else "")
+        )
+    lags = [beside_radial(each["lag_deg_at_contact"].simulated or 0.0) for each in (two, one)]
+    found.append(" instead of ".join(lags))
+    ends = (
+        f"the tip of both {first}"
+        if first == second
+        else f"the tip {second}, that of {names[0]} {first}"
+    )
+    return f"{names[1]} against {names[0]}: {', '.join(found)}; {ends}."
+
+
+def _difference(a: float | None, b: float | None) -> str:
+    """Return the relative difference of b from a in per cent or times; empty where a is 0 or rounding."""
+    if a is None or b is None or abs(a) <= LEAST_PART * abs(b):
+        return ""
+    return relative_text((b - a) / abs(a), "+")
 
 
 def _row(first: Quantity, second: Quantity) -> list[str]:
@@ -63,5 +143,4 @@ def _row(first: Quantity, second: Quantity) -> list[str]:
     a, b = first.simulated, second.simulated
     unit, size = readable_unit(first.unit, [a, b])
     shown = ["none" if each is None else f"{each / size:.6g}" for each in (a, b)]
-    difference = "" if a is None or b is None or not a else f"{100.0 * (b - a) / abs(a):+.3g} %"
-    return [first.label, "" if unit == "1" else unit, *shown, difference]
+    return [first.label, "" if unit == "1" else unit, *shown, _difference(a, b)]

@@ -86,6 +86,29 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     return figure
 
 
+@styled()
+def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
+    """Draw retraction, relative speed and tip speed of two passes over time (ms), with a mark at each strike."""
+    figure = blank_figure(16.0, 11.6)
+    end = max(story_end(run) for run in runs)
+    panels: list[Axes] = []
+    for row, label in enumerate(("retraction (°)", "relative\nspeed (rad/s)", "tip speed\n(m/s)")):
+        place = (2.0, 1.1 + (2 - row) * ROW, *PANEL)
+        axes = axes_at(figure, *place, sharex=panels[0] if panels else None)
+        panels.append(axes)
+        for name, run, color in zip(names, runs, (BLUE, VERMILION), strict=True):
+            course = run.course(min(end, float(run.time[-1])))
+            values = (np.degrees(course.retraction), course.relative_rate, course.tip_speed)[row]
+            axes.plot(MILLISECONDS * course.time, values, color=color, label=name)
+            if (strike := run.event_time("strike")) is not None:
+                axes.axvline(MILLISECONDS * strike, color=color, linewidth=0.8, dashes=(4, 2))
+        axes.set_ylabel(label)
+        axes.tick_params(labelbottom=row == 2)
+    panels[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    panels[-1].set_xlabel("time (ms); dashed: strike")
+    return figure
+
+
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
     """Return the panels over time by label; a panel has values and look of each line, by name."""
     potential = (

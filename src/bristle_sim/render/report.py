@@ -23,7 +23,7 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import OUTCOMES
 from bristle_sim.render.motion_data import motion_data
-from bristle_sim.render.pass_figure import pass_figure
+from bristle_sim.render.pass_figure import pair_figure, pass_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range
@@ -131,6 +131,7 @@ def write_comparison(
     reports: Sequence[Report],
     changed: Sequence[Sequence[str]],
     rows: Sequence[Sequence[str]],
+    verdict: str,
 ) -> None:
     """Write the comparison of two passes as a page, which appears only when it is complete.
 
@@ -144,11 +145,17 @@ def write_comparison(
     def plot(report: Report, target: Path) -> None:
         save_figure(pass_figure(report.subject.trajectory, report.subject.tool), target)
 
+    def plot_both(_: Report, folder: Path) -> None:
+        runs = [each.subject.trajectory for each in reports]
+        save_figure(pair_figure(names, runs), folder / "both passes over time.png")
+
     passes = [
         (name, each.answer, *_embedded_figures(each, plot))
         for name, each in zip(names, reports, strict=True)
     ]
-    _write(path, "comparison.html.jinja", names=names, passes=passes, changed=changed, rows=rows)
+    both = _embedded_figures(reports[0], plot_both, plot_is_folder=True)
+    content = {"names": names, "passes": passes, "changed": changed, "rows": rows}
+    _write(path, "comparison.html.jinja", **content, verdict=verdict, both=both)
 
 
 def explore_page(knobs: Sequence[dict[str, Any]], **choices: Mapping[str, str]) -> str:
