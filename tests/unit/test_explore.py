@@ -54,7 +54,7 @@ def test_a_run_is_the_simulated_one(client: Any) -> None:
         "force": run.normal_force,
     }.items():
         np.testing.assert_allclose(found["series"][name], values, rtol=6e-6, atol=1e-12)
-    assert found["changed"] == [["hub_speed", "261.8 rad/s", "280 rad/s"]]
+    assert found["changed"] == [["hub_speed", "2500 rpm", "2673.8 rpm"]]
     assert found["command"].endswith("cue_and_impact --set friction=0.4 --set hub_speed=280")
     assert found["answer"].startswith("The bristle strikes at ")
 

@@ -79,9 +79,9 @@ const assigned = () => { // the knobs that differ from the beginning and have an
   for (const [name, { key, text }] of knobs) if (holds(key.needs) && text.value.trim() !== key.text) query.set(name, text.value.trim());
   return query;
 };
-function setKnobs(query) { // a bare number in an address is in SI units
+function setKnobs(query, others = "text") { // a bare number in an address is in SI units
   for (const [name, { key, text }] of knobs) {
-    const value = query.get(name) ?? key.text;
+    const value = query.get(name) ?? key[others];
     text.value = key.unit && NUMBER.test(value) ? withUnit(key, value / key.size, 9) : value;
     place(key, text);
   }
@@ -122,6 +122,7 @@ async function restore() { // the state in the address
 
 async function changed() {
   const query = assigned();
+  document.body.dataset.state = "asking";
   for (const [name, { key, text, box }] of knobs) {
     box.classList.toggle("changed", query.has(name));
     for (const each of [text, key.range]) if (each) each.disabled = !holds(key.needs);
@@ -132,14 +133,14 @@ async function changed() {
 let slow = false, newest = 0;
 async function ask(query) {
   const number = ++newest, asked = String(query);
-  waiting = true; document.body.dataset.asked = asked;
+  waiting = true;
   const timer = setTimeout(() => { if (number === newest) { slow = true; say("computing; the picture is that of the last run"); watch(number); } }, 300);
   try {
     const found = await get("run?" + asked);
     if (number === newest) found.error ? refuse(found.error) : show({ ...found, query: asked });
   } catch { if (number === newest) refuse("the server does not answer; start bristle-sim explore again"); }
   clearTimeout(timer);
-  if (number === newest) { waiting = slow = false; el("progress").hidden = true; if (again) { again = false; await ask(assigned()); } else document.body.dataset.done = asked; }
+  if (number === newest) { waiting = slow = false; el("progress").hidden = true; if (again) { again = false; await ask(assigned()); } else document.body.dataset.state = "done"; }
 }
 async function watch(number) { // the fraction of a slow run that is done
   for (; number === newest && waiting; await new Promise((done) => setTimeout(done, 300))) {
@@ -179,8 +180,8 @@ function table(run) {
     const change = number === null || !own.number ? "" : 100 * (number - own.number) / Math.abs(own.number);
     return [own.unit === unit ? own.value : `${own.value} ${own.unit}`, change === "" ? "" : `${change > 0 ? "+" : ""}${plain(change, 3)} %`];
   };
-  el("head").replaceChildren(row(pinned ? [...head.slice(0, 3), "pinned", "change", ...head.slice(3)] : head, "th"));
-  el("rows").replaceChildren(...rows.map((cells, k) => row(pinned ? [...cells.slice(0, 3), ...beside(cells, k), ...cells.slice(3)] : cells)));
+  el("head").replaceChildren(row(pinned ? [...head.slice(0, 3), "pinned", "change", head[3]] : head, "th"));
+  el("rows").replaceChildren(...rows.map((cells, k) => row(pinned ? [...cells.slice(0, 3), ...beside(cells, k), cells[3]] : cells)));
 }
 const PANELS = [["retraction", "retraction, °"], ["rate", "rate relative to the hub, rad/s"], ["speed", "tip speed, m/s"], ["force", "normal force on the wire, N"]];
 for (const [name, caption] of PANELS) {
@@ -226,12 +227,12 @@ function chart(canvas, lines, t) {
   for (const each of labels) { pen.beginPath(); pen.moveTo(left, Y(each)); pen.lineTo(width - 8, Y(each)); pen.stroke(); pen.fillText(String(each), left - 5, Y(each) + 4); }
   pen.textAlign = "center";
   for (const each of ticks(first, last)) if (X(each) < width - 14) pen.fillText(String(each), X(each), height - 4);
-  let free = left; // where the next event's name has room
+  const taken = []; // widths with an event's name; the strike comes first
   pen.setLineDash([2, 3]); pen.textAlign = "left"; pen.font = "10px system-ui, sans-serif";
-  for (const [time, name] of lines.at(-1).marks) {
+  for (const [time, name] of [...lines.at(-1).marks].sort(([, one], [, two]) => (two === "strike") - (one === "strike"))) {
     upright(time, "soft");
-    const size = pen.measureText(name).width, x = Math.min(X(time) + 2, width - size);
-    if (x >= free) { pen.fillText(name, x, 11); free = x + size + 6; }
+    const size = pen.measureText(name).width + 6, x = Math.max(0, Math.min(X(time) - size / 2, width - size));
+    if (taken.every((each) => Math.abs(each[0] + each[1] / 2 - x - size / 2) >= (each[1] + size) / 2)) { pen.fillText(name, x + 3, 11); taken.push([x, size]); }
   }
   pen.setLineDash([]); upright(t, "force");
   for (const { time, values, colour: name } of lines) {
@@ -270,7 +271,7 @@ const OUTCOMES = [[86, 180, 233], [0, 114, 178], [0, 158, 115], [230, 159, 0], [
 const map = { of: "", zoom: 4, ranges: {}, found: null, asked: "", fine: false, busy: false, timer: 0 };
 const axes = () => [el("map-x").value, el("map-y").value];
 for (const [id, start] of [["map-x", "bar_horizontal"], ["map-y", "bar_vertical"]]) {
-  for (const key of keys.filter((each) => each.mapped)) el(id).append(make("option", key.label, { value: key.key }));
+  for (const key of keys.filter((each) => each.mapped)) el(id).append(make("option", `${key.label}${key.unit && ", "}${unitShown(key.unit)}`, { value: key.key }));
   el(id).value = start;
   el(id).onchange = () => { map.zoom = axes().every((name) => name.startsWith("bar_")) ? 4 : 1; aim(); redraw(false); };
 }
@@ -294,13 +295,14 @@ async function redraw(fine) { // coarse while knobs move, fine when they rest
   if (!el("map-box").open || !shown) return;
   const outside = axes().some((name) => !map.ranges[name] || shown.values[name] < Math.min(...map.ranges[name]) || shown.values[name] > Math.max(...map.ranges[name]));
   if (outside) aim();
-  const query = mapQuery(), asked = String(query);
+  const query = mapQuery(), asked = String(query), sides = axes().map((name) => [name, map.ranges[name]]);
+  el("map").classList.toggle("outdated", asked !== map.asked);
   if (map.busy) return;
   if (asked !== map.asked || fine) {
     map.busy = true;
     query.set("fine", Number(fine));
     const found = await get("map?" + query, "-map").catch(() => ({ error: "the server does not answer" }));
-    Object.assign(map, { busy: false, found: found.error ? null : found, asked, fine });
+    Object.assign(map, { busy: false, found: { ...found, sides }, asked, fine });
     el("map-note").textContent = found.error ?? found.note;
     if (String(mapQuery()) !== asked) { redraw(false); return; }
   }
@@ -314,7 +316,8 @@ const shade = (fraction) => {
 };
 function drawMap() {
   const canvas = el("map"), { found } = map;
-  if (!canvas.clientWidth || !found) return;
+  canvas.classList.toggle("outdated", !found?.size);
+  if (!canvas.clientWidth || !found?.size) return;
   const { pen, width, height, colour } = penOf(canvas), size = found.size, picture = new ImageData(size, size);
   found.values ??= bytes(found.shades); found.words ??= bytes(found.outcomes);
   for (let k = 0; k < size * size; k++) {
@@ -323,7 +326,7 @@ function drawMap() {
   }
   const sheet = make("canvas", "", { width: size, height: size });
   sheet.getContext("2d").putImageData(picture, 0, 0);
-  const [x, y] = axes(), [[x0, x1], [y0, y1]] = [map.ranges[x], map.ranges[y]], labels = ticks(...[y0, y1].sort((a, b) => a - b));
+  const [[x, [x0, x1]], [y, [y0, y1]]] = found.sides, labels = ticks(...[y0, y1].sort((a, b) => a - b));
   const left = 10 + Math.max(...labels.map((each) => pen.measureText(String(each)).width)), wide = width - left - 10, high = height - 28;
   const X = (value) => left + wide * (value - x0) / (x1 - x0), Y = (value) => 8 + high * (y1 - value) / (y1 - y0);
   canvas.axis = { left, wide, high };
@@ -340,11 +343,11 @@ function drawMap() {
   el("legend").replaceChildren(...(found.low ? [scale] : []), ...found.present.map((each) => chip(found.names[each], OUTCOMES[each])));
 }
 function onMap(event) { // the values of the two keys at the pointer
-  const { left, wide, high } = el("map").axis, part = (value) => Math.min(1, Math.max(0, value)), [x, y] = axes();
+  const { left, wide, high } = el("map").axis, part = (value) => Math.min(1, Math.max(0, value)), [x, y] = map.found.sides;
   const [u, v] = [part((event.offsetX - left) / wide), part(1 - (event.offsetY - 8) / high)], between = ([low, high_], s) => low + s * (high_ - low);
-  return { [x]: between(map.ranges[x], u), [y]: between(map.ranges[y], v) };
+  return { [x[0]]: between(x[1], u), [y[0]]: between(y[1], v) };
 }
-for (const kind of ["pointerdown", "pointermove"]) el("map").addEventListener(kind, (event) => { if (map.found && event.buttons) { event.preventDefault(); turn(onMap(event)); } });
+for (const kind of ["pointerdown", "pointermove"]) el("map").addEventListener(kind, (event) => { if (map.found?.size && event.buttons) { event.preventDefault(); turn(onMap(event)); } });
 el("map").addEventListener("pointerup", commit);
 el("map").addEventListener("keydown", (event) => {
   const [u, v] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [0, 0];
@@ -375,7 +378,7 @@ el("pin").onclick = () => {
   changed(); commit();
 };
 el("reset").onclick = () => { setKnobs(new URLSearchParams()); changed(); commit(); };
-el("preset").onchange = () => { setKnobs(new URLSearchParams(el("preset").value)); el("preset").value = "-"; changed(); commit(); };
+el("preset").onchange = () => { setKnobs(new URLSearchParams(el("preset").value), "preset"); el("preset").value = "-"; changed(); commit(); };
 el("radial").onclick = () => search("radial?" + assigned(), "searching the bar's place");
 el("limits").onclick = () => search("limits?" + mapQuery(), "searching the changes of the outcome");
 el("design").onclick = () => {

@@ -69,14 +69,14 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
         "contacts": [
             [
                 each.obstacle,
-                *(1e3 * part for part in (each.time, each.duration, *each.impulse)),
+                *(round(1e3 * part, 12) for part in (each.time, each.duration, *each.impulse)),
                 _force_digit(run, each),
             ]
             for each in run.contacts
             if each.time <= end
         ],
         "phases": [
-            [MILLISECONDS * each.start, each.caption]
+            [round(MILLISECONDS * each.start, 12), each.caption]
             for each in phases(run, STRIKE_SHOWN * (end - run.time[0]))
             if each.start <= end
         ],

@@ -102,12 +102,12 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
                     Phase(deepest, "strike: restitution"),
                 ]
                 found.append(Phase(contact.time + contact.duration, outcome))
-        # a touch is sustained if a release follows, otherwise it is a bounce
+        # a touch is sustained if a release follows or it lasts to the end, otherwise it is a bounce
         elif obstacle in _SUSTAINED:
             following = next(
                 (each.name for each in later if each.name.startswith(f"{obstacle} ")), ""
             )
-            bounce = following != f"{obstacle} release"
+            bounce = following != f"{obstacle} release" and not _lasts(trajectory, event, obstacle)
             found.append(
                 Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle])
             )
@@ -122,6 +122,16 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
         elif event.name in _CAPTIONS and (event.name != "highest relative speed" or strike is None):
             found.append(Phase(event.time, _CAPTIONS[event.name]))
     return tuple(sorted(found, key=lambda phase: phase.start))
+
+
+def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
+    """Return whether a touch of an obstacle begins a sustained contact or locks the wire."""
+    return any(
+        each.obstacle == obstacle
+        and (each.law == "sustained" or each.outcome == "jam")
+        and abs(each.time - touch.time) <= SAME_INSTANT
+        for each in trajectory.contacts
+    )
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:

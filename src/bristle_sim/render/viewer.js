@@ -7,6 +7,7 @@ let held = false, ghost = null; // while a part is dragged, and the part
 let onPlot = null; // scale and origin of the drawing
 const own = { onInstant: () => {}, followed: "" };
 
+const BEFORE = 1e-6; // of a strike, its instant is shown, ms
 const PLAYED = 8000; // steps of the slider, a millisecond each when it plays
 function instantOf(step) { return first + (last - first) * step / PLAYED; }
 function showAt(t) { instant = Math.min(Math.max(t, first), last); slider.value = PLAYED * (instant - first) / (last - first); draw(); }
@@ -28,6 +29,7 @@ function stateAt(data, t) { // cubics through positions and velocities at the no
     force: data.force[i][0] + s * (data.force[i + 1][0] - data.force[i][0]) };
 }
 function touching(t) { // the contact at an instant; one that takes no time is shown for a hundredth of the run
+  t += 2 * BEFORE;
   const lasting = data.contacts.findLast((each) => each[2] > 0 && t >= each[1] && t <= each[1] + each[2]);
   return lasting ?? data.contacts.findLast((each) => each[2] === 0 && t >= each[1] && t <= each[1] + 0.01 * (last - first));
 }
@@ -111,7 +113,7 @@ function draw() {
   const bar = 10 * scale, edge = width - 14; // the scale, bottom right: clear of the wire, which turns above the workpart
   pen.fillStyle = colour("ink"); pen.fillRect(edge - bar, height - 10, bar, 2); word("10 mm", edge - bar / 2, height - 16);
   find("now-time").textContent = `${t.toFixed(3)} ms`;
-  find("now-phase").textContent = data.phases.findLast((each) => each[0] <= t + 1e-9)?.[1] ?? "";
+  find("now-phase").textContent = data.phases.findLast((each) => each[0] <= t + (each[1] === "strike" ? 2 * BEFORE : 1e-9))?.[1] ?? "";
   const beside = (one, two, digits) => then ? ` (${one < two ? "" : "+"}${(one - two).toFixed(digits)})` : ""; // the difference to the other tool
   find("now-retraction").textContent = `${now.retraction.toFixed(2)}°${beside(now.retraction, then?.retraction, 2)}`;
   find("now-tip").textContent = `${now.tip[0].toFixed(2)}, ${now.tip[1].toFixed(2)} mm`;
@@ -143,7 +145,7 @@ own.show = (motion, beside = null) => {
   if (!held) { box = boxShown(); ghost = null; }
   find("drawn").textContent = data.drawn;
   const named = new Map(); // the first phase of each caption
-  for (const [start, caption] of data.phases.slice(1)) if (!named.has(caption)) named.set(caption, start);
+  for (const [start, caption] of data.phases.slice(1)) if (!named.has(caption)) named.set(caption, start - (caption === "strike" ? BEFORE : 0));
   find("jumps").replaceChildren(find("play"));
   for (const [caption, start] of named) {
     const jump = document.createElement("button");

@@ -27,7 +27,7 @@ from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Computed, Range, declarations, displayed
 
-OFTEN = ("hub", "bar", "workpart")
+OFTEN = ("hub", "bristle", "bar", "workpart")
 """Parts whose knobs are visible when the page is loaded."""
 
 SLIDERS = {
@@ -61,10 +61,12 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
     groups = {
         each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()
     }
-    return [
-        _knob(declared, values[key], groups.get(key, "settings"))
-        for key, (declared, _) in pass_of.keys().items()
-    ]
+    found = []
+    for key, (declared, default) in pass_of.keys().items():
+        knob = _knob(declared, values[key], groups.get(key, "settings"))
+        other = "" if default is None else _typed(declared, default)
+        found.append(knob | {"preset": knob["text"] if values[key] == default else other})
+    return found
 
 
 def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
@@ -124,7 +126,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         "motion": motion_data(run, tool),
         "series": series(run),
         "changed": [
-            [key, *(_typed(keys[key][0], each) for each in (before[key], value))]
+            [key, *_change(keys[key][0], before[key], value)]
             for key, value in values.items()
             if value != before[key]
         ],
@@ -135,6 +137,12 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         },
         "command": command([*start, *typed]),
     }
+
+
+def _change(declared: Range | Choice, before: Any, after: Any) -> list[str]:
+    """Return two values of a key in five digits, or in all if these are equal."""
+    found = [displayed(declared, each) for each in (before, after)]
+    return found if found[0] != found[1] else [_typed(declared, each) for each in (before, after)]
 
 
 def _typed(declared: Range | Choice, value: Any) -> str:
