@@ -268,6 +268,7 @@ def test_the_page_in_a_browser(address: str, browser: Any) -> None:
     errors: list[str] = []
     pages = [browser.new_page(viewport={"width": width, "height": 900}) for width in (1280, 800)]
     for page, query in zip(pages, ("?friction=0.2", "?friction=0.5"), strict=True):
+        page.set_default_timeout(600_000)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on(
             "console",

@@ -32,7 +32,7 @@ REPORTED = 0.2  # shortest time between two reports on the progress of a job, s
 STOPPED = "stopped by a newer run"
 
 MOST_RUNNING = 4  # largest number of simultaneous answers; further requests wait up to TIME_LIMIT
-MOST_IDLE = 2  # largest number of workers without a job; each holds about 100 MB
+MOST_IDLE = 3  # largest number of workers without a job, two for run and map of a page; each holds about 100 MB
 
 Answer = dict[str, Any]
 
@@ -160,7 +160,7 @@ class Workers:
             self._idle = [each for each in self._idle if each.alive]
             worker = self._idle.pop() if self._idle else Worker()
             if not self._idle:
-                self._idle.append(Worker())
+                self._idle.append(Worker())  # taken last, as it has to import what it needs
             if page:
                 if (older := self._running.get(page)) is not None:
                     older.stop()
@@ -172,7 +172,7 @@ class Workers:
                 if self._running.get(page) is worker:
                     del self._running[page]
                 if not worker.reason and worker.alive and len(self._idle) < MOST_IDLE:
-                    self._idle.insert(0, worker)
+                    self._idle.append(worker)
 
 
 def work() -> None:
