@@ -23,6 +23,7 @@ from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
 from bristle_sim.render.story import key_events
+from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Computed, Range, declarations, displayed
@@ -203,6 +204,9 @@ def command(assignments: Sequence[str]) -> str:
         ]
     )
 
+
+COLOURS = {"outcome": "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
+"""Quantities that a map shows, and their words."""
 
 DOWNLOADS = {
     "toml": "tool (TOML)",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,13 +32,8 @@ ACCURACY = 1e-6  # relative accuracy of the passes in a map: far below one shade
 CELLS = 40  # number of cells along each side of the coarse map
 PARTS = 5  # number of fine cells along a side of a coarse cell
 SHADES = 254  # number of steps of a map's scale
-EXTREMES = (
-    1.0,
-    99.0,
-)  # percentiles at the ends of the scale, so that a single extreme value does not darken a map
-
-COLOURS = {OUTCOME: "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
-"""Quantities that a map can show, with their labels."""
+EXTREMES = (1.0, 99.0)
+"""Percentiles at the ends of the scale, so that a single extreme value does not darken a map."""
 
 
 def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) -> dict[str, Any]:
@@ -173,3 +168,12 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     assert found is not None
     places = {"bar_horizontal": found.horizontal, "bar_vertical": found.vertical}
     return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}
+
+
+KINDS: dict[str, Callable[..., dict[str, Any]]] = {
+    "map": map_of,
+    "limits": limits_of,
+    "design": design_of,
+    "radial": radial_bar,
+}
+"""The searches, by the names of their requests."""

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
-from bristle_sim.cli.explore import bench, searches
+from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.render.report import explore_page
@@ -45,7 +45,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
         bench.knobs(pass_of, start),
         presets=bench.PRESETS,
         downloads=bench.DOWNLOADS,
-        quantities=searches.COLOURS,
+        quantities=bench.COLOURS,
     )
 
     def typed() -> list[str]:

@@ -32,7 +32,9 @@ REPORTED = 0.2  # shortest time between two reports on the progress of a job, s
 STOPPED = "stopped by a newer run"
 
 MOST_RUNNING = 4  # largest number of simultaneous answers; further requests wait up to TIME_LIMIT
-MOST_IDLE = 3  # largest number of workers without a job, two for run and map of a page; each holds about 100 MB
+MOST_IDLE = (
+    3  # largest number of workers without a job, each of about 100 MB: for run, map, and one more
+)
 
 Answer = dict[str, Any]
 
@@ -196,15 +198,11 @@ def work() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    from bristle_sim.cli.explore import bench, searches
+    from bristle_sim.cli.explore import bench
     from bristle_sim.cli.scripts import main_scenario
 
     kinds: dict[str, Callable[..., Answer]] = {
         "run": bench.run_of,
-        "radial": searches.radial_bar,
-        "map": searches.map_of,
-        "limits": searches.limits_of,
-        "design": searches.design_of,
         "download": bench.download,
     }
     pass_of = main_scenario()
@@ -214,6 +212,10 @@ def work() -> None:
     logger.setLevel(logging.DEBUG)
     while True:
         watch.number, kind, arguments = json.loads(jobs.get())
+        if kind not in kinds:  # the first search: what it imports takes as long as the start
+            from bristle_sim.cli.explore import searches
+
+            kinds |= searches.KINDS
         try:
             found = kinds[kind](pass_of, *arguments)
         except (ValueError, ArithmeticError, StoppedError) as error:
