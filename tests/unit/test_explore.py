@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import re
@@ -31,6 +32,7 @@ from bristle_sim.cli.explore import worker as worker_module
 from bristle_sim.cli.explore.entry import explore
 from bristle_sim.cli.explore.server import application, meant_for, server
 from bristle_sim.cli.explore.worker import Worker, Workers
+from bristle_sim.cli.scripts import main_scenario
 
 
 @pytest.fixture(autouse=True)
@@ -111,8 +113,72 @@ def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) 
     )
     assert client.get("/download/csv").text.startswith("time (s),")
     assert client.get("/download/json").json["answer"]
-    assert "<h1>From bar to rebound" in client.get("/download/html").text
+    page = client.get("/download/html").text
+    assert "<h1>From bar to rebound" in page
+    assert page.count("<svg") == 1  # the figure that --report has
+    assert client.get("/download/svg").text.startswith("<?xml")
+    assert client.get("/download/png").data.startswith(b"\x89PNG")
+    assert client.get("/download/exe").status_code == 404
     assert "must" in client.get("/radial?bar_radius=0.05").json["error"]
+
+
+def unpacked(found: dict[str, Any], name: str) -> np.ndarray:
+    shape = (found["size"], found["size"])
+    return np.frombuffer(base64.b64decode(found[name]), dtype=np.uint8).reshape(shape)
+
+
+def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
+    """Interpolated points are off by a shade at most, but where a bend between two coarse points shows in neither."""
+    on = {
+        "x": ["hub_speed", "2000 rpm", "3000 rpm"],
+        "y": ["bar_horizontal", "54 mm", "47 mm"],
+        "of": "tip_speed_at_contact",
+    }
+    query = {"on": json.dumps(on), "fine": "1", "friction": "0.35"}
+    found = client.get("/map", query_string=query).json
+    x = np.linspace(2000.0, 3000.0, 201) * np.pi / 30.0
+    y = np.linspace(0.054, 0.047, 201)[:, np.newaxis]
+    rows = [0, 3, 77, 150, 200]
+    many = bs.ensemble(friction=0.35, accuracy=1e-6, hub_speed=x, bar_horizontal=y[rows])
+    low, high = (float(found[each].split()[0]) for each in ("low", "high"))
+    shades = unpacked(found, "shades")[rows].astype(float)
+    shown = low + (high - low) * shades / 254.0
+    inside = (shades > 0) & (shades < 254)
+    # The ends of the scale are given to three digits, and a shade is rounded to a half.
+    off = np.abs(shown - many.tip_speed_at_contact)[inside]
+    assert inside.mean() > 0.9
+    assert np.quantile(off, 0.98) < 2.0 * (high - low) / 254.0 + 5e-3 * high
+    words = np.array(found["names"])[unpacked(found, "outcomes")[rows]]
+    assert (words != many.outcome).mean() < 0.01
+    coarse = client.get("/map", query_string=query | {"fine": "0"}).json
+    assert (unpacked(found, "shades")[::5, ::5] == unpacked(coarse, "shades")).mean() > 0.99
+
+
+def test_limits_and_a_design_over_the_keys_of_the_map(client: Any) -> None:
+    on = {"x": ["friction", "0.1", "0.6"], "y": ["hub_speed", "2000 rpm", "3000 rpm"]}
+    found = client.get("/limits", query_string={"on": json.dumps(on)}).json
+    (change,) = bs.limits(friction=(0.1, 0.6))
+    assert f"at {change.at:.4f}"[:8] in found["answer"]
+    assert "sticks and rebounds" in found["answer"]
+    on["x"] = ["bar_horizontal", "54 mm", "47 mm"]
+    on["want"] = {"tip_speed_at_contact": "36 m/s", "lag_deg_at_contact": "0 deg"}
+    found = client.get("/design", query_string={"on": json.dumps(on)}).json
+    run = client.get("/run", query_string=found["assignments"]).json
+    assert "its tip at 36 m/s" in run["answer"]
+    assert ", radial, " in run["answer"]
+
+
+@pytest.mark.parametrize("name", bench.PRESETS)
+def test_the_tools_of_the_list_strike(client: Any, name: str) -> None:
+    """Their names state length and speed; all but the dissertation's strike radially, with bars to a hundredth of a millimetre."""
+    defaults = {each["key"]: each["preset"] for each in bench.knobs(main_scenario(), [])}
+    keys = dict(urllib.parse.parse_qsl(bench.PRESETS[name]))
+    length, speed = re.findall(r"(\d+) (?:mm|rpm)", name)
+    assert keys.get("bristle_length", defaults["bristle_length"]) == f"{length} mm"
+    assert float(keys.get("hub_speed", "2500 rpm").split()[0]) == float(speed)
+    run = client.get("/run", query_string=keys).json
+    lag = run["simulated"][[row[0] for row in run["table"]].index("lag at the strike") - 1]
+    assert abs(lag) < (3.0 if not keys else 0.1)
 
 
 SLOW = ["wire_links=16", "accuracy=1e-10"]

@@ -23,6 +23,16 @@ def run() -> Trajectory:
     return make_trajectory()
 
 
+def test_a_wire_that_stays_on_the_bar_does_not_bounce_off_it():
+    """It folds back on a bar too near to the hub, pressed on it to the end; with much friction it locks there at once."""
+    pressed = Tool().replace(bar_horizontal=0.042, bar_vertical=0.005)
+    run = simulate(pressed)
+    (contact,) = [each for each in run.contacts if each.law == "sustained"]
+    assert contact.time + contact.duration == pytest.approx(run.time[-1])
+    assert "held back by the bar" in [each.caption for each in phases(run)]
+    assert BOUNCING not in [each.caption for each in phases(run)]
+
+
 def test_key_events_take_the_release_that_throws_and_the_first_of_the_rest():
     times = {
         "bar touch": (1.0, 2.0),
