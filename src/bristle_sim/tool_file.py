@@ -17,6 +17,7 @@ from typing import Any
 from bristle_sim.conversion import exact_text
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
+from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.units import Choice, Computed, Range, likely_key, shown
 
 ABSENT = "false"  # text of an absent part, as ``read_keys`` returns it
@@ -107,8 +108,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
         ValueError: if ``tool`` is not a Tool.
         OSError: if the file cannot be written; the message names it.
     """
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    tool = checked_tool(tool)
     lines = [
         '# A tool of bristle_sim. A text carries its unit: "27 mm"; a bare number is in SI units, or in degrees in keys with _deg.'
     ]

@@ -378,6 +378,10 @@ class UnusualValueWarning(UserWarning):
     """Warning: the value of a parameter is so far from its default that its unit may be mistaken."""
 
 
+class UnknownFieldError(TypeError, ValueError):
+    """A keyword that is no field of a parameter class."""
+
+
 class Declared:
     """Base class of frozen dataclasses whose declared fields are checked when an object is made.
 
@@ -407,6 +411,16 @@ class Declared:
                     words, 100, initial_indent="    ", subsequent_indent="        "
                 )
         cls.__doc__ = "\n".join(lines)
+
+    def __new__(cls, *_: Any, **given: Any) -> Any:
+        """Refuse the name of an unknown field, and propose the likely one."""
+        known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
+        for name in given:
+            if name not in known:
+                raise UnknownFieldError(
+                    f"{cls.__name__}: unknown field {name!r}; {likely_key(name, known)}"
+                )
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -23,6 +23,7 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.scene.simulate import simulate
 
 
 def test_operating_point_is_the_printed_one():
@@ -224,3 +225,27 @@ def test_a_pass_starts_a_quarter_turn_before_the_workpart_or_5_deg_before_the_ba
         starts.append(tool.start_hub_angle)
     assert min(starts) < -math.pi / 2.0 == max(starts)
     assert Tool(start_hub_angle_deg=-100.0).start_hub_angle == math.radians(-100.0)
+
+
+def test_a_tool_is_shown_one_line_a_part_in_engineering_units():
+    lines = repr(Tool(bar=None)).splitlines()
+    assert lines[0] == "Tool:"
+    assert lines[1] == "  hub: speed 2500 rpm, radius 27.5 mm"
+    assert "  bar: absent" in lines
+    assert max(map(len, lines)) < 200
+    assert "<th>hub</th>" in Tool()._repr_html_()
+
+
+def test_a_misspelt_field_and_a_path_in_place_of_a_tool_are_named():
+    with pytest.raises(ValueError, match=r"^Hub: unknown field 'sped'; did you mean speed\?$"):
+        Hub(sped=3)  # type: ignore[call-arg]
+    with pytest.raises(TypeError):
+        Hub(sped=3)  # type: ignore[call-arg]
+    with pytest.raises(ValueError, match=r"must be a Tool; read_tool\('tool.toml'\) reads one"):
+        simulate("tool.toml")  # type: ignore[arg-type]
+
+
+def test_a_hub_that_leaves_no_room_for_any_bar_is_named_itself():
+    """The bar's centre is hypot(50.37, 22.5) = 55.17 mm from the hub's; less 4.37 mm and 0.355 mm are 50.44 mm."""
+    with pytest.raises(ValueError, match=r"^hub_radius = 0\.08: must be less .* = 0\.0504"):
+        Tool().replace(hub_radius="80 mm")

@@ -54,8 +54,8 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     }
     names = (Path(options.first).stem, Path(options.second).stem)
     one, two = (
-        pass_of.values_of(pass_of.assignments_from(path)[0])
-        for path in (options.first, options.second)
+        pass_of.values_of(pass_of.assignments_from(path, name)[0])
+        for name, path in (("A.toml", options.first), ("B.toml", options.second))
     )
     reports = [pass_of.answer(one), pass_of.answer(two)]
     declared = pass_of.keys()

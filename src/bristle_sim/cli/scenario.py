@@ -159,7 +159,9 @@ class Scenario:
             found[key] = unusual_value(*keys[key], values[key], text)
         return [*filter(None, found.values())]
 
-    def assignments_from(self, path: str) -> tuple[list[str], list[str]]:
+    def assignments_from(
+        self, path: str, option: str = "--parameters"
+    ) -> tuple[list[str], list[str]]:
         """Return the assignments in a tool's file, and a warning for each value that the scenario
         does not use.
 
@@ -178,7 +180,7 @@ class Scenario:
             typed = read_keys(path, keys)
         except OSError as error:
             raise ValueError(
-                f"--parameters = {path!r}: must be a readable file ({error.strerror})"
+                f"{option} = {path!r}: must be a readable file ({error.strerror})"
             ) from error
         for key, text in typed.items():
             if key in MAY_BE_ABSENT:

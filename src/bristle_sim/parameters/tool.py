@@ -7,6 +7,8 @@ import dataclasses
 import itertools
 import math
 from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
 from typing import Any
 
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
@@ -16,6 +18,7 @@ from bristle_sim.units import (
     Declared,
     Range,
     declarations,
+    displayed,
     likely_key,
     quantity,
     shown,
@@ -69,11 +72,43 @@ class Tool(Declared):
                 f" {reach:g}, or the rim would touch the workpart (in m)"
             )
         if self.bar is not None and self.bar_clearance <= self.hub.radius:
+            beside = self.bar_clearance
+            if beside + self.bar.radius <= self.hub.radius:  # no bar is thin enough
+                raise ValueError(
+                    f"hub_radius = {self.hub.radius:g}: must be less than the bar centre's distance minus bar_radius and half"
+                    f" of wire_diameter = {beside:g}, or the bar would stand in the root circle (in m)"
+                )
             raise ValueError(
                 f"bar_radius = {self.bar.radius:g}: must be less than the bar centre's distance minus hub_radius and half"
                 f" of wire_diameter = {self.bar_clearance + self.bar.radius - self.hub.radius:g}, or the bar"
                 " would stand in the root circle (in m)"
             )
+
+    def __repr__(self) -> str:
+        """Return one line a part, in the units that an engineer reads."""
+        return "\n".join(["Tool:", *(f"  {part}: {words}" for part, words in self._in_words())])
+
+    def _repr_html_(self) -> str:
+        """Return a table of the parts, which a notebook shows."""
+        rows = (
+            f"<tr><th>{part}</th><td style='text-align:left'>{escape(words)}</td></tr>"
+            for part, words in self._in_words()
+        )
+        return f"<table>{''.join(rows)}</table>"
+
+    def _in_words(self) -> list[tuple[str, str]]:
+        """Return each part with the values of its fields; a field without a value is left out."""
+        found = []
+        for part, keys in tool_keys().items():
+            owner = getattr(self, part) if part else self
+            given = {
+                field.removesuffix("_deg").replace("_", " "): displayed(declared, value)
+                for field, declared in keys.values()
+                if owner is not None and (value := getattr(owner, field)) is not None
+            }
+            words = ", ".join(f"{field} {value}" for field, value in given.items())
+            found.append((part or "tool", words or "absent"))
+        return [*found[1:], found[0]]
 
     def replace(self, **changes: Any) -> Tool:
         """Return a tool with other values, as in ``tool.replace(hub_speed="3000 rpm", friction=0.4,
@@ -186,6 +221,15 @@ class Tool(Declared):
             * self.belt.damping_ratio
             * math.sqrt(self.belt.stiffness * self.bristle.inertia_about_root)
         )
+
+
+def checked_tool(tool: Any) -> Tool:
+    """Return the tool. Raises ValueError for anything else, which for a path names ``read_tool``."""
+    if not isinstance(tool, Tool):
+        path = isinstance(tool, str | Path)
+        advice = f"; read_tool({str(tool)!r}) reads one from a file" if path else ""
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool{advice}")
+    return tool
 
 
 PARTS: dict[str, tuple[type, ...]] = {

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.parameters.parts import mass_of_volume
-from bristle_sim.parameters.tool import CLEAR_OF_BAR, START
+from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
-from bristle_sim.units import Choice, Computed, Range, likely_key, shown
+from bristle_sim.units import Choice, Computed, Range, likely_key
 
 HUB_TURN = 1.5 * math.pi  # turn of the hub in a pass, rad, as in a simulation by default
 MOST_RADIANS = 1e5  # longest pass, times the fastest rate, rad; a step is some 2 rad
@@ -67,8 +67,7 @@ def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
         ValueError: for an unknown key, a text that is no number with a unit of the key, or shapes
             that do not broadcast.
     """
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    tool = checked_tool(tool)
     places = {
         key: (part, declared)
         for part, keys in tool_keys().items()

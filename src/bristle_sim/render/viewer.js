@@ -9,7 +9,7 @@ const own = { onInstant: () => {}, followed: "" };
 
 const BEFORE = 1e-6; // of a strike, its instant is shown, ms
 const PLAYED = 8000; // steps of the slider, a millisecond each when it plays
-function instantOf(step) { return first + (last - first) * step / PLAYED; }
+function instantOf(step) { return step >= PLAYED ? last : first + (last - first) * step / PLAYED; } // rounding would show a jam before it
 function showAt(t) { instant = Math.min(Math.max(t, first), last); slider.value = PLAYED * (instant - first) / (last - first); draw(); }
 function sampleBefore(data, t) { // the last sample that is not after t, and not the last one of all
   let low = 0, high = data.time.length - 1;

@@ -54,12 +54,14 @@ class CompliantLaw(ContactLaw):
         stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only an
             estimate.
         tangential_compliance: eta^2.
+        time_unit: the engine's unit of time, s, for messages.
     """
 
     duration: float | None
     accuracy: float
     stiffness: float | None = None
     tangential_compliance: float = 0.0
+    time_unit: float = 1.0
     name = "compliant"
     instantaneous: ClassVar[bool] = False
 
@@ -142,8 +144,8 @@ class CompliantLaw(ContactLaw):
         least = LEAST_DURATION / math.sqrt(restitution or 1.0)
         if self.duration is not None and self.duration < least:
             raise ValueError(
-                f"contact_duration: must be at least {least / self.duration:.3g} times the given one, or rounding"
-                " would hide the penetration"
+                f"contact_duration = {self.duration * self.time_unit:.3g}: must be at least"
+                f" {least * self.time_unit:.3g}, or rounding would hide the penetration (in s)"
             )
         if not scene.solves_joints:
             raise ValueError(
@@ -187,5 +189,5 @@ def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactL
     squared = contact.tangential_compliance
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / time_unit
-        return CompliantLaw(duration, accuracy, tangential_compliance=squared)
+        return CompliantLaw(duration, accuracy, tangential_compliance=squared, time_unit=time_unit)
     return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

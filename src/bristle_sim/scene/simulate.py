@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.parameters import Tool
+from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.scene.build import (
     MOST_DAMPING,
     Scene,
@@ -150,8 +151,7 @@ def prepare(
 
     ``begin`` are the hub's angle, and the angle and rate of every wire relative to its root.
     """
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    tool = checked_tool(tool)
     if not isinstance(settings, Settings | None):
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     stop_after = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)

@@ -259,7 +259,10 @@ def strike_wire(
             f" {approach * units.velocity:g} m/s (in rad/s)"
         )
     law = CompliantLaw(
-        duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass
+        duration / units.time,
+        settings.accuracy,
+        stiffness=stiffness * units.time**2 / units.mass,
+        time_unit=units.time,
     )
     after, record, states = struck(scene, start, pair, settings, law)
     del states[0]

@@ -101,7 +101,8 @@ def read(path: Path) -> dict[str, Any]:
     except (
         Exception
     ) as error:  # zip, JSON and NumPy each raise their own errors for a file of another kind
-        raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
+        why = "Trajectory.save did not write it" if "allow_pickle" in str(error) else error
+        raise ValueError(f"{path}: cannot be read as a trajectory ({why})") from error
 
 
 def _check_size(members: ZipFile, size: int) -> None:

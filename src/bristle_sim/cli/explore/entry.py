@@ -55,7 +55,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         "--port", type=_port, default=0, help="port to listen on; by default a free one"
     )
     options = parser.parse_args(arguments)
-    start = [] if options.tool is None else pass_of.assignments_from(options.tool)[0]
+    start = [] if options.tool is None else pass_of.assignments_from(options.tool, "FILE.toml")[0]
     pass_of.values_of(start)
     try:
         from bristle_sim.cli.explore.server import server
