@@ -47,7 +47,7 @@ def picture(assignments: list[str], path: Path) -> bool:
         )
         page = browser.new_page(viewport=SIZE)
         page.goto(f"http://127.0.0.1:{serving.server_port}/?{query}")
-        page.wait_for_selector("body[data-shown]")
+        page.wait_for_selector("#legend span")  # of the map, which comes last
         page.screenshot(path=str(path))
         browser.close()
     serving.shutdown()
