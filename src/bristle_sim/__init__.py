@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from bristle_sim.settings import Settings, StopReason
     from bristle_sim.studies.design import Design, design
     from bristle_sim.studies.limits import limits
+    from bristle_sim.studies.surface import BlastedSurface, surface
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
     from bristle_sim.theory.impact_phases import Impact
@@ -47,14 +48,15 @@ if TYPE_CHECKING:
     from bristle_sim.version import __version__
 
 __all__ = [
-    "Bar", "Belt", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost", "Design",
+    "Bar", "Belt", "BlastedSurface", "Bristle", "Contact", "ContactHistory", "ContactRecord", "ContactState", "Cost", "Design",
     "EnergeticContact", "Ensemble", "Event", "Html", "Hub", "Impact", "LocatedImpact", "Motion", "Settings",
     "Snapshot", "StopReason", "Surface", "Tool", "Trajectory", "WireMotion", "Workpart", "__version__",
     "design", "energetic_impact", "ensemble", "explore", "limits", "newton_impact", "poisson_impact",
-    "read_tool", "simulate", "simulate_reference", "simulate_row", "snapshots", "sweep", "write_tool",
+    "read_tool", "simulate", "simulate_reference", "simulate_row", "snapshots", "surface", "sweep", "write_tool",
 ]  # fmt: skip
 
 _MODULES = {
+    "BlastedSurface": "studies.surface",
     "ContactHistory": "trajectory",
     "ContactRecord": "trajectory",
     "ContactState": "scene.snapshots",
@@ -85,6 +87,7 @@ _MODULES = {
     "simulate_reference": "reference",
     "simulate_row": "scene.simulate",
     "snapshots": "scene.snapshots",
+    "surface": "studies.surface",
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
 }

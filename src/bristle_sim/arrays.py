@@ -28,9 +28,12 @@ class EqualByValue:
             return NotImplemented
         names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]
         pairs = ((getattr(self, name), getattr(other, name)) for name in names)
-        return all(
-            np.array_equal(one, two, equal_nan=True)
-            if isinstance(one, np.ndarray)
-            else bool(one == two)
-            for one, two in pairs
-        )
+        return all(_equal(one, two) for one, two in pairs)
+
+
+def _equal(one: Any, two: Any) -> bool:
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, two, equal_nan=True)
+    if isinstance(one, dict) and isinstance(two, dict):
+        return one.keys() == two.keys() and all(_equal(each, two[key]) for key, each in one.items())
+    return bool(one == two)

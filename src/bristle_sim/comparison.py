@@ -245,6 +245,14 @@ LARGEST_PREFIX = {
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
 """Smallest customary prefix of some units; for all others it is n."""
 
+CUSTOMARY = {
+    "m^2": ("mm^2", 1e-6),
+    "m^3": ("mm^3", 1e-9),
+    "m^3/s": ("mm^3/s", 1e-9),
+    "m^2/s": ("m^2/h", 1.0 / 3600.0),
+}
+"""Units that are shown as others, with the size of one."""
+
 
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     """Return an aligned table for a terminal of a given width, in units with prefixes and without
@@ -322,6 +330,8 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
     The largest value then has one to three digits before the decimal point.
     """
+    if unit in CUSTOMARY:
+        return CUSTOMARY[unit]
     base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
     largest = max(map(abs, filter(None, map(finite, values))), default=0.0)
     shown = unit, 1.0

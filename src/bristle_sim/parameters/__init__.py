@@ -10,6 +10,7 @@ direction of the workpart (-y), positive in the hub's sense of rotation. A brist
 points from its root along (sin phi, -cos phi).
 """
 
+from bristle_sim.parameters.blasting import Blasting
 from bristle_sim.parameters.experiments import (
     Assembly,
     Comparison,
@@ -42,7 +43,7 @@ from bristle_sim.parameters.parts import (
 from bristle_sim.parameters.tool import PARTS, START, Tool, key_unit, tool_keys
 
 __all__ = [
-    "CONTACT_KEYS", "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "START", "SURFACE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
+    "CONTACT_KEYS", "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "START", "SURFACE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt", "Blasting",
     "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "FilmGrid", "ForceHistory", "Hub", "MapGrid",
     "Measured", "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
     "key_unit", "tool_keys",

@@ -62,7 +62,7 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
         energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time)
     )
     if study.angles is not None:
-        cut = cut_of(crater)
+        cut = cut_of(crater, study.wire_diameter)
         name = f"Merchant, {crater.plies:g} plies"
         rows.append((name, float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE))
         rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))

@@ -23,13 +23,19 @@ from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
 from bristle_sim.theory import crater as chapter_4
+from bristle_sim.theory.crater_body import SweptTip
 from bristle_sim.theory.crater_cutting import (
     ContactCrater,
     crater_depth_from_contact,
     depth_from_energy,
     depth_from_force,
 )
-from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, PRINTED_WIDTH
+from bristle_sim.theory.crater_kinematics import (
+    PRINTED_FACE,
+    PRINTED_KINEMATICS,
+    PRINTED_WIDTH,
+    TipFace,
+)
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import (
     CuttingAngles,
@@ -64,6 +70,7 @@ class CraterStudy:
 
     crater: Crater
     angles: CuttingAngles | None
+    wire_diameter: float = PRINTED_FACE.short_axis
     no_chip: str = ""
     contact: TimedContact | None = None
     no_contact: str = ""
@@ -84,11 +91,11 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
     study = _study(hub, bristle, crater, settings, speed)
     printed = dict[str, float]()
-    if crater == Crater():  # 300 plies are called converged
+    if crater == Crater() and bristle == Bristle():  # 300 plies are called converged
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
         energy = printed_number("fig. 4.19: crater depth by work and energy")
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
-    cut = cut_of(crater)
+    cut = cut_of(crater, bristle.wire_diameter)
     depths = dict[str, float]()
     if not study.no_chip:
         depths["merchant_crater_depth"] = float(
@@ -101,7 +108,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     )
     simulated, theory = _contact_depths(study, bristle, speed)
     words = "C for the measured depth"
-    constant = _constant_deg(crater)
+    constant = _constant_deg(crater, bristle.wire_diameter)
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} µm (fig. 4.13)",
         "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
@@ -126,6 +133,19 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     )
 
 
+def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> SweptTip:
+    """Return the crater as a body, as deep as the energy of the contact in time cuts with the surface inclined.
+
+    Raises ValueError as ``crater_study`` does, and for a tip that does not approach.
+    """
+    speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
+    study = _study(hub, bristle, crater, settings, speed)
+    if study.inclined is None:
+        raise ValueError(study.no_contact)
+    face = TipFace(short_axis=bristle.wire_diameter)
+    return SweptTip(study.inclined.depth_from_energy, study.impact_angle, face)
+
+
 def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
 
     def shown(name: str) -> str:
@@ -148,7 +168,9 @@ def _study(
     hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float
 ) -> CraterStudy:
     """Simulate only the contact's compression: the tip cuts until it is deepest."""
-    cut = cut_of(crater)
+    if bristle.wire_diameter == 0.0:
+        raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
+    cut = cut_of(crater, bristle.wire_diameter)
     angles = None
     no_chip = ""
     try:
@@ -165,13 +187,13 @@ def _study(
     except ValueError as error:
         if speed > 0.0:
             raise
-        return CraterStudy(crater, angles, no_chip, no_contact=str(error))
+        return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, no_contact=str(error))
     columns = contact.history.columns().values()
     craters = (
         crater_depth_from_contact(*columns, **cut, surface=kind)
         for kind in ("parallel", "inclined")
     )
-    return CraterStudy(crater, angles, no_chip, contact, "", *craters)
+    return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, contact, "", *craters)
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
@@ -190,8 +212,9 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     cut = (crater.friction, gamma, crater.shear_yield_stress)
     straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
     simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
-    limits = [depth_from_force(force, straight, gamma)]
-    limits += [depth_from_energy(energy, specific, gamma) for specific in (straight, leaning)]
+    face = TipFace(short_axis=bristle.wire_diameter)
+    limits = [depth_from_force(force, straight, gamma, face)]
+    limits += [depth_from_energy(energy, specific, gamma, face) for specific in (straight, leaning)]
     known = list(CONTACT_DEPTHS)[0 if parallel.shear_plane_emerges else 2 :]
     sides = (
         dict(zip(CONTACT_DEPTHS, map(float, each), strict=True)) for each in (simulated, limits)
@@ -200,11 +223,12 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     return first, second
 
 
-def cut_of(crater: Crater) -> dict[str, Any]:
+def cut_of(crater: Crater, wire_diameter: float = PRINTED_FACE.short_axis) -> dict[str, Any]:
     """Return the keyword arguments of the crater's formulas, in SI units and rad."""
     names = ("friction", "shear_yield_stress", "compression_time")
     return {name: getattr(crater, name) for name in names} | {
-        "impact_angle": math.radians(crater.impact_angle_deg)
+        "impact_angle": math.radians(crater.impact_angle_deg),
+        "wire_diameter": wire_diameter,
     }
 
 
@@ -237,13 +261,13 @@ def energy_depth_course(crater: Crater) -> Array:
     return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
 
 
-def _constant_deg(crater: Crater) -> float | None:
+def _constant_deg(crater: Crater, wire_diameter: float) -> float | None:
     """Return C for the measured depth, degrees; None where there is none."""
     try:
         return math.degrees(
             float(
                 chapter_4.constant_for_crater_depth(
-                    MEASURED, plies=int(crater.plies), **cut_of(crater)
+                    MEASURED, plies=int(crater.plies), **cut_of(crater, wire_diameter)
                 )
             )
         )

@@ -195,7 +195,8 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     for each in touches:
         entry = math.atan2(-each.velocity_before[0], abs(each.velocity_before[1]))
         if entry > 0.0 and each.compressive_work is not None:
-            depths.append(crater_depth(each.compressive_work, CUTTING_FRICTION, entry))
+            work = each.compressive_work
+            depths.append(crater_depth(work, CUTTING_FRICTION, entry, tool.bristle.wire_diameter))
     compression = slide = None
     if (history := touches[0].history) is not None:
         compression = compression_end(history)

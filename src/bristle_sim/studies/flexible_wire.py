@@ -262,7 +262,12 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
         raise ValueError(
             "speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches"
         )
-    depth = crater_depth(contact.compressive_work, CUTTING_FRICTION, strike.impact_angle)
+    depth = crater_depth(
+        contact.compressive_work,
+        CUTTING_FRICTION,
+        strike.impact_angle,
+        strike.tool.bristle.wire_diameter,
+    )
     values = (
         contact.impulse[0],
         float(contact.history.normal_force.max()),

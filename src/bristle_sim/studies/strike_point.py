@@ -12,6 +12,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
+from bristle_sim.theory.crater_kinematics import PRINTED_FACE, TipFace
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import Trajectory
 
@@ -85,17 +86,29 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     entry = math.atan2(-strike.velocity_before[0], abs(strike.velocity_before[1]))
     work = strike.compressive_work
     friction = tool.workpart.friction if tool.workpart else 0.0
-    if work is not None and friction > 0.0 and 0.0 < entry < 0.5 * math.pi:
-        found["crater_depth"] = crater_depth(work, friction, entry)
+    cuts = friction > 0.0 and tool.bristle.wire_diameter > 0.0
+    if work is not None and cuts and 0.0 < entry < 0.5 * math.pi:
+        found["crater_depth"] = crater_depth(work, friction, entry, tool.bristle.wire_diameter)
     return {name: found[name] for name in STRIKE_UNITS}
 
 
-def crater_depth(compressive_work: tuple[float, float], friction: float, entry: float) -> float:
+def crater_depth(
+    compressive_work: tuple[float, float],
+    friction: float,
+    entry: float,
+    wire_diameter: float = PRINTED_FACE.short_axis,
+) -> float:
     """Return the depth of a crater whose chip takes the energy that the tip loses in compression,
     m.
 
-    The tip cuts straight along its velocity, at the angle ``entry`` to the surface, rad, into API
-    5L steel. The shear plane ends at the inclined surface (theory/crater_cutting.py).
+    The tip, as wide as the wire, cuts straight along its velocity, at the angle ``entry`` to the
+    surface, rad, into API 5L steel. The shear plane ends at the inclined surface
+    (theory/crater_cutting.py).
+
+    Raises ValueError for a wire without thickness.
     """
+    if wire_diameter == 0.0:
+        raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
     energy = specific_cutting_energy(friction, entry, API_5L, "inclined")
-    return float(depth_from_energy(max(0.0, -sum(compressive_work)), energy, entry))
+    face = TipFace(short_axis=wire_diameter)
+    return float(depth_from_energy(max(0.0, -sum(compressive_work)), energy, entry, face))

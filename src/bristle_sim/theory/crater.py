@@ -18,8 +18,9 @@ printed path the force does 4.05 mJ of work, while the kinetic energy falls by 1
 mJ, the term in e^(-lambda t), are work of the root's bearing): force and motion belong to two
 different events.
 
-Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, and t_c in
-s.
+Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, t_c in s,
+and the wire's diameter in m, which bounds the printed width b(t). The printed force is that of the
+printed wire.
 """
 
 from __future__ import annotations
@@ -31,8 +32,9 @@ from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
+    PRINTED_FACE,
     PRINTED_KINEMATICS,
-    PRINTED_WIDTH,
+    CuttingWidth,
     kinetic_energy,
 )
 from bristle_sim.theory.force_history import BRISTLE
@@ -59,6 +61,7 @@ def merchant_crater_depth(
     *,
     angles: CuttingAngles | None = None,
     compression_time: float = COMPRESSION_TIME,
+    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
     """Return the crater depth, m, as a sum over n plies of equal time (4.50).
 
@@ -74,8 +77,10 @@ def merchant_crater_depth(
     140 um
     """
     counts = np.asarray(plies)
-    sums = np.reshape([_ply_sum(int(n), compression_time) for n in counts.flat], counts.shape)
-    return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * sums
+    sums = [_ply_sum(int(n), compression_time, wire_diameter) for n in counts.flat]
+    return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * np.reshape(
+        sums, counts.shape
+    )
 
 
 def merchant_crater_depth_limit(
@@ -85,6 +90,7 @@ def merchant_crater_depth_limit(
     *,
     angles: CuttingAngles | None = None,
     compression_time: float = COMPRESSION_TIME,
+    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
     """Return the limit of ``merchant_crater_depth`` for infinitely many plies, m.
 
@@ -101,9 +107,8 @@ def merchant_crater_depth_limit(
         NODES + 1.0
     )  # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand
     time = compression_time * u**2
-    growth = float(
-        np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / PRINTED_WIDTH(time))
-    )
+    width = CuttingWidth(0.5 * wire_diameter)
+    growth = float(np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / width(time)))
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
@@ -114,6 +119,7 @@ def friction_for_crater_depth(
     plies: int = PLIES,
     *,
     compression_time: float = COMPRESSION_TIME,
+    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
     """Return the friction at which the crater has a depth, m: (4.50) solved for mu (Zhang 2020,
     fig. 4.16).
@@ -127,7 +133,7 @@ def friction_for_crater_depth(
     0.500000
     """
     gamma = np.asarray(impact_angle)
-    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
+    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time, wire_diameter)
     sine = 1.0 - 2.0 * np.asarray(depth) / scale
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + DEPTH_ROUNDING) & (sine > -np.sin(gamma))
@@ -146,6 +152,7 @@ def constant_for_crater_depth(
     plies: int = PLIES,
     *,
     compression_time: float = COMPRESSION_TIME,
+    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
     """Return the constant C of (4.45), rad, at which the crater has a depth, m: (4.50) solved for
     C.
@@ -161,7 +168,7 @@ def constant_for_crater_depth(
     90.0000
     """
     gamma = np.asarray(impact_angle)
-    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
+    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time, wire_diameter)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
     given = (sine > 0.0) & (sine <= 1.0 + DEPTH_ROUNDING)
     require(
@@ -187,10 +194,10 @@ def _depth_ratio(
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
-def _ply_sum(plies: int, compression_time: float) -> float:
+def _ply_sum(plies: int, compression_time: float, wire_diameter: float) -> float:
     """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
     time = np.linspace(0.0, compression_time, plies + 1)
-    return float(np.sum(np.diff(BRISTLE(time)) / PRINTED_WIDTH(time[1:])))
+    return float(np.sum(np.diff(BRISTLE(time)) / CuttingWidth(0.5 * wire_diameter)(time[1:])))
 
 
 def energy_crater_depth(

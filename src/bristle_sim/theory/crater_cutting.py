@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
+from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 from bristle_sim.theory.numbers import require
 
@@ -67,7 +67,9 @@ class ContactCrater:
     shear_plane_emerges: bool
 
 
-def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
+def swept_volume(
+    path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE
+) -> Number:
     """Return the volume V(S) that the face sweeps below the surface on a path S (m), m^3.
 
     It is the integral of b(S' sin(gamma)) S' tan(gamma) dS'.
@@ -76,16 +78,19 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
     width is constant.
     """
     gamma = np.asarray(impact_angle)
-    full = PRINTED_FACE.full_depth / np.sin(gamma)
+    full = face.full_depth / np.sin(gamma)
     narrow = np.minimum(path, full)[..., np.newaxis]
-    widths = PRINTED_FACE.width(narrow * NODES**2 * np.sin(gamma)[..., np.newaxis])
+    widths = face.width(narrow * NODES**2 * np.sin(gamma)[..., np.newaxis])
     inner = np.sum(WEIGHTS * widths * 2.0 * NODES**3, axis=-1) * narrow[..., 0] ** 2
-    outer = 0.5 * PRINTED_FACE.short_axis * (np.maximum(path, full) ** 2 - full**2)
+    outer = 0.5 * face.short_axis * (np.maximum(path, full) ** 2 - full**2)
     return (inner + outer) * np.tan(gamma)
 
 
 def depth_from_energy(
-    energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
+    energy: ArrayLike,
+    specific_energy: ArrayLike,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth S sin(gamma), m, whose volume V(S) satisfies u V(S) = W.
 
@@ -101,18 +106,19 @@ def depth_from_energy(
     slope = np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
-        width = PRINTED_FACE.width(path * np.sin(impact_angle))
-        return swept_volume(path, impact_angle) - volume, width * path * slope
+        width = face.width(path * np.sin(impact_angle))
+        return swept_volume(path, impact_angle, face) - volume, width * path * slope
 
     # The start is the path at full width everywhere, which is the shortest. The volume is a convex
     # function of the path, so Newton's method converges.
-    return np.sin(impact_angle) * _root(
-        excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope))
-    )
+    return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (face.short_axis * slope)))
 
 
 def depth_from_force(
-    cutting_force: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
+    cutting_force: ArrayLike,
+    specific_energy: ArrayLike,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth, m, at which the chip resists with a force: u b(depth)
     depth/cos(gamma) = F_c.
@@ -128,8 +134,8 @@ def depth_from_force(
     """
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
-    wide = area / PRINTED_FACE.short_axis
-    fraction = np.minimum(wide / PRINTED_FACE.full_depth, 1.0)
+    wide = area / face.short_axis
+    fraction = np.minimum(wide / face.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
         """Return the scaled area of a depth less the given area, and its slope."""
@@ -137,8 +143,8 @@ def depth_from_force(
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
 
-    narrow = PRINTED_FACE.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
-    return np.where(wide >= PRINTED_FACE.full_depth, wide, narrow)[()]
+    narrow = face.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
+    return np.where(wide >= face.full_depth, wide, narrow)[()]
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
@@ -175,6 +181,7 @@ def crater_depth_from_contact(
     shear_yield_stress: float = API_5L,
     friction: float | None = None,
     surface: Surface = "parallel",
+    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> ContactCrater:
     """Return the craters that follow from a contact resolved in time, up to its deepest
     penetration.
@@ -190,6 +197,7 @@ def crater_depth_from_contact(
         shear_yield_stress: tau_s, Pa.
         friction: mu while cutting; by default the contact's own at its largest force.
         surface: lie of the surface where the shear plane ends, ``parallel`` or ``inclined``.
+        wire_diameter: width of the tip's face, m.
 
     Raises:
         ValueError: if no force presses on the tip at the peak.
@@ -211,6 +219,7 @@ def crater_depth_from_contact(
     require("normal_force", normal[peak], normal[peak] > 0.0, "must press at its peak (in N)")
     cutting = float(abs(tangential[peak]) / normal[peak]) if friction is None else friction
     u = specific_cutting_energy(cutting, impact_angle, shear_yield_stress, surface)
+    face = TipFace(short_axis=wire_diameter)
     work = sum(
         float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t))
     )
@@ -219,7 +228,7 @@ def crater_depth_from_contact(
         peak_cutting_force=float(along[peak]),
         path=float(np.trapezoid(np.hypot(v_n, v_t), t)),
         penetration=float(inside[-1]),
-        depth_from_force=float(depth_from_force(along[peak], u, impact_angle)),
-        depth_from_energy=float(depth_from_energy(max(-work, 0.0), u, impact_angle)),
+        depth_from_force=float(depth_from_force(along[peak], u, impact_angle, face)),
+        depth_from_energy=float(depth_from_energy(max(-work, 0.0), u, impact_angle, face)),
         shear_plane_emerges=surface == "inclined" or cutting >= math.tan(impact_angle),
     )

@@ -133,7 +133,7 @@ class TipFace:
 class CuttingWidth:
     """b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, t in s (Zhang 2020, eq. 4.16); defaults as printed.
 
-    h = d/2 is the half-width, m. The swing s <= h, m, is the trace of the final depth on the face times a_2/a_1; the other printed
+    h = d/2 is the half-width, m. The swing s, m, is the trace of the final depth on the face times a_2/a_1; the other printed
     constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
     """
 
@@ -153,6 +153,7 @@ class CuttingWidth:
         The difference of squares is factored, so that it keeps its digits near t = 0.
         """
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
+        gone = np.minimum(gone, self.half_width)  # from there on a thin wire cuts as wide as it is
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 
 

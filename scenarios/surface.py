@@ -1,0 +1,56 @@
+"""The surface: which roughness does a tool make, and how many square metres an hour?
+
+The first crater follows from the strike's energy. Strikes fall where feed, bristles and planes place them, and every crater
+meets the earlier ones by a rule. The ground's roughness is measured as a profilometer does and compared with the measured one.
+"""
+
+import sys
+
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import SHAPE_KEYS, Blasting, Bristle, Crater, Hub
+from bristle_sim.settings import Settings
+
+
+def run(
+    hub: Hub, bristle: Bristle, crater: Crater, blasting: Blasting, settings: Settings
+) -> Report:
+    """Blast a piece of the track, and measure its roughness."""
+    from bristle_sim.studies.surface import surface_study
+
+    return surface_study(hub, bristle, crater, blasting, settings)
+
+
+def plot(report: Report) -> Picture:
+    """Draw the height map, a profile, and how roughness and coverage grow."""
+    from bristle_sim.render.surface_pictures import surface_figure
+
+    return surface_figure(report.subject)
+
+
+def film(report: Report, **size: int) -> Film:
+    """Film the surface while it forms."""
+    from bristle_sim.render.surface_pictures import SurfaceFilm
+
+    return SurfaceFilm(report.subject, **size)
+
+
+def series(report: Report) -> Columns:
+    """Return the height of every cell."""
+    from bristle_sim.studies.surface import height_columns
+
+    return height_columns(report.subject)
+
+
+SCENARIO = Scenario(
+    name="surface",
+    question="Which roughness does this tool make, and how many square metres an hour?",
+    run=run,
+    plot=plot,
+    film=film,
+    series=series,
+    without=(*SHAPE_KEYS, "hub_turn", "plies"),
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

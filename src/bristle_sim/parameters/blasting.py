@@ -1,0 +1,140 @@
+"""Parameters of a blasted surface: how craters meet, where they fall, the ground that is looked at, and the measurement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bristle_sim.units import ANY, Declared, choice, count, quantity
+
+MOST_CELLS = 2e7  # cells of a ground: 160 MB a copy
+LEAST_CELLS = 2.0  # cells of a crater along and across, below which its shape is lost
+SECTIONS = 5.0  # section lengths of a profile along the slide
+
+
+def _crater_size(key: str, words: str) -> Any:
+    rule = f"1e-9 <= {key} <= 0.01 m: {words} of the first crater, which is then a paraboloid; none: computed from the strike"
+    return quantity(None, f"{rule} [computed from the strike's energy]", usual=ANY)
+
+
+@dataclass(frozen=True, slots=True)
+class Blasting(Declared):
+    """A blasted surface: the craters' sizes if they are given, their rule and places, the tool's feed, the ground, and the measurement.
+
+    ``coverage`` and ``areal_ratio`` end the blasting, and the feed follows; without them ``feed_speed``, ``track_width`` and
+    ``passes`` decide.
+
+    Raises ValueError for both, a cut-off longer than a fifth of the profile, a given crater of less than two cells or larger
+    than the ground, or a ground of too many cells.
+    """
+
+    crater_rule: str = choice(
+        "crater_rule: how a crater meets an earlier one: it removes the volume that its energy affords, or nothing below a"
+        " first crater's depth under the original plane, or goes as deep below the ground's mean under it"
+        " [chosen: the hub follows the ground, so that every strike has the first one's energy]",
+        *("energy", "plane", "ground"),
+    )
+    crater_depth: float | None = _crater_size("crater_depth", "depth")
+    crater_length: float | None = _crater_size("crater_length", "length along the slide")
+    crater_width: float | None = _crater_size("crater_width", "width across the slide")
+    places: str = choice(
+        "places: where the strikes fall: as feed, bristles and planes place them, or at random"
+        " [chosen: as the tool makes them]",
+        *("pattern", "random"),
+    )
+    areal_ratio: float | None = quantity(
+        None,
+        "0 < areal_ratio <= 100: sum of the craters' areas over the ground's that ends the blasting; none: by the feed"
+        " [none: feed and passes decide]",
+        usual=ANY,
+    )
+    coverage: float | None = quantity(
+        None,
+        "0 < coverage <= 0.9999: struck fraction of the ground that ends the blasting; none: by the feed"
+        " [none: feed and passes decide]",
+        usual=ANY,
+    )
+    cutoff_wavelength: float = quantity(
+        0.8e-3,
+        "1e-6 <= cutoff_wavelength <= 1 m: cut-off of the Gaussian filter, and section length"
+        " [ISO 21920-3: Rz of 10 to 80 um; above it 2.5 mm]",
+    )
+    ground_length: float = quantity(
+        0.02,
+        "1e-6 <= ground_length <= 1 m: length of the ground along the slide; what leaves one end enters the other"
+        " [chosen: 25 section lengths of 0.8 mm]",
+    )
+    ground_width: float = quantity(
+        0.003,
+        "1e-6 <= ground_width <= 1 m: width of the ground across the slide [chosen: one plane of the belt]",
+    )
+    cell: float = quantity(
+        1e-5,
+        "1e-8 <= cell <= 0.001 m: width of the ground's cells across the slide; along it they are half as long [chosen: half of it changes Rz by less than 1 %]",
+    )
+    planes: int = count(
+        8,
+        "1 <= planes <= 1000: planes of bristles side by side on the belt [chosen: 3 mm apart; the belt's are not in print]",
+    )
+    bristles: int = count(
+        19,
+        "1 <= bristles <= 10000: bristles of one plane, evenly spaced about the hub [chosen: 18.9 deg apart; below 18.7 deg a"
+        " follower spoils its strike (scenario neighbours)]",
+    )
+    feed_speed: float = quantity(
+        0.022,
+        "1e-9 <= feed_speed <= 10 m/s: speed of the tool over the workpart, along the slide [chosen: covers 98 %]",
+    )
+    track_width: float = quantity(
+        0.024,
+        "1e-6 <= track_width <= 10 m: width of the track that the belt strikes [chosen: 23 mm belts are sold]",
+    )
+    passes: int = count(1, "1 <= passes <= 1000: passes over the same track [chosen]")
+    depth_scatter: float = quantity(
+        0.015,
+        "0 <= depth_scatter <= 0.33: standard deviation of a strike's depth over its mean, normal, cut off at three times"
+        " [from the spreads of the scenario tolerances]",
+        usual=ANY,
+    )
+    place_scatter: float | None = quantity(
+        None,
+        "0 <= place_scatter <= 1 m: standard deviation of the places across the slide about their plane; none: half of"
+        " the distance of two planes [assumed: wires yield sideways, and a hand sways]",
+        usual=ANY,
+    )
+    seed: int = count(
+        1, f"0 <= seed <= {2**32 - 1}: of the places and depths that are random [chosen]"
+    )
+
+    def __post_init__(self) -> None:
+        Declared.__post_init__(self)
+        if self.coverage is not None and self.areal_ratio is not None:
+            raise ValueError(
+                f"coverage = {self.coverage:g}: must be left out with areal_ratio, either ends the blasting"
+            )
+        longest = self.ground_length / SECTIONS
+        if self.cutoff_wavelength > longest * (1.0 + 1e-9):
+            raise ValueError(
+                f"cutoff_wavelength = {self.cutoff_wavelength:g}: must be at most a fifth of ground_length = {longest:g} (in m)"
+            )
+        if self.cutoff_wavelength < 2.0 * self.cell:
+            raise ValueError(
+                f"cutoff_wavelength = {self.cutoff_wavelength:g}: must be at least two cells = {2.0 * self.cell:g} (in m)"
+            )
+        cells = self.ground_length * self.ground_width / self.cell**2
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"cell = {self.cell:g}: must be larger, {cells:.3g} cells are more than {MOST_CELLS:g} (in m)"
+            )
+        for key in ("crater_length", "crater_width"):
+            if (size := getattr(self, key)) is not None:
+                self.check_crater(key, size)
+
+    def check_crater(self, key: str, size: float) -> None:
+        """Raise ValueError unless a crater's length or width, m, is at least two cells and at most the ground's."""
+        ground = self.ground_length if key == "crater_length" else self.ground_width
+        least = LEAST_CELLS * self.cell
+        if not least <= size * (1.0 + 1e-9) or not size <= ground:
+            raise ValueError(
+                f"{key} = {size:g}: must be from two cells = {least:g} to the ground's {ground:g} (in m)"
+            )

@@ -1,0 +1,211 @@
+"""A blasted surface: its height map lit from the side, a profile with its section lengths, its course, and a film of it forming."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LightSource, Normalize
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from bristle_sim.arrays import Array
+from bristle_sim.render.colours import BLUE, GREY, SKY, VERMILION
+from bristle_sim.render.film import HEADER, Film, slow_motion
+from bristle_sim.render.style import (
+    MILLIMETRES,
+    Scale,
+    add_panel,
+    blank_figure,
+    note,
+    signed,
+    styled,
+)
+from bristle_sim.studies.ground import Ground
+from bristle_sim.studies.surface import MEASURED_RZ, BlastedSurface
+from bristle_sim.theory.roughness import SECTIONS, roughness_profiles
+
+MICRO = 1e6  # micrometres in a metre
+DEEPEST = 1.0  # percentile of the heights at which the colours end
+LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # from the left, against the slide
+MAP = "cividis"
+FILM_SECONDS = 6.0
+PIXELS = 1000  # of the film's height map along the slide, at most
+
+
+@styled()
+def surface_figure(made: BlastedSurface) -> Figure:
+    """Draw the height map, a profile along the slide with its section lengths, and Rz and coverage over time."""
+    figure = blank_figure(16.0, 16.2)
+    blasting = made.blasting
+    words = (
+        f"Rz {MICRO * made.rz:.0f} µm (measured {MICRO * MEASURED_RZ[0]:.0f} to {MICRO * MEASURED_RZ[1]:.0f} µm)"
+        f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered, rule {blasting.crater_rule}"
+    )
+    figure.text(1.5 / 16.0, 1.0 - 0.6 / 16.2, words, fontsize=9.0)
+    axes = add_panel(
+        figure,
+        (1.5, 12.2, 12.4, 2.0),
+        "height map, lit from the left",
+        "the tips slide to the right",
+    )
+    _draw_map(axes, made)
+    _draw_profile(add_panel(figure, (1.5, 6.9, 13.4, 3.2), "a profile along the slide"), made)
+    _draw_course(add_panel(figure, (1.5, 1.2, 12.0, 3.5), "while the belt passes"), made)
+    return figure
+
+
+def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
+    """Return the time under the belt at which so many strikes have fallen on the piece of ground, s."""
+    part = made.blasting.track_width / made.blasting.ground_width
+    return np.asarray(strikes) * (part / made.strike_rate)
+
+
+def _colours(heights: Array) -> Normalize:
+    return Normalize(MICRO * float(np.percentile(heights, DEEPEST)), MICRO * float(heights.max()))
+
+
+def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
+    """Return the picture of a ground, coloured by depth and lit from the left, of one in ``every`` cells along the slide."""
+    shown = MICRO * ground.heights[:, ::every]
+    steps = {"dx": every * MICRO * ground.step, "dy": MICRO * ground.cell}
+    return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps))
+
+
+def _draw_map(axes: Axes, made: BlastedSurface) -> None:
+    norm = _colours(made.heights)
+    ground = made.ground()
+    ground.heights = made.heights
+    size = [
+        MILLIMETRES * each for each in (made.blasting.ground_length, made.blasting.ground_width)
+    ]
+    axes.imshow(
+        _lit(ground, norm),
+        extent=(0.0, size[0], 0.0, size[1]),
+        origin="lower",
+        aspect="auto",
+    )
+    axes.grid(visible=False)
+    axes.set(xlabel="along the slide (mm)", ylabel="across (mm)")
+    left, bottom, width, height = axes.get_position().bounds
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    scale = figure.add_axes((left + 1.03 * width, bottom, 0.02 * width, height))
+    figure.colorbar(ScalarMappable(norm, MAP), cax=scale, extend="min")
+    scale.set_title("µm", fontsize=7.0, color=GREY)
+    scale.tick_params(labelsize=6.0, colors=GREY)
+
+
+def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
+    """Draw the profile in the middle: heights less their Gaussian mean line, and highest and lowest of each section length."""
+    ground = made.ground()
+    cutoff = made.blasting.cutoff_wavelength
+    profile = roughness_profiles(made.heights[made.heights.shape[0] // 2], ground.step, cutoff)
+    edges = np.rint(np.arange(SECTIONS + 1) * cutoff / ground.step).astype(int)
+    place = MILLIMETRES * ground.step * np.arange(edges[-1])
+    axes.plot(place, MICRO * profile[: edges[-1]], color=BLUE, linewidth=0.8)
+    for first, last in pairwise(edges.tolist()):
+        section = MICRO * profile[first:last]
+        ends = MILLIMETRES * ground.step * np.array([first, last])
+        axes.fill_between(ends, section.min(), section.max(), color=SKY, alpha=0.25, linewidth=0.0)
+        axes.axvline(ends[1], color=GREY, linewidth=0.6)
+        place_of_words = (float(ends.mean()), float(section.max()))
+        note(axes, f"{np.ptp(section):.0f} µm", place_of_words, (0.0, 2.0), ha="center")
+    axes.set_xlim(0.0, MILLIMETRES * ground.step * edges[-1])
+    axes.margins(y=0.15)
+    words = f"along the slide (mm); {SECTIONS} section lengths of {MILLIMETRES * cutoff:g} mm"
+    axes.set(xlabel=words, ylabel="roughness (µm)")
+
+
+def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
+    """Draw Rz and coverage over the time under the belt; return the axes of the coverage."""
+    time = time_of(made, made.course["strikes"])
+    axes.axhspan(
+        MICRO * MEASURED_RZ[0], MICRO * MEASURED_RZ[1], color=GREY, alpha=0.2, linewidth=0.0
+    )
+    axes.plot(time, MICRO * made.course["rz"], color=BLUE, marker=".")
+    axes.set_ylim(0.0, 1.1 * MICRO * max(MEASURED_RZ[1], float(made.course["rz"].max())))
+    axes.set_xlim(0.0, time[-1])
+    axes.set_xlabel("time under the belt (s); grey: measured Rz")
+    axes.set_ylabel("Rz (µm)", color=BLUE)
+    covered = axes.twinx()
+    covered.grid(visible=False)
+    covered.spines["right"].set_visible(True)
+    covered.plot(time, 100.0 * made.course["coverage"], color=VERMILION, marker=".")
+    covered.set_ylim(0.0, 110.0)
+    covered.set_ylabel("coverage (%)", color=VERMILION)
+    return covered
+
+
+class SurfaceFilm(Film):
+    """The ground while the belt passes over it, lit from the left, with Rz and coverage over time below."""
+
+    size = (800, 500)
+
+    def __init__(
+        self,
+        made: BlastedSurface,
+        *,
+        width: int = 800,
+        height: int = 500,
+        duration: float = FILM_SECONDS,
+    ) -> None:
+        """``duration`` is the film's, s."""
+        self.made = made
+        self.times = time_of(made, 1.0 + np.arange(made.depths.size))
+        warp = slow_motion(0.0, float(self.times[-1]), duration)
+        super().__init__(warp, width, height, (BLUE, VERMILION), Scale(1.0, "s"))
+        self.ground = made.ground()
+        self.every = -(
+            -made.heights.shape[1] // PIXELS
+        )  # cells along the slide for one in the picture
+        self.norm = _colours(made.heights)
+        letters = 0.6 * self.letters
+        with styled():
+            axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.91 - HEADER - 0.4 + 0.06))
+            ends = (0.0, MILLIMETRES * made.blasting.ground_length)
+            sides = (0.0, MILLIMETRES * made.blasting.ground_width)
+            self.picture = axes.imshow(
+                self._picture(), extent=(*ends, *sides), origin="lower", aspect="auto"
+            )
+            axes.grid(visible=False)
+            axes.set_xlabel("along the slide (mm)", fontsize=letters)
+            axes.set_ylabel("across (mm)", fontsize=letters)
+            axes.tick_params(labelsize=letters)
+            course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
+            covered = _draw_course(course, made)
+            for each in (course, covered):
+                each.tick_params(labelsize=letters)
+                each.yaxis.label.set_fontsize(letters)
+                each.xaxis.label.set_fontsize(letters)
+        self.moving = [self.picture, *self.hands]
+
+    def _picture(self) -> Array:
+        return _lit(self.ground, self.norm, self.every)
+
+    def move(self, time: float) -> Sequence[str]:
+        """Let the strikes fall up to an instant, s; begin anew where the film goes back."""
+        number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))
+        done = len(self.ground.taken)
+        if number < done:
+            self.ground = self.made.ground()
+            done = 0
+        for (x, y), depth in zip(
+            self.made.places[done:number].tolist(),
+            self.made.depths[done:number].tolist(),
+            strict=True,
+        ):
+            self.ground.strike(x, y, depth)
+        self.picture.set_data(self._picture())
+        course = self.made.course
+        rz = MICRO * float(np.interp(number, course["strikes"], course["rz"]))
+        caption = f"{number} strikes, {3600.0 * self.made.area_rate:.2f} m²/h"
+        return (
+            caption,
+            f"Rz {signed(rz, 0, 4)} µm",
+            f"covered {100.0 * self.ground.coverage:5.1f} %",
+        )
