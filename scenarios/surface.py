@@ -42,6 +42,13 @@ def series(report: Report) -> Columns:
     return height_columns(report.subject)
 
 
+def points(report: Report) -> str:
+    """Return the height of every cell in lines of three numbers, x, y and height in m, which Gwyddion imports."""
+    from bristle_sim.studies.surface import height_lines
+
+    return height_lines(report.subject)
+
+
 SCENARIO = Scenario(
     name="surface",
     question="Which roughness does this tool make, and how many square metres an hour?",
@@ -49,6 +56,7 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
+    formats={".xyz": points},
     without=(*SHAPE_KEYS, "hub_turn", "plies"),
 )
 

@@ -43,6 +43,10 @@ OTHERS = {
     "neighbours": ("pitch_deg=15 search=no", "pitch_deg=50 search=no"),
     "crater_depth": ("", "cutting_friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
     "force_history": ("", "restitution=0.6"),
+    "surface": (
+        "ground_length=4mm cell=20um crater_rule=plane",
+        "ground_length=4mm cell=20um places=random coverage=0.5",
+    ),
     "whole_tool": ("", "hub_speed=500 friction=0.6"),
     "film": ("wire_links=2 map_durations=3 map_dampings=2 workers=1",),
     "measured_impacts": ("",),

@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import bristle_sim as bs
+from bristle_sim.cli.command import main
 from bristle_sim.parameters import Blasting, Bristle, Crater, Hub, Spreads, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import crater_study, swept_crater
@@ -287,13 +288,26 @@ def test_heights_are_listed_row_by_row():
     np.testing.assert_array_equal(z.reshape(made.heights.shape), made.heights)
 
 
+def test_the_height_map_is_written_for_gwyddion(tmp_path):
+    surfalize = pytest.importorskip("surfalize")
+    file = tmp_path / "ground.xyz"
+    keys = "ground_length=2mm ground_width=1mm cutoff_wavelength=0.4mm cell=20um places=random"
+    options = [f"--set={each}" for each in keys.split()]
+    assert main(["surface", *options, "--csv", str(file)]) == 0
+    x, y, height = np.loadtxt(file).T
+    assert (x.max(), y.max()) == pytest.approx((1.99e-3, 0.98e-3))
+    read = surfalize.Surface.load(file)
+    assert read.data.shape == (50, 200)
+    np.testing.assert_allclose(read.data.ravel(), 1e6 * height, rtol=1e-12)
+
+
 def test_the_answer_compares_with_the_measurement():
     found = surface_study(
         Hub(), Bristle(), Crater(), Blasting(**SMALL, areal_ratio=1.0), Settings()
     )
     assert found.answer.startswith("This tool makes Rz ")
     assert "m^2/h" in found.answer
-    assert found.answer.endswith("measured 62 to 83 um.")
+    assert found.answer.endswith("measured 62 to 83 µm.")
     assert [each.name for each in found.quantities if each.ok is False] == []
 
 

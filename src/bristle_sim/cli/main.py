@@ -133,7 +133,9 @@ class Work:
         texts = {}
         options = self.options
         if self.scenario.series is not None and options.csv is not None and not status:
-            texts["csv"] = csv_text(self.scenario.series(report)).removesuffix("\n")
+            write = self.scenario.formats.get(Path(options.csv).suffix.lower())
+            columns = csv_text(self.scenario.series(report)) if write is None else write(report)
+            texts["csv"] = columns.removesuffix("\n")
         if options.json is not None:
             texts["json"] = document(self.scenario.name, self.values, report, finished=not status)
         for option in sorted(self.targets, key=texts.__contains__):
@@ -234,7 +236,9 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
             raise ValueError(
                 f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf"
             )
-        any_kind = suffixes if name != "csv" or not is_special(Path(path)) else ()
+        any_kind = suffixes
+        if name == "csv":
+            any_kind = () if is_special(Path(path)) else (*suffixes, *scenario.formats)
         found[name] = checked_target(path, any_kind, option=_flag(name), folder=folder)
     named = [("--parameters", options.parameters)]
     for key, (declared, _) in scenario.keys().items():

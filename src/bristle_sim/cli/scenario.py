@@ -54,6 +54,8 @@ class Scenario:
         they are given.
         series: function that returns the time series of a report, by name and unit, with one entry
         for each sample; None without a motion.
+        formats: functions that return the lines of ``--csv`` in another format, by the suffix of the
+        file's name.
         tool: function that returns the tool found, if it differs from the given one.
         defaults: values of keys that differ from the defaults of the parameter classes, each with
         its source.
@@ -69,6 +71,7 @@ class Scenario:
     plots: Callable[[Report, Path], None] | None = None
     film: Callable[..., Film] | None = None
     series: Callable[[Report], Columns] | None = None
+    formats: Mapping[str, Callable[[Report], str]] = field(default_factory=dict)
     tool: Callable[[Report], Tool] | None = None
     defaults: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     without: tuple[str, ...] = ()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import io
 import math
 import time as clock
 from collections.abc import Callable
@@ -400,7 +401,7 @@ def surface_study(
         steps=made.depths.size,
         remarks=(
             f"Rz: {SECTIONS} sections of {cutoff} along the slide, {made.sections_across} across, Gaussian filter; the mean"
-            f" of all profiles. Measured: {1e6 * low:.0f} to {1e6 * high:.0f} um on corroded API 5L (NACE 09191); its cut-off"
+            f" of all profiles. Measured: {1e6 * low:.0f} to {1e6 * high:.0f} µm on corroded API 5L (NACE 09191); its cut-off"
             " is not known.",
             f"{made.depths.size} strikes on {amount(made.blasting.ground_length, 'm')} by"
             f" {amount(made.blasting.ground_width, 'm')}, rule {blasting.crater_rule}, places: {blasting.places}.",
@@ -414,9 +415,16 @@ def surface_study(
         subject=made,
         answer=(
             f"This tool makes Rz {amount(made.rz, 'm')} at {amount(made.area_rate, 'm^2/s')} and"
-            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured {1e6 * low:.0f} to {1e6 * high:.0f} um."
+            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured {1e6 * low:.0f} to {1e6 * high:.0f} µm."
         ),
     )
+
+
+def height_lines(made: BlastedSurface) -> str:
+    """Return place and height of every cell, m, as lines of three numbers: the format .xyz."""
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack([*height_columns(made).values()]), fmt="%.9g")
+    return text.getvalue().removesuffix("\n")
 
 
 def height_columns(made: BlastedSurface) -> dict[str, Array]:
