@@ -236,10 +236,9 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
             raise ValueError(
                 f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf"
             )
-        any_kind = suffixes
-        if name == "csv":
-            any_kind = () if is_special(Path(path)) else (*suffixes, *scenario.formats)
-        found[name] = checked_target(path, any_kind, option=_flag(name), folder=folder)
+        kinds = (*suffixes, *scenario.formats) if name == "csv" else suffixes
+        kinds = () if name == "csv" and is_special(Path(path)) else kinds
+        found[name] = checked_target(path, kinds, option=_flag(name), folder=folder)
     named = [("--parameters", options.parameters)]
     for key, (declared, _) in scenario.keys().items():
         if declared.unit == "file":
