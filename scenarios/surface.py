@@ -1,7 +1,8 @@
 """The surface: which roughness does a tool make, and how many square metres an hour?
 
-The first crater follows from the strike's energy. Strikes fall where feed, bristles and planes place them, and every crater
-meets the earlier ones by a rule. The ground's roughness is measured as a profilometer does and compared with the measured one.
+The first crater follows from the strike's energy. Strikes fall where feed, bristles and planes
+place them, and every crater meets the earlier ones by a rule. The ground's roughness is measured as
+a profilometer does and compared with the measured one.
 """
 
 import sys
@@ -43,7 +44,9 @@ def series(report: Report) -> Columns:
 
 
 def points(report: Report) -> str:
-    """Return the height of every cell in lines of three numbers, x, y and height in m, which Gwyddion imports."""
+    """Return the height of every cell in lines of three numbers, x, y and height in m, which
+    Gwyddion imports.
+    """
     from bristle_sim.studies.surface import height_lines
 
     return height_lines(report.subject)

@@ -1,4 +1,6 @@
-"""Parameters of a blasted surface: how craters meet, where they fall, the ground that is looked at, and the measurement."""
+"""Parameters of a blasted surface: how craters meet, where they fall, the ground that is looked at,
+and the measurement.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +21,14 @@ def _crater_size(key: str, words: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Blasting(Declared):
-    """A blasted surface: the craters' sizes if they are given, their rule and places, the tool's feed, the ground, and the measurement.
+    """A blasted surface: the craters' sizes if they are given, their rule and places, the tool's
+    feed, the ground, and the measurement.
 
-    ``coverage`` and ``areal_ratio`` end the blasting, and the feed follows; without them ``feed_speed``, ``track_width`` and
-    ``passes`` decide.
+    ``coverage`` and ``areal_ratio`` end the blasting, and the feed follows; without them
+    ``feed_speed``, ``track_width`` and ``passes`` decide.
 
-    Raises ValueError for both, a cut-off longer than a fifth of the profile, a given crater of less than two cells or larger
-    than the ground, or a ground of too many cells.
+    Raises ValueError for both, a cut-off longer than a fifth of the profile, a given crater of less
+    than two cells or larger than the ground, or a ground of too many cells.
     """
 
     crater_rule: str = choice(
@@ -131,7 +134,9 @@ class Blasting(Declared):
                 self.check_crater(key, size)
 
     def check_crater(self, key: str, size: float) -> None:
-        """Raise ValueError unless a crater's length or width, m, is at least two cells and at most the ground's."""
+        """Raise ValueError unless a crater's length or width, m, is at least two cells and at most
+        the ground's.
+        """
         ground = self.ground_length if key == "crater_length" else self.ground_width
         least = LEAST_CELLS * self.cell
         if not least <= size * (1.0 + 1e-9) or not size <= ground:

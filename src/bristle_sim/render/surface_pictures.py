@@ -1,4 +1,6 @@
-"""A blasted surface: its height map lit from the side, a profile with its section lengths, its course, and a film of it forming."""
+"""A blasted surface: its height map lit from the side, a profile with its section lengths, its
+course, and a film of it forming.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ PIXELS = 1000  # of the film's height map along the slide, at most
 
 @styled()
 def surface_figure(made: BlastedSurface) -> Figure:
-    """Draw the height map, a profile along the slide with its section lengths, and Rz and coverage over time."""
+    """Draw the height map, a profile along the slide with its section lengths, and Rz and coverage
+    over time.
+    """
     figure = blank_figure(16.0, 16.2)
     blasting = made.blasting
     words = (
@@ -60,7 +64,9 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt at which so many strikes have fallen on the piece of ground, s."""
+    """Return the time under the belt at which so many strikes have fallen on the piece of ground,
+    s.
+    """
     part = made.blasting.track_width / made.blasting.ground_width
     return np.asarray(strikes) * (part / made.strike_rate)
 
@@ -70,7 +76,9 @@ def _colours(heights: Array) -> Normalize:
 
 
 def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
-    """Return the picture of a ground, coloured by depth and lit from the left, of one in ``every`` cells along the slide."""
+    """Return the picture of a ground, coloured by depth and lit from the left, of one in ``every``
+    cells along the slide.
+    """
     shown = MICRO * ground.heights[:, ::every]
     steps = {"dx": every * MICRO * ground.step, "dy": MICRO * ground.cell}
     return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps))
@@ -101,7 +109,9 @@ def _draw_map(axes: Axes, made: BlastedSurface) -> None:
 
 
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
-    """Draw the profile in the middle: heights less their Gaussian mean line, and highest and lowest of each section length."""
+    """Draw the profile in the middle: heights less their Gaussian mean line, and highest and lowest
+    of each section length.
+    """
     ground = made.ground()
     cutoff = made.blasting.cutoff_wavelength
     profile = roughness_profiles(made.heights[made.heights.shape[0] // 2], ground.step, cutoff)
@@ -142,7 +152,9 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
 
 
 class SurfaceFilm(Film):
-    """The ground while the belt passes over it, lit from the left, with Rz and coverage over time below."""
+    """The ground while the belt passes over it, lit from the left, with Rz and coverage over time
+    below.
+    """
 
     size = (800, 500)
 

@@ -1,12 +1,15 @@
-"""Ground on which craters fall one after the other, and the three rules by which a crater meets an earlier one.
+"""Ground on which craters fall one after the other, and the three rules by which a crater meets an
+earlier one.
 
-Every strike brings the shape of one crater (``theory/crater_body.py``) to a height z_0, and what is above it is gone. The rules
-differ in z_0:
+Every strike brings the shape of one crater (``theory/crater_body.py``) to a height z_0, and what is
+above it is gone. The rules differ in z_0:
 
-- ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is that of a crater of the strike's
-  depth on a plane, as if energy per volume were constant. The shape continues beyond the first crater's outline.
+- ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is that
+  of a crater of the strike's depth on a plane, as if energy per volume were constant. The shape
+  continues beyond the first crater's outline.
 - ``plane``: z_0 is the strike's depth below the original plane.
-- ``ground``: z_0 is the strike's depth below the mean of the ground within the outline, and nothing outside of it is cut.
+- ``ground``: z_0 is the strike's depth below the mean of the ground within the outline, and nothing
+  outside of it is cut.
 
 The ground is periodic: what leaves it on one side enters on the other.
 """
@@ -23,17 +26,20 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.theory.crater_body import CraterBody
 
-# Strikes between two searches for the highest cell, which bounds the places that a strike can cut; it only ever falls
+# Strikes between two searches for the highest cell, which bounds the places that a strike can cut;
+# it only ever falls
 HIGHEST_EVERY = 64
 CELLS_ALONG = 2  # cells along the slide on a cell across: Rz is measured along, over sharp ridges
 MARGIN = 1.1  # of the height of the first window tried over the height that a strike before needed
 
 
 def floor_of_volume(above: Array, volume: float) -> float:
-    """Return the height z_0 for which the sum of max(above - z_0, 0) is the volume, in the unit of the heights.
+    """Return the height z_0 for which the sum of max(above - z_0, 0) is the volume, in the unit of
+    the heights.
 
-    The mean of the cells less the volume's share is too low while cells below it count; without them it rises, until no
-    cell is below it (Michelot 1986). Three columns, of which the highest two take a volume of 3:
+    The mean of the cells less the volume's share is too low while cells below it count; without
+    them it rises, until no cell is below it (Michelot 1986). Three columns, of which the highest
+    two take a volume of 3:
 
     >>> floor_of_volume(np.array([1.0, 4.0, 0.0]), 3.0)
     1.0
@@ -82,7 +88,9 @@ class Ground:
         return self.covered / self.heights.size
 
     def strike(self, x: float, y: float, depth: float) -> None:
-        """Cut a crater whose outline on a plane has its middle at (x, y), and whose depth there is ``depth``, m."""
+        """Cut a crater whose outline on a plane has its middle at (x, y), and whose depth there is
+        ``depth``, m.
+        """
         if len(self.taken) % HIGHEST_EVERY == 0:
             self._highest = float(self.heights.max())
         if self.rule == "energy":
@@ -101,9 +109,11 @@ class Ground:
         self.heights[place] = cut
 
     def _by_volume(self, x: float, y: float, depth: float) -> tuple[Any, Array, Array]:
-        """Return the cells that a strike may cut, their heights, and the shape at the height that takes its volume.
+        """Return the cells that a strike may cut, their heights, and the shape at the height that
+        takes its volume.
 
-        The window is large enough if the shape at its edge would be above the ground's highest cell.
+        The window is large enough if the shape at its edge would be above the ground's highest
+        cell.
         """
         volume = float(self.body.volume(depth)) / (self.cell * self.step)
         height = MARGIN * max(self._needed, depth)
@@ -117,7 +127,9 @@ class Ground:
             height = MARGIN * self._needed
 
     def _window(self, x: float, y: float, height: float) -> tuple[Any, Array]:
-        """Return the cells where the shape is up to some height above its lowest point, at least one, and the shape there."""
+        """Return the cells where the shape is up to some height above its lowest point, at least
+        one, and the shape there.
+        """
         start, end, side = self.body.reach(height)
         along, dx = _cells(x, start, end, self.step, self.heights.shape[1])
         across, dy = _cells(y, -side, side, self.cell, self.heights.shape[0])
@@ -127,7 +139,9 @@ class Ground:
 def _cells(
     middle: float, start: float, end: float, step: float, period: int
 ) -> tuple[NDArray[np.int_], Array]:
-    """Return the numbers of the cells between two distances from a place, no cell twice, and their distances, m."""
+    """Return the numbers of the cells between two distances from a place, no cell twice, and their
+    distances, m.
+    """
     first = math.ceil((middle + start) / step)
     last = max(math.floor((middle + end) / step), first)
     excess = last - first + 1 - period

@@ -1,7 +1,9 @@
-"""From the crater to the surface: the roughness, coverage and area an hour that a tool makes, crater by crater.
+"""From the crater to the surface: the roughness, coverage and area an hour that a tool makes,
+crater by crater.
 
-The first crater is the tip's swept path, of the depth that the contact's energy gives with the surface inclined
-(``crater_study``), or a paraboloid of given sizes. The tool places strikes on a piece of its track; ``ground`` cuts them.
+The first crater is the tip's swept path, of the depth that the contact's energy gives with the
+surface inclined (``crater_study``), or a paraboloid of given sizes. The tool places strikes on a
+piece of its track; ``ground`` cuts them.
 """
 
 from __future__ import annotations
@@ -46,7 +48,8 @@ Blasted = tuple[
 INSTANTS = 12  # at which roughness and coverage are recorded while the surface forms
 MOST_STRIKES = 10**6  # of a surface; some minutes
 COVERAGE_ROUNDS = 8  # of the search for the feed that gives a coverage; two to four are usual
-# Distance of the coverage from the wanted one that ends the search, and the largest one that is accepted after its last round
+# Distance of the coverage from the wanted one that ends the search, and the largest one that is
+# accepted after its last round
 COVERAGE_TOLERANCE = 1e-3
 COVERAGE_ACCEPTED = 1e-2
 SPREAD = 3.0  # standard deviations at which the depths' scatter is cut off
@@ -84,11 +87,12 @@ class BlastedSurface(EqualByValue):
     Attributes:
         blasting, body: the parameters, and the first crater.
         heights: above the original plane, m, shape (across, along).
-        places, depths: of the strikes in order, m: the middle (x, y) of each outline, and the depth on a plane.
+        places, depths: of the strikes in order, m: the middle (x, y) of each outline, and the depth
+            on a plane.
         taken: volume that each strike took, m^3.
         course: strikes, Rz (m), coverage and mean depth (m) while the surface forms, by name.
-        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: mean over all profiles, along the slide but for ``rz_across``; None where the
-            ground is too short for the cut-off, or has no element.
+        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: mean over all profiles, along the slide but for
+            ``rz_across``; None where the ground is too short for the cut-off, or has no element.
         sections_across: section lengths of the profiles across.
         sa, sdr: of the heights less their mean, not filtered.
         coverage, strikes_per_crater_area, mean_depth, removed_volume: of the piece.
@@ -140,25 +144,30 @@ def surface(
     settings: Settings | None = None,
     **keys: Any,
 ) -> BlastedSurface:
-    """Compute a piece of the surface that a tool makes, with its roughness, coverage and area an hour.
+    """Compute a piece of the surface that a tool makes, with its roughness, coverage and area an
+    hour.
 
     >>> import bristle_sim as bs
     >>> sizes = {"crater_depth": "130 um", "crater_length": "325 um", "crater_width": "651 um"}
-    >>> made = bs.surface(**sizes, crater_rule="plane", places="random", areal_ratio=3.9, ground_length="10 mm")
+    >>> keys = {"crater_rule": "plane", "places": "random", "areal_ratio": 3.9}
+    >>> made = bs.surface(**sizes, **keys, ground_length="10 mm")
     >>> print(f"covered {made.coverage:.2f}")
     covered 0.98
 
     Args:
         tool: the dissertation's by default; its pass gives the strike unless ``crater`` does.
-        crater: the strike's speed and angle, and how the tip cuts; by default the pass's own, and as the dissertation's cuts.
+        crater: the strike's speed and angle, and how the tip cuts; by default the pass's own, and
+            as the dissertation's cuts.
         settings: accuracy of the contact that is resolved in time.
-        keys: those of the scenario ``surface``, such as ``feed_speed="10 mm/s"``: numbers in SI units or texts with a unit.
+        keys: those of the scenario ``surface``, such as ``feed_speed="10 mm/s"``: numbers in SI
+            units or texts with a unit.
 
     Returns:
         The surface. The same seed gives the same one, bit for bit.
 
     Raises:
-        ValueError: in one line, for a key that is refused, keys that do not fit together, or a tool without a strike.
+        ValueError: in one line, for a key that is refused, keys that do not fit together, or a tool
+            without a strike.
     """
     tool = Tool() if tool is None else tool
     return blasted_surface(tool, crater, Blasting(**keys), settings or Settings())
@@ -192,7 +201,8 @@ def blasted_surface(
 def first_crater(
     tool: Tool, crater: Crater | None, blasting: Blasting, settings: Settings
 ) -> CraterBody:
-    """Return the first crater: a paraboloid where one of its sizes is given, else the path of the tip.
+    """Return the first crater: a paraboloid where one of its sizes is given, else the path of the
+    tip.
 
     Raises ValueError if the tool has no strike that cuts.
     """
@@ -220,7 +230,9 @@ def _own_strike(tool: Tool) -> Crater:
 
 
 def _whole_planes(blasting: Blasting) -> tuple[Blasting, float]:
-    """Return the blasting of a ground that is whole planes wide, where they make a pattern, and the planes' distance, m."""
+    """Return the blasting of a ground that is whole planes wide, where they make a pattern, and the
+    planes' distance, m.
+    """
     pitch = blasting.track_width / blasting.planes
     if blasting.places == "random":
         return blasting, pitch
@@ -256,7 +268,9 @@ def _covering(piece: Callable[[float], Blasted], wanted: float, unit: float) -> 
 
 
 def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float) -> Blasted:
-    """Return the ground after so many strikes, or random ones up to the wanted coverage; their places and depths, and the course."""
+    """Return the ground after so many strikes, or random ones up to the wanted coverage; their
+    places and depths, and the course.
+    """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(
             f"feed_speed, passes, areal_ratio: must make from 1 to {MOST_STRIKES:g} strikes on the ground, these make {strikes:.4g}"
@@ -269,7 +283,8 @@ def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float)
     ground = Ground.plane(
         body, blasting.crater_rule, blasting.cell, blasting.ground_length, blasting.ground_width
     )
-    # The lowest point comes to rest over the middle of a cell, or the cells would miss the sharp ends of valleys
+    # The lowest point comes to rest over the middle of a cell, or the cells would miss the sharp
+    # ends of valleys
     lowest = np.rint((places[:, 0] + body.lowest) / ground.step)
     places[:, 0] = lowest * ground.step - body.lowest
     stopping = blasting.coverage is not None and blasting.places == "random"
@@ -294,8 +309,8 @@ def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float)
 def _places(blasting: Blasting, pitch: float, number: int, random: np.random.Generator) -> Array:
     """Return the places of the strikes in order, m, shape (number, 2).
 
-    In a pattern the strikes of a pass follow each other evenly along the track, plane after plane; passes after the first one
-    begin at a random place.
+    In a pattern the strikes of a pass follow each other evenly along the track, plane after plane;
+    passes after the first one begin at a random place.
     """
     length = blasting.ground_length
     width = blasting.ground_width
@@ -376,7 +391,8 @@ def _measured(
 def surface_study(
     hub: Hub, bristle: Bristle, crater: Crater, blasting: Blasting, settings: Settings
 ) -> Report:
-    """Blast a surface with strikes of a given speed and angle, and compare its roughness with the measured one.
+    """Blast a surface with strikes of a given speed and angle, and compare its roughness with the
+    measured one.
 
     Raises ValueError for parameters that do not fit together, or a strike that does not cut.
     """

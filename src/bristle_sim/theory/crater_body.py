@@ -1,15 +1,16 @@
 """One crater as a body: the shape that a tip cuts into a plane, as a formula.
 
-x runs along the slide and y across it, from the middle of the crater's outline. ``shape`` is the height above the lowest point;
-the ground after the cut is the lower one of itself and the shape. The shape continues beyond the outline, for a tip that meets
-higher ground. Lengths in m.
+x runs along the slide and y across it, from the middle of the crater's outline. ``shape`` is the
+height above the lowest point; the ground after the cut is the lower one of itself and the shape.
+The shape continues beyond the outline, for a tip that meets higher ground. Lengths in m.
 
-``SweptTip``: the tip's face, half an ellipse, moves along a straight path that descends at gamma. Its edge is z_e(y) =
-D (1 - sqrt(1 - (2 y/d)^2)) above its lowest point, with the wire's diameter d and D the depth at which the cut is as wide as the
-wire; the face rises from there forward at phi = 28 deg to the surface (Zhang 2020, eqs. 4.9-4.14). So the floor behind the
-tip's last place x_t is z_e(y) (1 + tan(gamma)/tan(phi)) - (x - x_t) tan(gamma), and the crater ends before it in the face's
-imprint, (x - x_t) tan(phi). This body takes 6 % more than the chip's volume in u V = W (``crater_cutting``) at a depth of 106 um; one that
-ends in an upright wall would take 42 % less.
+``SweptTip``: the tip's face, half an ellipse, moves along a straight path that descends at gamma.
+Its edge is z_e(y) = D (1 - sqrt(1 - (2 y/d)^2)) above its lowest point, with the wire's diameter d
+and D the depth at which the cut is as wide as the wire; the face rises from there forward at phi =
+28 deg to the surface (Zhang 2020, eqs. 4.9-4.14). So the floor behind the tip's last place x_t is
+z_e(y) (1 + tan(gamma)/tan(phi)) - (x - x_t) tan(gamma), and the crater ends before it in the face's
+imprint, (x - x_t) tan(phi). This body takes 6 % more than the chip's volume in u V = W
+(``crater_cutting``) at a depth of 106 um; one that ends in an upright wall would take 42 % less.
 
 ``Paraboloid``: 4 depth (x^2/length^2 + y^2/width^2), a crater of given depth, length and width.
 """
@@ -51,7 +52,9 @@ class Paraboloid:
         return 4.0 * self.depth * np.add.outer((y / self.width) ** 2, (x / self.length) ** 2)
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the least x, the largest x and the largest y where the shape is at most ``height``."""
+        """Return the least x, the largest x and the largest y where the shape is at most
+        ``height``.
+        """
         part = 0.5 * math.sqrt(height / self.depth)
         return -part * self.length, part * self.length, part * self.width
 
@@ -60,14 +63,17 @@ class Paraboloid:
         return math.pi / 4.0 * self.length * self.width
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
-        """Return the volume below a plane, m^3, of the whole crater or of its lowest part of a depth."""
+        """Return the volume below a plane, m^3, of the whole crater or of its lowest part of a
+        depth.
+        """
         ratio = 1.0 if depth is None else np.asarray(depth) / self.depth
         return 0.5 * self.area() * self.depth * ratio**2
 
 
 @dataclass(frozen=True, slots=True)
 class SweptTip:
-    """The crater that the tip's elliptic face sweeps on a straight path, at the impact angle gamma, rad.
+    """The crater that the tip's elliptic face sweeps on a straight path, at the impact angle gamma,
+    rad.
 
     The printed depth of 130 um at 23.4 deg makes the printed width (Zhang 2020, fig. 4.6):
 
@@ -110,18 +116,23 @@ class SweptTip:
         return np.maximum(floor, ahead * math.tan(self.face.face_angle))
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the least x, the largest x and the largest y where the shape is at most ``height``."""
+        """Return the least x, the largest x and the largest y where the shape is at most
+        ``height``.
+        """
         start = self.lowest - height / math.tan(self.impact_angle)
         return start, start + height * self.stretch, 0.5 * float(self.face.width(height))
 
     def area(self) -> float:
-        """Return the area of the outline on a plane, (cot(gamma) + cot(phi)) times integral of depth - z_e(y) dy, m^2."""
+        """Return the area of the outline on a plane, (cot(gamma) + cot(phi)) times integral of
+        depth - z_e(y) dy, m^2.
+        """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))
         return float(0.5 * self.face.short_axis * section * self.stretch)
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
-        """Return the volume below a plane, m^3: (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 dy.
+        """Return the volume below a plane, m^3: (cot(gamma) + cot(phi))/2 times the integral of
+        (depth - z_e(y))^2 dy.
 
         ``depth`` is that of the whole crater or of its lowest part.
         """
@@ -132,7 +143,8 @@ class SweptTip:
         return 0.25 * self.face.short_axis * (squares + cubes) * self.stretch
 
     def _edge(self, depth: ArrayLike) -> tuple[Number, Number, Number]:
-        """Return the ellipse's angle from the tip to the surface, rad, its sine, and the depth less D, m.
+        """Return the ellipse's angle from the tip to the surface, rad, its sine, and the depth less
+        D, m.
 
         With y = (d/2) sin(theta) the edge is z_e = D (1 - cos(theta)).
         """

@@ -1,7 +1,8 @@
-"""Roughness of profiles and surfaces: the Gaussian filter of ISO 16610-21, measures of ISO 21920-2 and ISO 25178-2.
+"""Roughness of profiles and surfaces: the Gaussian filter of ISO 16610-21, measures of ISO 21920-2
+and ISO 25178-2.
 
-A profile is the last axis of an array of heights at equal distances; measures are means over all profiles. Heights and
-lengths in m.
+A profile is the last axis of an array of heights at equal distances; measures are means over all
+profiles. Heights and lengths in m.
 """
 
 from __future__ import annotations
@@ -35,10 +36,12 @@ class ProfileMeasures:
 
 
 def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
-    """Return the heights less their Gaussian mean line along the last axis, m; the profiles are periodic.
+    """Return the heights less their Gaussian mean line along the last axis, m; the profiles are
+    periodic.
 
-    The filter multiplies a wave of length lambda by 1 - exp(-pi (alpha cutoff/lambda)^2) (ISO 16610-21), in the frequency
-    domain, so that a periodic profile has no end effects. A wave as long as the cut-off keeps half its height:
+    The filter multiplies a wave of length lambda by 1 - exp(-pi (alpha cutoff/lambda)^2) (ISO
+    16610-21), in the frequency domain, so that a periodic profile has no end effects. A wave as
+    long as the cut-off keeps half its height:
 
     >>> wave = np.sin(2.0 * np.pi * np.arange(400) / 100.0)
     >>> print(f"{roughness_profiles(wave, 1e-5, 1e-3).max():.6f}")
@@ -51,7 +54,9 @@ def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
 
 
 def section_heights(profiles: Array, cell: float, section: float, sections: int) -> Array:
-    """Return the highest peak less the lowest valley of each section length, m, shape (..., sections)."""
+    """Return the highest peak less the lowest valley of each section length, m, shape (...,
+    sections).
+    """
     edges = _edges(cell, section, sections)
     evaluated = profiles[..., : edges[-1]]
     highest = np.maximum.reduceat(evaluated, edges[:-1], axis=-1)
@@ -68,8 +73,8 @@ def profile_measures(
 ) -> ProfileMeasures:
     """Return the measures of roughness profiles, filtered before, over their first section lengths.
 
-    Rz is the mean over section lengths of the highest peak less the lowest valley; Ra, Rq and RSm are over the evaluation
-    length (ISO 21920-2).
+    Rz is the mean over section lengths of the highest peak less the lowest valley; Ra, Rq and RSm
+    are over the evaluation length (ISO 21920-2).
 
     Args:
         profiles: roughness profiles, m, shape (..., points).
@@ -95,8 +100,8 @@ def profile_measures(
 def _mean_spacing(profile: Array, least: float) -> float | None:
     """Return the mean length of a profile's elements in points; None without a whole element.
 
-    An element reaches from one rise through the mean line to the next, with a hill above and a dale below it by at least
-    ``least`` (ISO 21920-2: RSm). The crossings are interpolated linearly.
+    An element reaches from one rise through the mean line to the next, with a hill above and a dale
+    below it by at least ``least`` (ISO 21920-2: RSm). The crossings are interpolated linearly.
     """
     beyond = np.flatnonzero(np.abs(profile) > least)
     rises = np.flatnonzero((profile[beyond[:-1]] < 0.0) & (profile[beyond[1:]] > 0.0))
@@ -120,10 +125,12 @@ def arithmetic_mean_height(heights: Array) -> float:
 
 
 def developed_area_ratio(heights: Array, step: float, cell: float) -> float:
-    """Return Sdr, by how much a surface's area exceeds its projection, as a fraction of the latter (ISO 25178-2).
+    """Return Sdr, by how much a surface's area exceeds its projection, as a fraction of the latter
+    (ISO 25178-2).
 
-    Points are a ``step`` apart along the last axis and a ``cell`` along the first, m. Each cell is divided into two triangles along either diagonal, and the two areas are averaged (annex D). A plane that
-    rises at 45 deg has sqrt(2) - 1:
+    Points are a ``step`` apart along the last axis and a ``cell`` along the first, m. Each cell is
+    divided into two triangles along either diagonal, and the two areas are averaged (annex D). A
+    plane that rises at 45 deg has sqrt(2) - 1:
 
     >>> print(f"{developed_area_ratio(np.add.outer(np.arange(5.0), np.zeros(4)), 1.0, 1.0):.6f}")
     0.414214
