@@ -5,6 +5,7 @@ lines or maps.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import functools
 import math
 from collections.abc import Mapping, Sequence
@@ -66,12 +67,14 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
-    """Return the report of a scenario at given values of its keys.
+    """Return the report of a scenario at given values of its keys, which are no quantities then.
 
     Raises:
         ValueError: for a refused value.
     """
-    return scenario.answer(scenario.values_of(assignments, keys))
+    report = scenario.answer(scenario.values_of(assignments, keys))
+    others = tuple(each for each in report.quantities if each.name not in keys)
+    return dataclasses.replace(report, quantities=others)
 
 
 def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
