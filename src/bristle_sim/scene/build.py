@@ -27,10 +27,15 @@ from bristle_sim.scene.solver import WireVelocities
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """Springs, damping and gravity of a scene, in engine units; None, 0 and () leave an effect out altogether.
+    """Springs, damping and gravity of a scene, in engine units; None, 0 and () leave an effect out.
 
-    ``stiffness`` and ``damping`` are those of the torsion spring between hub and first link, ``hinges`` the (stiffness,
-    damping) at each joint between two links of a wire, straight at rest. Gravity acts along -y.
+    Attributes:
+        stiffness: stiffness of the torsion spring between the hub and each wire's first link.
+        damping: damping of that torsion spring.
+        gravity: acceleration of gravity, along -y.
+        pairs: pairs that can touch.
+        hinges: (stiffness, damping) of each joint between two links of a wire, which is straight at
+            rest.
     """
 
     stiffness: float | None = None
@@ -44,10 +49,15 @@ class Scene:
     """A mechanism in a pymunk space.
 
     Attributes:
-        hub, links, joints: the kinematic body that carries the roots, or None; the links' bodies from the root; their pivots.
-        engine: takes the steps; ``step`` takes some of one length, ``angles`` and ``rates`` read the links' (less ``turned``).
-        placed: the state and drift of the last call of ``place``.
-        turned: whole turns subtracted from the angles before they are given to the engine, rad.
+        hub: kinematic body that carries the roots; None without a hub.
+        links: bodies of the links, from the root.
+        joints: pivots of the links, from the root.
+        engine: takes the engine's steps.
+        step: takes engine steps of one length (``engine.take``).
+        angles: reads the links' angles, less ``turned``, rad.
+        rates: reads the links' rates.
+        placed: state and drift of the last call of ``place``.
+        turned: whole turns subtracted from the angles that the engine is given, rad.
 
     Raises:
         ValueError: unless there is one hinge for each joint between two links.
@@ -81,7 +91,9 @@ class Scene:
         self.rates = self.engine.rates
 
     def place(self, state: State, drift: float = 0.0) -> None:
-        """Place every body where the state puts it, moved on at its velocity for the time ``drift``."""
+        """Place every body where the state puts it, moved on at its own velocity for the time
+        ``drift``.
+        """
         again = self.placed[0] is state and self.placed[1] == drift
         self.placed = (state, drift)
         if again:
@@ -103,7 +115,7 @@ class Scene:
 
     @property
     def connected(self) -> Connected:
-        """The links, and the joints that transmit an impulse on the last link to the others."""
+        """The links, and the joints that pass an impulse on one link on to the other links."""
         bodies = self.links[::-1]
         bodies.sort(key=lambda each: each.mass)
         return bodies, [*self.joints[::-1]]
@@ -115,7 +127,7 @@ class Scene:
 
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps, and solves for joints, damping and contacts."""
+    """Return the object that takes the engine's steps and then solves joints, damping and contacts."""
     mechanism = scene.mechanism
     effects = scene.effects
     belt = effects.damping if effects.stiffness is not None else 0.0
@@ -193,13 +205,16 @@ def _flight_iterations(links: Sequence[Link]) -> int:
 
 
 MOST_DAMPING = 8.0
-"""Most time constants of the engine's damping in an interval: two in each of the four steps of the coarsest repetition. In far
-longer steps damping removes all of a rate, whatever their length. Such steps agree with each other on a belt that does not
-move, and no error estimate shows it."""
+"""Longest interval, in time constants of the engine's damping: two for each of the four steps of
+the coarsest repetition. In a far longer step damping removes the whole rate, whatever the step's
+length. The repetitions then agree on a belt that does not move, and the error estimate misses the
+error."""
 
 
 def damping_rate(scene: Scene) -> float:
-    """Return the engine's damping rate: it treats links as free, about their centres, before the joints correct them."""
+    """Return the engine's damping rate: the engine damps links as free bodies, before the joints
+    correct them.
+    """
     links = scene.mechanism.links
     hinges = scene.effects.hinges
     belt = scene.effects.damping / links[0].inertia
@@ -216,7 +231,7 @@ def damped_interval(scene: Scene) -> float:
 
 
 def time_scale(scene: Scene) -> float:
-    """Return the time of one radian of the fastest hinge mode of a straight chain; 1 if none is faster than that."""
+    """Return 1/omega of the fastest bending mode of the straight chain, at most 1."""
     if not (hinges := scene.effects.hinges):
         return 1.0
     wire = scene.mechanism.wire(0)
@@ -230,10 +245,12 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """Return the scale of errors: the rate relative to the hub that a free bristle reaches, at most 1.
+    """Return the scale of errors: the rate relative to the hub that a free bristle reaches, at most
+    1.
 
-    A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
-    with an obstacle, because the bar turns the hub's speed into the bristle's.
+    A bristle of natural frequency w, released at rest at the angle a, reaches the rate a w. The
+    scale is 1 for a bristle that does not move, for several links, and with an obstacle, because
+    the bar turns the hub's speed into the bristle's.
     """
     mechanism = scene.mechanism
     effects = scene.effects

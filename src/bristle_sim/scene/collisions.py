@@ -1,4 +1,7 @@
-"""Impacts at one instant, the contacts that they leave, and the error of the run over them; a part of :func:`bristle_sim.scene.decide.decide`."""
+"""Impacts at one instant, the contacts after them, and the growth of the run's error over them.
+
+:func:`bristle_sim.scene.decide.decide` calls these functions.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +23,18 @@ from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 MOST_IMPACTS_AT_ONCE = 64
-"""Most impacts at one instant, times the square of the number of contacts that pass them on; after more the links are wedged."""
+"""Most impacts at one instant, per square of the number of closed contacts; after more the links
+count as wedged."""
 
 MOST_CHANGED_APPROACH = 0.5
-"""Largest relative change of the approach by the error; beyond it errors do not propagate linearly over the impact."""
+"""Largest relative change that the run's error makes in an impact's jump of the rates; errors
+beyond it do not grow linearly."""
 
 
 class Contacts(NamedTuple):
-    """The contacts that a decision leaves: the active ones, and pairs that separate but whose gaps are not open yet."""
+    """The contacts after a decision: those that act, and the pairs that separate but whose gaps are
+    still closed.
+    """
 
     active: Sequence[ActiveContact] = ()
     separating: Sequence[ContactPair] = ()
@@ -36,7 +43,7 @@ class Contacts(NamedTuple):
 def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
 ) -> list[ActiveContact]:
-    """End some contacts and record them; return the others."""
+    """End and record the contacts in ``ending``; return the other contacts."""
     system.scene.engine.keep_closed(())
     for contact in contacts:
         if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
@@ -45,13 +52,17 @@ def end_contacts(
 
 
 def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
-    """Record the releases of contacts as events."""
+    """Record the release of each contact as an event."""
     for contact in contacts:
         system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
 
 
 def given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
-    """Stop the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
+    """Stop the run at a contact that its law cannot resolve, with the law's advice.
+
+    Raises:
+        ValueError: the law's own error, if the contact is the run's first.
+    """
     if not system.recording.contacts:
         raise error
     system.stop(StopReason.UNRESOLVED, str(error))
@@ -68,7 +79,9 @@ def jammed(system: System, contacts: Sequence[ActiveContact], pair: ContactPair)
 def resolve_impacts(
     system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
 ) -> Contacts:
-    """Resolve an impact and those that follow it at the same instant; return the contacts after it."""
+    """Resolve an impact and the impacts that it causes at the same instant; return the contacts
+    after them.
+    """
     single_link = system.mechanism.single_link
     contacts: Sequence[ActiveContact] = motion.contacts
     known = [contact for contact in contacts if contact.pair is pair]
@@ -100,7 +113,9 @@ def resolve_impacts(
 
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
-    """Return the least opening rate of a single link between this pair and any other one that it touches."""
+    """Return the least opening rate of a single link between this pair and any other pair that it
+    touches.
+    """
     touch = system.gaps.closest(pair, system.state)
     closed = [other for other in system.pairs if other is not pair and system.touches(other)]
     rates = (opening_rate(touch, system.gaps.closest(other, system.state)) for other in closed)
@@ -108,7 +123,11 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
 
 
 def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Contacts:
-    """Resolve other closed contacts that the impact drives together, the fastest approach first; return the contacts after it."""
+    """Resolve the impacts that the first one causes at other closed contacts; return the contacts
+    after them.
+
+    The contact of fastest approach comes first.
+    """
     lasting = {contact.pair: contact for contact in motion.ordered}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
     for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
@@ -132,7 +151,7 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
-    """Resolve the impact by the pair's law, or by a law without restitution."""
+    """Resolve the impact by the pair's law, or without restitution where the link comes to rest."""
     before = system.state
     touched = pair
     law = system.law_of(pair)
@@ -151,10 +170,13 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
 def propagate_error(
     system: System, pair: ContactPair, before: State, record: ContactRecord
 ) -> None:
-    """Propagate the error over an impact, by two motions that are off by it in angle, and in rate with either sign.
+    """Propagate the run's error over an impact.
 
-    These touch at another instant, with another approach and another lever, which change the jump of their rates. If the law
-    has adjusted the slip so that it ends with the approach, it is uncertain whether the contact sticks or jams.
+    Two neighbouring motions are compared with the simulated one: both differ from it by the error
+    in angle, and by plus or minus the error in rate. Each touches at another instant, with another
+    approach and another lever, so its rates jump differently. If the law has adjusted the slip so
+    that it ends together with the approach, it is uncertain whether the contact sticks or jams; the
+    error is then lost.
     """
     gaps = system.gaps
     recording = system.recording
@@ -187,9 +209,10 @@ def propagate_error(
 
 
 def _jump_ratio(touch: ClosestApproach, other: ClosestApproach, *, single_link: bool) -> float:
-    """Return the ratio of the jumps of the rates, the second over the first, in two nearby impacts.
+    """Return the jump of the rates in the second of two nearby impacts over that in the first.
 
-    A jump is in proportion to the approach and, of a single link, inversely to the lever of the normal.
+    A jump is proportional to the approach and, for a single link, inversely proportional to the
+    lever of the normal.
     """
     jump = touch.velocity[0]
     other_jump = other.velocity[0]

@@ -1,7 +1,8 @@
-"""The law of a contact resolved in time: a stiff spring with energetic restitution, Coulomb friction and true stick.
+"""The law of a contact resolved in time: a stiff spring with energetic restitution, Coulomb
+friction and true stick.
 
-As the contact gets shorter its outcome tends to that of the rigid-body law with the energetic coefficient. The law that a tool's
-parameters name is chosen here too.
+The shorter the contact, the closer its outcome is to that of the rigid-body law with the energetic
+coefficient. This module also chooses the law that a tool's parameters name.
 """
 
 from __future__ import annotations
@@ -23,37 +24,45 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
-"""Shortest contact that is resolved, times sqrt(e*), in scene time units. Measured: a contact of duration T differs from the
-rigid-body limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*).
-During it, damping of a rate r > 1 takes the fraction r T of a velocity: the shortest contact is then shorter by sqrt(r)."""
+"""Shortest contact that is resolved, times sqrt(e*), in scene time units. Measured: a contact of
+duration T differs from the rigid-body limit by 0.4 T, and rounding of its penetration adds 4e-14/(T
+e*); the sum is least near this duration. Damping of a rate r > 1 takes the fraction r T of a
+velocity in the contact: the shortest one is then shorter by sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15
-"""Error of a velocity by the force's rounding in an interval, times duration and e*."""
+"""Rounding of the force puts this error, over duration times e*, into a velocity in one interval
+(scene units)."""
 
 CLEAR_OF_ROUNDING = 1e4
-"""Ratio of tolerance to rounding from which closely spaced repetitions, whose weights are 100 times as large, need fewer steps.
-Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
+"""Least ratio of tolerance to rounding at which closely spaced repetitions are used. Their weights,
+and so their rounding, are 100 times as large. Measured for accuracies from 0.1 to 1e-4: they need
+two thirds to nine tenths of the steps, with the same error."""
 
-LEAST_DEPTH = 1e-13  # penetration times e* below which rounding decides when a contact ends: the rigid limit is closer
+# least penetration, scene units times e*: below it rounding decides when the contact ends, and the
+# rigid limit is closer
 
-LEAST_RESTITUTION = 1e-3  # except 0: the spring unloads 1/e* times as fast as it loads
+LEAST_RESTITUTION = 1e-3  # least e* other than 0: the spring unloads 1/e* times as fast as it loads
 
 SAMPLES_OF_A_COURSE = 24
+"""Least number of intervals in a contact, enough to draw its history."""
+
 SAMPLES_OF_A_SWING = 5
-"""Least number of intervals of a contact, whose history a reader draws, and of half a swing of a tangential spring."""
+"""Least number of intervals in half a swing of the tangential spring."""
 
 
 @dataclass(eq=False)
 class CompliantLaw(ContactLaw):
-    """Contact resolved in time by the engine.
+    """A contact resolved in time by the engine.
 
     Args:
-        duration: duration of the first contact in engine units, for a contact rigid along the surface; for a wire that bends,
-            for a rigid wire without friction. With None every contact is short enough for the rigid-body limit to ``accuracy``.
+        duration: duration of the first contact, engine units. It is that of a contact without
+            tangential compliance; for a wire that bends, that of the same wire if it were rigid and
+            without friction. With None every contact is so short that it matches the rigid-body
+            limit to ``accuracy``.
         accuracy: requested relative accuracy.
-        stiffness: of the spring in compression, engine units; None derives it from ``duration``, which otherwise is only an
-            estimate.
-        tangential_compliance: eta^2.
+        stiffness: stiffness of the spring in compression, engine units; None derives it from
+            ``duration``. If it is given, ``duration`` is only an estimate.
+        tangential_compliance: eta^2, dimensionless.
         time_unit: the engine's unit of time, s, for messages.
     """
 
@@ -125,7 +134,9 @@ class CompliantLaw(ContactLaw):
         )
 
     def _stepper(self, longest: float, fastest: float, least: float) -> Extrapolation:
-        """Return the integrator of a contact, no more accurate than its rounding, ``least``, permits."""
+        """Return the integrator of a contact; ``least`` is the rounding below which its tolerance
+        cannot go.
+        """
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(
             tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest
@@ -157,9 +168,11 @@ class CompliantLaw(ContactLaw):
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
-    """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts a given time.
+    """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts
+    ``duration``.
 
-    k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
+    k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn = (lever of the normal about the root)^2/(moment of
+    inertia of the straight wire about the root).
     """
     size = mechanism.wire_links
     poses = mechanism.poses(state)
@@ -179,13 +192,17 @@ def rigid_stiffness(
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
-    """In stick and in slip at rest update K from the bodies' positions."""
+    """Update the spring's inverse mass from the bodies' positions where it sticks, and where it
+    slips at rest.
+    """
     if spring.at_rest or not spring.slip:
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law named by the parameters, for a scene with that unit of time, s."""
+    """Return the contact law that the parameters name, for a scene whose unit of time is
+    ``time_unit``, s.
+    """
     squared = contact.tangential_compliance
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / time_unit

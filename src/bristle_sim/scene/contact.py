@@ -1,4 +1,4 @@
-"""A contact that lasts: rigid until its force has fallen to zero, or with a spring; its sums and its record."""
+"""A contact that lasts, rigid or with a spring: the impulse and work it collects, and its record."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from bristle_sim.trajectory import ContactRecord
 
 
 class Outcome(StrEnum):
-    """The end of a contact; a sustained one may instead name the obstacle that ended it, or why the run stopped."""
+    """How a contact ends. A sustained contact may instead name the obstacle that ended it, or the
+    reason why the run stopped.
+    """
 
     REBOUND = "rebound"
     NO_REBOUND = "no rebound"
@@ -30,13 +32,16 @@ class ActiveContact:
 
     Attributes:
         pair: the pair in contact.
-        spring: of a contact resolved in time; None of a rigid one.
-        start: state at which it began; None before.
-        impulse, work: normal and tangential sums since.
-        force: normal force at the end of the last interval; None before.
-        tangential: tangential force then.
-        vanishes_in: time from then to the zero of the force, from the parabola with the interval's forces and impulse.
-        slip: sense of slip that friction opposes in a rigid contact; 0 sticks, None until it is determined.
+        spring: spring of a contact resolved in time; None for a rigid contact.
+        start: state at which the contact began; None before.
+        impulse: normal and tangential impulse since the start.
+        work: work of the normal and of the tangential force since the start.
+        force: normal force at the end of the last interval; None before the first one.
+        tangential: tangential force at the end of the last interval.
+        vanishes_in: estimated time from the end of the last interval until the normal force
+            vanishes.
+        slip: sense of slip that friction opposes in a rigid contact; 0 if it sticks, None until it
+            is determined.
         stopped: sense of the slip that has just stopped; 0 if none has.
     """
 
@@ -52,7 +57,7 @@ class ActiveContact:
     stopped: int = 0
 
     def turn(self, sense: int) -> None:
-        """Change the sense of slip, or stick, from now on."""
+        """Let the contact slip in this sense from now on; 0 lets it stick."""
         self.stopped = (self.slip or 0) if sense == 0 else 0
         self.slip = sense
 
@@ -65,7 +70,12 @@ class ActiveContact:
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
     def expect_release(self, sums: Sums, length: float) -> float:
-        """Estimate when a rigid contact's force vanishes; return the normal force at the beginning of the last interval."""
+        """Estimate when a rigid contact's force vanishes; return the normal force at the interval's
+        beginning.
+
+        The estimate uses the parabola through the normal forces at both ends of the interval that
+        has the interval's impulse.
+        """
         last = first = sums.normal
         if length > 0.0:
             mean = sums.impulse_normal / length
@@ -80,7 +90,7 @@ class ActiveContact:
         return first
 
     def sample(self, gaps: Gaps, state: State) -> float:
-        """Record the spring's force at a state, and return the normal one."""
+        """Record the spring's forces and penetration at a state; return the normal force."""
         assert self.spring is not None
         touch = gaps.closest(self.pair, state)
         penetration = self.spring.surface - touch.gap
@@ -91,7 +101,7 @@ class ActiveContact:
         return normal
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
-        """Return the contact record; None for a contact that took no time."""
+        """Return the contact record; None for a contact of no duration."""
         first = self.start
         if first is None or last.time <= first.time:
             return None

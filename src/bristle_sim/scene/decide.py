@@ -1,7 +1,8 @@
-"""The decision after an event: which contacts begin, in which mode they go on, and which of them end.
+"""The decision after an event: which contacts begin, which change, and which end.
 
-:func:`decide` is the only place where that happens, for impacts, releases, hand-overs, changes of slip, springs and rest. It moves
-the state by impulses, and sets links in contact back onto their obstacles, because an integrator constrains only velocities.
+:func:`decide` makes every such decision: for impacts, releases, hand-overs, changes of slip,
+springs and rest. Impulses change the state's rates. Links in contact are also set back onto their
+obstacles, because an integrator constrains only velocities.
 """
 
 from __future__ import annotations
@@ -89,7 +90,11 @@ def _sense_after(system: System, event: Happening) -> int:
 
 
 def begin_motion(system: System, contacts: Contacts) -> Motion:
-    """Return the motion with these contacts; their rigid ones are set back, and the run stops if no force keeps them closed."""
+    """Return the motion with these contacts, the rigid ones closed exactly.
+
+    The run stops if its last event has happened and no contact has a spring, or if no force keeps a
+    rigid contact closed.
+    """
     springs = [contact.spring for contact in contacts.active if contact.spring is not None]
     if system.recording.stop_reason is None and system.had_last_event and not springs:
         system.stop(StopReason.EVENT)
@@ -125,7 +130,9 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
 def _engage(
     system: System, motion: Motion, ordered: Sequence[ActiveContact], *, paired: bool
 ) -> None:
-    """Let rigid contacts act from the nearest state on in which they are closed, and slip in the sense of their motion."""
+    """Close rigid contacts in the nearest state, and let them slip in the sense of their motion
+    from there on.
+    """
     gaps = system.gaps
     for contact in ordered:
         if contact.slip is None and contact.pair.friction:
@@ -144,7 +151,9 @@ def _engage(
 
 
 def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
-    """Stop a run in which no force keeps contacts closed: friction locks them, or frictionless links meet obstacles end-on."""
+    """Stop a run in which no force keeps a contact closed: friction jams the link, or a
+    frictionless link meets its obstacle end-on.
+    """
     if any(contact.pair.friction for contact in contacts):
         system.stop(StopReason.JAM)
         system.event(
@@ -154,7 +163,9 @@ def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
 
 
 def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) -> Contacts:
-    """Return the contacts after a touch: with one that lasts, with a spring or at rest, or after the impact."""
+    """Return the contacts after a touch, which becomes a contact with a spring, a contact at rest,
+    or an impact.
+    """
     name = _touch_name(system, pair)
     law = system.law_of(pair)
     known = [contact for contact in motion.contacts if contact.pair is pair]
@@ -177,7 +188,7 @@ def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) 
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:
-    """Return the name of a touch: that of the first one, or of a later one of the same wire."""
+    """Return the name of a touch; a wire's first touch of an obstacle has a name of its own."""
     wire = system.wires_of(pair)[0]
     size = system.mechanism.wire_links
     for contact, links in system.recording.contacts:
@@ -187,7 +198,7 @@ def _touch_name(system: System, pair: ContactPair) -> str:
 
 
 def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind: Kind) -> Contacts:
-    """Return the contacts after a phase of a contact with a spring, or after its end."""
+    """Return the contacts after an event of a spring, which changes its phase or ends its contact."""
     spring = contact.spring
     pair = contact.pair
     assert spring is not None
@@ -225,7 +236,9 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
 
 
 def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """Add the difference from the impact law to the error of a contact whose duration is to be short enough for that limit."""
+    """Add the difference from the impact law to the run's error, for a contact that stands for the
+    rigid-body limit.
+    """
     if contact.start is None or spring.expected.finite_duration:
         return
     limit, _ = system.law_of(contact.pair).resolve(system.scene, contact.start, contact.pair)

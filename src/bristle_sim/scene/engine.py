@@ -1,6 +1,7 @@
-"""Direct calls of the engine for work done thousands of times a run: pymunk's wrappers take longer than the engine.
+"""Direct calls of the engine for work done thousands of times a run, because pymunk's wrappers are
+slow.
 
-A wrapped step takes 0.77 us, of which 0.34 us are the engine's.
+A wrapped step takes 0.77 us, of which the engine itself takes 0.34 us.
 """
 
 from __future__ import annotations
@@ -19,21 +20,25 @@ from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import ClosedPair
 
 ITERATIONS_OF_A_STEP = 100
-"""Solver iterations that take as long as the rest of a step: 35 ns each, and 3 to 5 us."""
+"""Solver iterations that take as long as the rest of a step: an iteration takes 35 ns, the rest 3
+to 5 us."""
 
 LONGEST_WARM_RATIO = 1e3
-LONGEST_SINGLE_RATIO = 2.0
-"""A step up to this many times as long as the one before starts from its impulses; scaled further, their rounding would show.
-The limit is lower for a single step: the engine scales the impulse that it applies, by s, but not the one that it remembers,
-which becomes 1 - s times what it was. Further steps of the same length correct that; alternating short and long steps would
-make it grow without bound."""
+"""Largest ratio of two successive steps at which the longer one starts from the impulses of the
+shorter one. Scaled further, the rounding of these impulses would show."""
 
-LOG_SOLVED = math.log(1e-17)  # iterations leave this fraction of the error: rounding
+LONGEST_SINGLE_RATIO = 2.0
+"""The same ratio for a single step. The engine scales the impulse that it applies, by s, but not
+the impulse that it remembers, which becomes 1 - s times as large. Further steps of the same length
+correct the remembered impulse; without them, alternating short and long steps would make it grow
+without bound."""
+
+# logarithm of the fraction of the error that iterations leave: rounding
 MOST_ITERATIONS = 40_000
 """Most iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them."""
 
 Pusher = Callable[[Vector, Vector], None]
-"""Applies a force at a place until the next step is done."""
+"""Applies a force at a point until the end of the next step."""
 
 
 LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
@@ -42,8 +47,9 @@ LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 
 class EngineSteps:
     """Places the bodies of a space, takes its steps, and counts them.
 
-    Where links bend, and in sustained contact, a solver for joints, damping and contacts follows each of the engine's own steps.
-    ``work`` counts the steps, each once more for every ``ITERATIONS_OF_A_STEP`` solver iterations and ``LINKS_OF_A_STEP`` links.
+    Where links bend, and in sustained contact, a solver for joints, damping and contacts follows
+    each engine step. ``work`` counts a step once, and once more for every ``ITERATIONS_OF_A_STEP``
+    solver iterations, or for every ``LINKS_OF_A_STEP`` links if that is more.
     """
 
     def __init__(
@@ -56,7 +62,9 @@ class EngineSteps:
         *,
         bending: bool,
     ) -> None:
-        """Start with no impulses cached from an earlier step; the solver is made when it is first needed."""
+        """Start without impulses of an earlier step; ``make_solver`` is called when the solver is
+        first needed.
+        """
         self.space = space
         self.joints = joints
         bodies = list(links) if hub is None else [hub, *links]
@@ -87,11 +95,15 @@ class EngineSteps:
 
     @property
     def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """The function that takes time-symmetric steps, while a solver that can do so follows the engine; else None."""
+        """The function that takes time-symmetric steps, or None while the engine's own solver
+        handles the joints.
+        """
         return self._take_symmetric if self._solving and self.joint_solver.reversible else None
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on, solve for these sustained contacts together with the joints; with none the steps are those of flight."""
+        """Solve from now on for these sustained contacts together with the joints; () returns to
+        the steps of free flight.
+        """
         solving = bool(contacts) or self._bending
         if solving is not self._solving:
             self._solving = solving
@@ -114,9 +126,10 @@ class EngineSteps:
         return list(map(lib.cpBodyGetAngularVelocity, self._links))
 
     def take(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
-        """Take ``count`` engine steps of one length, and return the links' angles, rates, and accelerations in the last step.
+        """Take ``count`` engine steps of one length, calling ``act`` before each.
 
-        ``act`` is called before each of them.
+        Returns:
+            The links' angles, then their rates, then their accelerations in the last step.
         """
         if length > (LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO) * self._last_length:
             self._start_cold(length)
@@ -149,7 +162,9 @@ class EngineSteps:
     def _take_symmetric(
         self, length: float, count: int, act: Callable[[], None] | None = None
     ) -> list[float]:
-        """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does."""
+        """Take an even number of time-symmetric steps from bodies placed half a step early; return
+        the same values as ``take``.
+        """
         self.steps += count
         self.work += count * self._price
         solver = self.joint_solver
@@ -168,7 +183,9 @@ class EngineSteps:
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
 
     def _start_cold(self, length: float) -> None:
-        """Make the engine forget the last step's impulses, which it would otherwise scale to the next step's length."""
+        """Make the engine forget the last step's impulses, which it would scale to the next step's
+        length.
+        """
         if self.take_symmetric is not None:
             return  # no impulse of the engine's own is left in these steps
         for joint in self.joints:
@@ -183,23 +200,25 @@ class EngineSteps:
 
 
 def bare_space(space: pymunk.Space) -> Any:
-    """Return the engine's pointer to a space, valid only as long as the space lives.
+    """Return the engine's pointer to a space, valid only while the pymunk space exists.
 
-    ``space._space`` owns the engine's space. Kept beyond the pymunk.Space, it would free the engine's space when bodies, shapes
-    and constraints are garbage already. The collector of another thread could then remove them from it at the same time.
+    ``space._space`` owns the engine's space. If it outlived the pymunk.Space, it would free the
+    engine's space after its bodies, shapes and constraints had become garbage, which the collector
+    in another thread could be removing from it at that time.
     """
     return ffi.cast("cpSpace *", space._space)
 
 
 class Placer:
-    """Set centre (x, y), angle, velocity (u, v) and rate of every body by one call each, from numbers that the engine reads.
+    """Set centre (x, y), angle, velocity (u, v) and rate of every body by one engine call for each
+    body.
 
     Attributes:
-        values: these numbers, as they were last set or kept.
+        values: the numbers that were last set or kept, six for each body.
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Place these bodies, one after the other."""
+        """Prepare to place these bodies, in this order."""
         self._bodies = [body._body for body in bodies]
         # Room for another body, or the engine would move the numbers to a place of its own.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
@@ -220,14 +239,16 @@ class Placer:
             put(body, data)
 
     def keep(self) -> None:
-        """Record the bodies' present values as if they had been set last."""
+        """Keep the bodies' present values, as if these had been set last."""
         self._numbers.num = 0
         for body in self._bodies:
             lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
 
 
 def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Callable[[], Any]]:
-    """Return the functions for the place and the velocity of a body's point, each with ``x`` and ``y``."""
+    """Return two functions that give the place and the velocity of a body's point; each result has
+    ``x`` and ``y``.
+    """
     bare = body._body
     return partial(lib.cpBodyLocalToWorld, bare, point), partial(
         lib.cpBodyGetVelocityAtLocalPoint, bare, point
