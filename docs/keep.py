@@ -12,7 +12,6 @@ from pathlib import Path
 DOCS = Path(__file__).parent
 
 KEPT = {
-    "tolerances": [],
     "film": [],
     "accuracy_cost": [],
     "hard_cases": ["--set", "effort=quick"],

@@ -45,6 +45,7 @@ SCENARIO = Scenario(
     plot=plot,
     film=film,
     series=series,
+    in_arrays=True,
     highest={
         "wire_links": (
             16,

@@ -25,8 +25,7 @@ def plot(report: Report) -> Picture:
     from bristle_sim.render.map_figure import map_figure
     from bristle_sim.studies.cue_map import position_map
 
-    found = report.subject
-    return map_figure(found, position_map(found.tool, found.settings, found.grid))
+    return map_figure(report.subject, *position_map(report.subject))
 
 
 def tool(report: Report) -> Tool:

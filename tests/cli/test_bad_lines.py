@@ -125,7 +125,7 @@ def test_a_line_is_refused_in_one_line(
 @pytest.mark.parametrize(
     ("line", "module", "words"),
     [
-        (SWEPT, "studies.sweep", "--sweep needs the extra sweep: pip install bristle-sim[sweep]"),
+        (f"{SWEPT} --workers 2", "studies.sweep", "extra sweep: pip install bristle-sim[sweep]"),
         ("explore", "cli.explore.server", "pip install 'bristle-sim[explore]' brings it"),
     ],
 )

@@ -10,9 +10,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("zarr", reason="needs the extra sweep")
-
-from bristle_sim.cli import command, sweep
+from bristle_sim.cli import command
 from bristle_sim.studies.strike_point import strike_of_keys
 
 
@@ -20,17 +18,20 @@ def called(*words: str) -> int:
     return command.main(["cue_and_impact", *words])
 
 
+@pytest.mark.parametrize("by_scene", [False, True])
 def test_a_sweep_over_one_key_is_the_single_passes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    by_scene: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
-    """The bar at 60 mm is not touched: the point says why it has no release."""
+    """The bar at 60 mm is not touched: the point says why it has no release. A store is the scene's, whose passes are single."""
     files = [f"--{kind}={tmp_path / f'sweep.{kind}'}" for kind in ("csv", "json")]
-    store = f"--store={tmp_path / 'store'}"
-    swept = ("--sweep", "bar_horizontal=50mm:60mm:3", "--set", "accuracy=1e-5", store)
+    store = [f"--store={tmp_path / 'store'}"] if by_scene else []
+    swept = ("--sweep", "bar_horizontal=50mm:60mm:3", "--set", "accuracy=1e-5", *store)
     assert called(*swept, *files, f"--plot={tmp_path / 'lines.svg'}") == 0
-    shown = capsys.readouterr()
-    assert "3 values of bar_horizontal: 3 points, 2 lack results" in shown.out
-    assert all(len(line) <= 100 for line in shown.out.splitlines()[1:])
+    shown = capsys.readouterr().out.splitlines()
+    assert "2 points lack results" in shown[0]
+    assert ("the scene agrees" in shown[0]) is not by_scene
+    assert "the tip reverses its slip" in shown[0]
+    assert all(len(line) <= 100 for line in shown[1:])
     rows = list(csv.DictReader((tmp_path / "sweep.csv").read_text(encoding="utf-8").splitlines()))
     assert [float(row["bar_horizontal (m)"]) for row in rows] == pytest.approx(
         [0.05, 0.055, 0.06], rel=1e-15
@@ -40,6 +41,7 @@ def test_a_sweep_over_one_key_is_the_single_passes(
     assert float(rows[0]["tip_speed_at_contact (m/s)"]) == pytest.approx(
         alone["tip_speed_at_contact"], rel=1e-4
     )
+    assert {row["outcome"] for row in rows} == {"reverses its slip"}
     assert [bool(row["failure"]) for row in rows] == [False, True, True]
     assert [row["release_time (s)"] for row in rows][1:] == ["", ""]
     found = json.loads((tmp_path / "sweep.json").read_text(encoding="utf-8"))
@@ -50,21 +52,33 @@ def test_a_sweep_over_one_key_is_the_single_passes(
     assert json.loads(capsys.readouterr().out)["columns"] == found["columns"]
 
 
-def test_a_sweep_over_two_keys_is_a_map_and_more_rows_than_a_terminal_shows_are_in_files(
-    tmp_path: Path, capsys, monkeypatch
+def test_the_answer_says_how_the_quantity_runs_and_where_the_outcome_changes(
+    capsys: pytest.CaptureFixture[str],
 ):
-    monkeypatch.setattr(sweep, "MOST_ROWS", 3)
-    keys = (
-        "--sweep",
-        "friction=0.1:0.3:2",
-        "--sweep",
-        "hub_speed=2400rpm:2600rpm:2",
-        "--set",
-        "accuracy=1e-3",
-    )
+    """The tip sticks from tan phi = 0.4619 on, which two values of friction enclose."""
+    keys = ("--sweep", "friction=0.4:0.5:21", "--quantity", "normal_compressive_impulse")
+    assert called(*keys) == 0
+    answer, *lines = capsys.readouterr().out.splitlines()
+    assert "normal impulse of compression p_cy falls from" in answer
+    assert "the tip reverses its slip, then sticks and rebounds from 0.465" in answer
+    assert any(line.startswith("constant: time of release") for line in lines)
+    assert len([line for line in lines if "reverses" in line or "sticks" in line]) == 15
+    assert called(*keys[:2], "--quantity", "tip_speed_at_contct") == 2
+    assert "did you mean tip_speed_at_contact?" in capsys.readouterr().err
+
+
+def test_a_sweep_over_two_keys_is_a_map_with_the_extremes_of_each_quantity(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    keys = ("--sweep", "friction=0.1:0.3:5", "--sweep", "hub_speed=2400rpm:2600rpm:3")
     assert called(*keys, "--plot", str(tmp_path / "map.png")) == 0
-    (line,) = capsys.readouterr().out.splitlines()
-    assert line == "2 values of friction and 2 values of hub_speed: 4 points, all with results."
+    answer, _, title, *lines = capsys.readouterr().out.splitlines()
+    assert "(5 x 3 points)" in answer
+    assert "the tip reverses its slip in 100 % of them" in answer
+    assert title == "lowest and highest, at friction, hub_speed:"
+    (speed,) = [line for line in lines if line.startswith("tip speed")]
+    # The slower hub gives the slower tip.
+    assert "0.1, 2400 rpm" in speed.split("at")[0]
     assert (tmp_path / "map.png").stat().st_size > 0
 
 
@@ -83,10 +97,19 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray zarr tqdm cloudpickle distributed'.split()));"
 
 
-def test_without_the_extra_a_sweep_ends_in_one_line():
-    """In a process of its own that can import none of the extra's packages."""
+def test_without_the_extra_a_sweep_is_computed_all_the_same():
+    """In a process of its own that can import none of the extra's packages: in arrays, or one run after the other."""
     code = f"{BLOCKED} from bristle_sim.cli.command import main; sys.exit(main(sys.argv[1:]))"
-    line = [sys.executable, "-c", code, "cue_and_impact", "--sweep", "friction=0.1:0.5:3"]
-    run = subprocess.run(line, capture_output=True, text=True, check=False)
-    assert (run.returncode, run.stdout, run.stderr.count("\n")) == (2, "", 1)
-    assert "--sweep needs the extra sweep: pip install bristle-sim[sweep] (" in run.stderr
+    start = [sys.executable, "-c", code]
+    swept = ["cue_and_impact", "--sweep", "friction=0.1:0.5:3", "--csv", "-"]
+    run = subprocess.run([*start, *swept], capture_output=True, text=True, check=True)
+    assert run.stdout.count("reverses its slip") == 2
+    plies = ["crater_depth", "--sweep", "plies=100:300:2", "--csv", "-"]
+    alone = subprocess.run([*start, *plies], capture_output=True, text=True, check=True)
+    assert command.main(plies) == 0
+    stored = subprocess.run(
+        [*start, *swept, "--workers=2"], capture_output=True, text=True, check=False
+    )
+    assert (stored.returncode, stored.stdout, stored.stderr.count("\n")) == (2, "", 1)
+    assert "need the extra sweep: pip install bristle-sim[sweep] (" in stored.stderr
+    assert len(alone.stdout.splitlines()) == 3

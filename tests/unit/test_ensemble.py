@@ -70,7 +70,7 @@ def test_a_wire_without_bar_strikes_radially_by_the_closed_form():
 @pytest.mark.parametrize("gravity", [0.0, 500.0])
 def test_the_series_solves_the_equation_of_motion(gravity: float):
     """Its second derivative at the end of a step is that of the equation, to the tolerance of the step's last terms."""
-    request = request_of(TOOL, {"belt_damping_ratio": [0.0, 0.5], "gravity": gravity})
+    request = request_of(TOOL, {"belt_damping_ratio": [0.0, 0.5], "gravity": gravity}, 1.0)
     passes, _ = passes_of(request, np.arange(2))
     passes.angle = np.array([-0.7, -0.3])
     passes.rate = np.array([1.0, -2.0])
@@ -183,6 +183,7 @@ def test_limits_are_those_of_the_closed_forms():
     phi = TOOL.hub.speed * float(many.contact_time) - 0.5 * math.pi - float(many.lag_at_contact)
     (change,) = bs.limits(friction=("0.1", 0.6))
     assert (change.below, change.above) == ("reverses its slip", "sticks and rebounds")
+    assert change.confirmed
     assert change.at == pytest.approx(math.tan(-phi), abs=1e-7)
     assert bs.limits(hub_speed=(250.0, 260.0)) == ()
 
@@ -195,6 +196,7 @@ def test_limits_are_those_of_the_closed_forms():
         {"friction": (0.1, 0.1)},
         {"friction": (0.1, math.inf)},
         {"frict": (0.1, 0.2)},
+        {"tool": TOOL.replace(knee_angle_deg=5.0), "friction": (0.1, 0.2)},
     ],
 )
 def test_limits_of_no_range_are_refused(between: dict[str, object]):

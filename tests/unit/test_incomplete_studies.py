@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -35,9 +34,9 @@ from bristle_sim.render.release_figures import inertia_figure
 from bristle_sim.render.tool_films import pass_film, row_film
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import radial_place, simulation
+from bristle_sim.studies.bar_search import strikes_of
 from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
-from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
+from bristle_sim.studies.cue_map import cue_map
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.flexible_wire import flexible_wire
 from bristle_sim.studies.inertia_driven import inertia_driven
@@ -45,7 +44,7 @@ from bristle_sim.studies.least_pitch import least_pitch
 from bristle_sim.studies.neighbours import neighbours
 from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.studies.strike_point import NotCuedError, strike_measures
-from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
+from bristle_sim.studies.tolerances import Sampling, Spreads, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.studies.whole_tool import Assembly, periodic_turn, whole_tool
 from bristle_sim.theory.force_fit import fit_force_history
@@ -73,7 +72,7 @@ REFUSALS = [
     (partial(slow_motion, 0.0, 1.0, 8.0, slower=0.5), "^slower = 0.5: must be"),
     (partial(cost_figure, SimpleNamespace(cases=())), "^cases = "),  # type: ignore[arg-type]
     (partial(write_tool, 3, "tool.toml"), "^tool = 3: must be a Tool"),  # type: ignore[arg-type]
-    (partial(Sampling, samples=3), "^samples = 3: must be a power of 2"),
+    (partial(Sampling, samples=33), "^samples = 33: must be a power of 2"),
     (
         lambda: simulate(Tool(), Settings(hub_turn=0.1)).at(0.0, side="left"),
         "^side = 'left': must be before or after",
@@ -93,7 +92,7 @@ REFUSALS = [
     (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
     (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
     (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
-    (partial(radial_place, UNBARRED, simulation(Settings())), "bar, workpart: must both be there"),
+    (partial(strikes_of, UNBARRED, Settings()), "bar, workpart: must both be there"),
     (partial(cue_map, FLEXIBLE, Settings()), "^wire_links = 2: must be 1"),
     (lambda: driven(AT_REST), "^hub_speed = 0: must be above 0"),
     (
@@ -228,19 +227,6 @@ def test_a_strike_while_the_bar_is_touched_is_not_cued():
 def test_a_belt_without_stiffness_throws_nothing_back():
     found = driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)))
     assert {row.simulated for row in found.quantities} == {None}
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: position_map(Tool(), Settings(), MapGrid(points=2.0)),
-        lambda: sobol_study(lambda x: {"y": x}, {"x": (0.0, 1.0)}, ("y",), 2),
-    ],
-)
-def test_without_the_extra_a_sweep_says_what_to_install(call, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setitem(sys.modules, "bristle_sim.studies.sweep", None)
-    with pytest.raises(ValueError, match=r"need the extra sweep: pip install bristle-sim\[sweep\]"):
-        call()
 
 
 def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

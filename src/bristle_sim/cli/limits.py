@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from collections.abc import Sequence
 
 from bristle_sim.cli.output import json_of, print_line, write_text
@@ -49,7 +50,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     changes = limits(tool, accuracy=1e-8, **{key: (low, high)})
     unit = "" if declared.unit == "1" else f" {declared.unit}"
     answer = limits_in_words(declared, low, high, changes)
-    found = [{"at": each.at, "below": each.below, "above": each.above} for each in changes]
+    found = [dataclasses.asdict(each) for each in changes]
     text = json_of("limits", answer, values, changes=found)
     if target is not None:
         write_text(target, text)
@@ -66,4 +67,8 @@ def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[
     places = [
         f"at {displayed(declared, each.at)} ({each.below}, then {each.above})" for each in changes
     ]
-    return f"{between} changes {', '.join(places)}." if places else f"{between} does not change."
+    if not places:
+        return f"{between} does not change."
+    doubtful = [displayed(declared, each.at) for each in changes if not each.confirmed]
+    scene = f"does not confirm {', '.join(doubtful)}" if doubtful else "agrees on both sides"
+    return f"{between} changes {', '.join(places)}; the scene {scene}."

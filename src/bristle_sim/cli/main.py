@@ -218,8 +218,9 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
     """
     found = dict[str, Path]()
     seen = dict[str, str]()
-    if not options.sweep and (options.workers is not None or options.store is not None):
-        raise ValueError("--workers, --store: must be given with --sweep")
+    of_sweep = (options.workers is not None, options.store is not None, bool(options.quantity))
+    if not options.sweep and any(of_sweep):
+        raise ValueError("--workers, --store, --quantity: must be given with --sweep")
     if options.json == options.csv == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
     if options.video is None and (options.size or options.fps):
@@ -295,6 +296,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "write_tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
     "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
     "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
+    "quantity": ("NAME", "a quantity that a sweep shows, in place of all that change; repeatable", APPENDED),
     "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
               " show all points", APPENDED),
 }  # fmt: skip

@@ -61,6 +61,7 @@ class Scenario:
         its source.
         without: keys of the arguments that have no effect on the answer.
         highest: upper limits of keys below those of the parameter classes, each with its reason.
+        in_arrays: whether the quantities are those of a pass, which a sweep can compute in arrays.
         options: keys with an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
@@ -76,6 +77,7 @@ class Scenario:
     defaults: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     highest: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    in_arrays: bool = False
     options: tuple[str, ...] = ()
 
     @property

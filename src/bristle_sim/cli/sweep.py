@@ -8,46 +8,46 @@ import argparse
 import dataclasses
 import functools
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bristle_sim.cli.output import csv_text, json_of, print_error, print_line, write_text
-from bristle_sim.cli.scenario import Scenario
-from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
+from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.comparison import WIDTH, Report, aligned, readable_unit
+from bristle_sim.conversion import display_unit
+from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.settings import Settings
+from bristle_sim.studies.many_passes import unable
+from bristle_sim.studies.scenario_sweep import Swept, sweep_in_arrays, sweep_of_runs
+from bristle_sim.studies.sweep_words import FIRST, constants_in_words, shown_value, sweep_in_words
 from bristle_sim.units import Range, likely_key
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MOST_POINTS = 10**6
 """Largest number of values of a key."""
 
-MOST_ROWS = 60
-"""Largest number of points shown in a terminal; files contain all points."""
+MOST_ROWS = 15
+"""Largest number of points shown in a terminal; files contain all."""
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
-    """Sweep the keys, write the requested files, and print the table.
+    """Sweep, write the requested files, and print the answer and the table.
 
     Raises:
-        ValueError: for bad input, if no point has a result, or without the extra ``sweep``.
+        ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it is needed.
     """
-    try:
-        from bristle_sim.studies.sweep import sweep_scenario
-    except ImportError as error:
-        raise ValueError(
-            f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})"
-        ) from error
-    keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must name each key once")
-    point = functools.partial(answer_at, scenario, tuple(options.set))
-    units = {key: keys[key][0].unit for key in axes}
-    found = sweep_scenario(point, axes, units=units, workers=options.workers, store=options.store)
+    if len(axes) > 2:
+        raise ValueError(f"--sweep = {', '.join(options.sweep)}: must be one key or two")
+    found = _swept(scenario, options, axes)
+    for key in axes:
+        found.units[key] = scenario.keys()[key][0].unit
+    chosen = _chosen(found, options.quantity)
     columns = table_columns(found)
-    answer = _summary(found, axes)
+    answer = sweep_in_words(found, chosen)
     fixed = {
         key: value for key, value in scenario.values_of(options.set).items() if key not in axes
     }
@@ -58,12 +58,30 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
             from bristle_sim.render.style import save_figure
             from bristle_sim.render.sweep_figures import sweep_figure
 
-            save_figure(sweep_figure(found, list(axes)), target)
+            save_figure(sweep_figure(found, chosen), target)
         else:
             write_text(target, texts[name])
         print_error(f"--{name}: wrote {target}")
     shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
-    print_line(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
+    print_line(
+        shown
+        or "\n".join(
+            [answer, "", *_table(found, chosen), *_wrapped("constant", constants_in_words(found))]
+        )
+    )
+
+
+def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Any]) -> Swept:
+    """Sweep in arrays where the scenario and its tool allow it, and no processes and no store are requested; else run by run."""
+    values = scenario.values_of(options.set)
+    keys = {key for part in tool_keys().values() for key in part}
+    alone = options.workers is None and options.store is None
+    if scenario.in_arrays and alone and axes.keys() <= keys and values.get("reference") != "yes":
+        tool = build_parameters(Tool, values)
+        if not unable(tool) and not axes.keys() & {"wire_links", "knee_angle_deg"}:
+            return sweep_in_arrays(tool, build_parameters(Settings, values), axes)
+    point = functools.partial(answer_at, scenario, tuple(options.set))
+    return sweep_of_runs(point, axes, workers=options.workers, store=options.store)
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
@@ -77,7 +95,7 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
     return dataclasses.replace(report, quantities=others)
 
 
-def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
+def _axis(scenario: Scenario, text: str) -> tuple[str, Any]:
     """Return a key and the values that KEY=FROM:TO:N names, in equal steps from end to end."""
     import numpy as np
 
@@ -97,66 +115,96 @@ def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
     if not isinstance(declared, Range):
         raise ValueError(f"{refused}: must name a key that is a number, not a word")
     low, high = (float(declared.parse(end)) for end in ends[:2])
-    return key, np.linspace(low, high, int(ends[2])).tolist()
+    return key, np.linspace(low, high, int(ends[2]))
 
 
-def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
-    """Return keys, quantities and reasons by name and unit, with one entry for each point."""
-    import xarray as xr
-
-    names = [
-        *map(str, found.dims),
-        *(str(name) for name in found.data_vars if name != "failure"),
-        "failure",
-    ]
-    full = dict(zip(names, xr.broadcast(*(found[name] for name in names)), strict=True))
-    units = {name: found[name].attrs.get("units", "") for name in names}
-    return {
-        f"{name} ({units[name]})"
-        if units[name] not in ("", "1")
-        else name: each.values.ravel().tolist()
-        for name, each in full.items()
-    }
+def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
+    """Return the quantities that are shown: the requested ones, else those that change."""
+    for name in requested:
+        if found.values and name not in found.values:
+            raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.values)}")
+    changing = found.changing
+    first = [name for name in FIRST if name in changing]
+    return list(requested) or [*first, *(name for name in changing if name not in first)]
 
 
-def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
-    """Return the number of points, and the reasons of points without results."""
+def table_columns(found: Swept) -> dict[str, list[Any]]:
+    """Return keys, quantities, outcomes and reasons by name and unit, one entry a point."""
     import numpy as np
 
-    reasons, numbers = np.unique(found["failure"].values, return_counts=True)
-    over = " and ".join(f"{len(values)} values of {key}" for key, values in axes.items())
-    pairs = zip(reasons.tolist(), numbers.tolist(), strict=True)
-    why = "; ".join(
-        f"{number} lack results: {reason.rstrip('.')}" for reason, number in pairs if reason
-    )
-    return f"{over}: {found['failure'].size} points" + (
-        f", {why}." if why else ", all with results."
-    )
+    grids = np.meshgrid(*found.axes.values(), indexing="ij")
+    columns = {**dict(zip(found.axes, grids, strict=True)), **found.values}
+    named = {}
+    for name, values in columns.items():
+        unit = found.units[name]
+        named[name if unit == "1" else f"{name} ({unit})"] = values.ravel().tolist()
+    words = {} if found.outcome is None else {"outcome": found.outcome.ravel().tolist()}
+    return {**named, **words, "failure": found.failure.ravel().tolist()}
 
 
-def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
-    """Return the quantities over the keys in tables that fit the width; none for more than
-    MOST_ROWS points.
-    """
-    if found["failure"].size > MOST_ROWS:
-        return []
-    columns = list[tuple[str, ...]]()
-    quantities = [str(name) for name in found.data_vars if name != "failure"]
-    for name, values in zip((*axes, *quantities), table_columns(found).values(), strict=False):
-        unit, size = readable_unit(str(found[name].attrs.get("units", "1")), values)
-        head = str(found[name].attrs.get("long_name", name)) + (
-            f" ({unit})" if unit not in ("", "1") else ""
-        )
-        columns.append(
-            (head, *(f"{value / size:.5g}" if math.isfinite(value) else "-" for value in values))
-        )
-    keys = columns[: len(axes)]
-    rest = columns[len(axes) :]
-    tables = []
-    while rest:
-        taken = [*keys, rest.pop(0)]
-        while rest and sum(max(map(len, each)) + 2 for each in (*taken, rest[0])) <= WIDTH:
-            taken.append(rest.pop(0))
-        rows = list(zip(*taken, strict=True))
-        tables.append(Table(f"over {' and '.join(axes)}", rows[0], tuple(rows[1:])))
-    return tables
+def _table(found: Swept, chosen: Sequence[str]) -> list[str]:
+    """Return the chosen quantities over one key at MOST_ROWS values, or the extremes of each over two keys, in aligned lines."""
+    import numpy as np
+
+    if len(found.axes) > 1:
+        return _extremes(found, chosen)
+    (key,) = found.axes
+    size = found.failure.size
+    rows = np.unique(np.linspace(0, size - 1, min(size, MOST_ROWS)).round().astype(int))
+    columns = [_column(found, key, found.axes[key][rows])]
+    if found.outcome is not None:
+        columns.append(["", "", "outcome", *found.outcome[rows].tolist()])
+    left_out = []
+    for name in chosen:
+        column = _column(found, name, found.values[name][rows])
+        if sum(max(map(len, each)) + 2 for each in (*columns, column)) <= WIDTH + 2:
+            columns.append(column)
+        else:
+            left_out.append(name)
+    cells = [list(row) for row in zip(*columns, strict=True) if any(row)]
+    lines = aligned(cells, 0)
+    if left_out:
+        lines += _wrapped("further quantities, by --quantity or --csv", left_out)
+    return lines
+
+
+HEAD = 16  # letters in a line of a column's head, which has three
+
+
+def _column(found: Swept, name: str, values: Any) -> list[str]:
+    """Return three lines of a column's head, with a readable unit, and its cells."""
+    unit, size = (
+        display_unit(name, found.units[name])
+        if name in found.axes
+        else readable_unit(found.units[name], values.tolist())
+    )
+    words = found.labels.get(name, name) + ("" if unit in ("", "1") else f" ({unit})")
+    head = textwrap.wrap(words, max(HEAD, len(words) // 3 + 4))[:3]
+    cells = (f"{value / size + 0.0:.5g}" if math.isfinite(value) else "-" for value in values)
+    return [*[""] * (3 - len(head)), *head, *cells]
+
+
+def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
+    """Return a title and parts in lines that fit the width, after an empty one; nothing without parts."""
+    words = f"{title}: {', '.join(parts)}"
+    return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
+
+
+def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
+    """Return the lowest and highest value of each quantity, and where they are."""
+    import numpy as np
+
+    rows = [["quantity", "unit", "lowest", "at", "highest", "at"]]
+    for name in chosen:
+        values = found.values[name]
+        if not np.isfinite(values).any():
+            continue
+        unit, size = readable_unit(found.units[name], values.ravel().tolist())
+        cells = [found.labels.get(name, name), "" if unit == "1" else unit]
+        for extreme in (np.nanargmin, np.nanargmax):
+            place = np.unravel_index(extreme(values), values.shape)
+            pairs = zip(found.axes.items(), place, strict=True)
+            where = ", ".join(shown_value(found, key, axis[i]) for (key, axis), i in pairs)
+            cells += [f"{values[place] / size + 0.0:.5g}", where]
+        rows.append(cells)
+    return [f"lowest and highest, at {', '.join(found.axes)}:", *aligned(rows, 2)]

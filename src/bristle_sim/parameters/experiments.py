@@ -168,14 +168,14 @@ MEDIUM = "ISO 2768-1 medium"
 
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
-    """Resolution of the maps, and number of processes that compute them."""
+    """Resolution of the maps over the bar's position."""
 
-    points: int = count(25, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
+    points: int = count(121, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
     half_width: float = quantity(
         0.008,
-        "0 < map_half_width <= 10 m: half-width of the maps about the bar's position [chosen]",
+        "0 < map_half_width <= 10 m: least half-width of the maps, which show the bar and the places that were found"
+        " [chosen]",
     )
-    workers: int = count(1, "1 <= workers <= 64: processes for the maps [chosen]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,17 +235,16 @@ class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
 
     A Sobol sequence of 26 dimensions has two for each of 13 inputs. Its first 64 points leave pairs
-    of dimensions correlated, so indices are off by up to 0.4, which the bootstrap does not show.
-    With 128 points the error is 0.2, with 256 points 0.1, with 512 points 0.03 (tried on a linear
-    model).
+    of dimensions correlated, so indices are off by up to 0.4. With 128 points the error is 0.2, with
+    256 points 0.1, with 512 points 0.03 (tried on a linear model). The samples are divided among
+    sixteen sequences, whose scatter shows such errors.
     """
 
     samples: int = count(
-        256,
-        f"2 <= samples <= {2**24}: points of the Sobol sequence, a power of 2 [chosen; fewer give poor indices]",
+        2**14,
+        f"32 <= samples <= {2**20}: points of the Sobol sequences, a power of 2 [chosen: indices to 0.01]",
     )
     seed: int = count(1, f"0 <= seed <= {2**32 - 1}: of the sequence's scrambling [chosen]")
-    workers: int = count(1, "1 <= workers <= 64: processes that simulate the passes [chosen]")
 
     def __post_init__(self) -> None:
         Declared.__post_init__(self)

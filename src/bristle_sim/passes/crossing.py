@@ -1,4 +1,4 @@
-"""Roots of many functions at once, within brackets and without derivatives.
+"""Roots of many functions at once, within brackets, with derivatives or without.
 
 T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear
 function without using derivatives*, Advances in Engineering Software 28 (1997) 145-149.
@@ -27,14 +27,16 @@ def root(
     function_of: Callable[[Chosen], Function],
     ends: tuple[Array, Array],
     values: tuple[Array, Array],
+    rounding: float = ROOT_ROUNDING,
 ) -> Array:
-    """Return a root in each bracket.
+    """Return a root in each bracket, without derivatives.
 
     Args:
         function_of: function that returns, for the numbers of some brackets, the function whose
-        roots are in them.
+            roots are in them.
         ends: lower and upper ends of the brackets.
         values: values of the function at the ends, of opposite signs.
+        rounding: half width of a bracket at which its root is found.
     """
     found = np.empty(ends[0].shape)
     if not found.size:
@@ -55,7 +57,7 @@ def root(
             [b, place, a, f_b, value, f_a],
         )
         width = np.abs(state[0] - state[1])
-        going = (width > 2.0 * ROOT_ROUNDING) & (value != 0.0)
+        going = (width > 2.0 * rounding) & (value != 0.0)
         found[numbers] = place
         left = np.count_nonzero(going)
         if not left:
@@ -65,7 +67,7 @@ def root(
             state = state[:, going]
             width = width[going]
             function = function_of(numbers)
-        least = np.minimum(ROOT_ROUNDING / np.maximum(width, ROOT_ROUNDING), 0.5)
+        least = np.minimum(rounding / np.maximum(width, rounding), 0.5)
         fraction = np.clip(_fraction(*state), least, 1.0 - least)
     return found
 
@@ -83,3 +85,59 @@ def _fraction(a: Array, b: Array, c: Array, f_a: Array, f_b: Array, f_c: Array) 
             f_b / (f_c - f_b)
         ) * (f_a / (f_c - f_a))
     return np.where(safe & np.isfinite(quadratic), quadratic, 0.5)
+
+
+LAST_STEP = 1e-9
+"""Step of Newton's method, rad, after which the next one is below rounding."""
+
+Sloped = Callable[[Array], tuple[Array, Array]]
+
+
+def newton_root(
+    function_of: Callable[[Chosen], Sloped],
+    ends: tuple[Array, Array],
+    values: tuple[Array, Array],
+    slopes: tuple[Array, Array],
+) -> Array:
+    """Return a root in each bracket by Newton's method, halving the bracket where a step leaves it.
+
+    It begins at the root of the cubic through the inverse function's values and slopes at the ends.
+
+    Args:
+        function_of: function that returns, for the numbers of some brackets, the function whose
+            roots are in them; it returns values and slopes.
+        ends: lower and upper ends of the brackets.
+        values: values of the function at the ends, of opposite signs.
+        slopes: derivatives of the function at the ends.
+    """
+    found = np.empty(ends[0].shape)
+    numbers = np.arange(found.size)
+    function = function_of(numbers)
+    low, high = ends
+    rises = values[1] > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = values[1] - values[0]
+        part = -values[0] / rise
+        bend = rise * ((1.0 - part) / slopes[0] - part / slopes[1])
+        place = low + part * part * (3.0 - 2.0 * part) * (high - low) + part * (1.0 - part) * bend
+        for _ in range(MOST_EVALUATIONS):
+            place = np.where((place > low) & (place < high), place, 0.5 * (low + high))
+            value, slope = function(place)
+            above = (value > 0.0) == rises
+            low = np.where(above, low, place)
+            high = np.where(above, place, high)
+            step = value / slope
+            found[numbers] = np.clip(place - step, low, high)
+            going = (
+                ~(np.abs(step) < LAST_STEP) & (high - low > 2.0 * ROOT_ROUNDING) & (value != 0.0)
+            )
+            place = place - step
+            left = np.count_nonzero(going)
+            if not left:
+                break
+            if 2 * left < numbers.size:
+                numbers, place, low, high, rises = (
+                    each[going] for each in (numbers, place, low, high, rises)
+                )
+                function = function_of(numbers)
+    return found

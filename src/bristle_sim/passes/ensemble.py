@@ -15,13 +15,14 @@ from bristle_sim.passes.run import FOLDS, LOCKED, MISSED, STRUCK, TOO_MANY, adva
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
 from bristle_sim.settings import Settings
-from bristle_sim.units import declarations
 
-BLOCK = 1 << 14
+HUB_TURN = Settings().hub_turn
+
+BLOCK = 1 << 12
 """Number of passes that begin together.
 
-With a thousand numbers each they take 130 MB. With fewer passes the calls would take more time than
-the arithmetic."""
+With more passes the arrays exceed the processor's cache. With fewer the calls would take more time
+than the arithmetic."""
 
 LEAST_FLYING = BLOCK // 4  # number of passes in flight below which the next block begins
 
@@ -42,6 +43,7 @@ def ensemble(
     tool: Tool | None = None,
     *,
     accuracy: float = 1e-8,
+    hub_turn: float = HUB_TURN,
     progress: Callable[[float], None] | None = None,
     **values: Any,
 ) -> Ensemble:
@@ -60,6 +62,7 @@ def ensemble(
     Args:
         tool: tool that gives the values of all other keys; by default the dissertation's tool.
         accuracy: requested relative accuracy, from 1e-11 to 0.1.
+        hub_turn: turn of the hub after which a pass ends, rad.
         progress: function that is called with the fraction of finished passes.
         values: values of the tool's keys, such as ``friction=[0.2, 0.3]`` or ``bar_horizontal="50
             mm"``: numbers in SI units, or texts with a unit, in arrays whose shapes broadcast
@@ -73,10 +76,9 @@ def ensemble(
         ValueError: in one line, for an unknown key, a text that is no value of its key, or shapes
         that do not broadcast.
     """
-    declared = declarations(Settings)["accuracy"]
-    accuracy = float(declared.check(accuracy))
-    request = request_of(Tool() if tool is None else tool, values)
-    results = Results(request, accuracy)
+    checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
+    request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)
+    results = Results(request, checked.accuracy)
     flying: Passes | None = None
     begun = 0
     while begun < request.size or (flying is not None and flying.size):
@@ -87,7 +89,7 @@ def ensemble(
             begun = last
         if flying is None or not flying.size:
             continue
-        ending = advance(flying, accuracy)
+        ending = advance(flying, checked.accuracy)
         over = np.flatnonzero(ending)
         if over.size:
             results.add(flying.take(over), ending[over])

@@ -9,7 +9,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.bar import closest
-from bristle_sim.passes.crossing import Function, root
+from bristle_sim.passes.crossing import Function, Sloped, newton_root, root
 from bristle_sim.passes.motion import ORDER, Course, Pose, course_of, free_acceleration, step_length
 from bristle_sim.passes.state import Chosen, Passes, Place
 
@@ -40,8 +40,10 @@ The error of its place is then 1e-6, that of the angle the square of that."""
 
 FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)
 
-Gap = Callable[..., Array]
-"""Function that returns the gaps at steps or, with ``opens=True``, their rates."""
+Gap = Callable[[Array], tuple[Array, Array]]
+"""Function that returns the gaps at steps, and their rates."""
+
+PLACE_OF_LEAST = 1e-8  # rad; the least gap depends on its place by the square
 
 
 @dataclass(slots=True)
@@ -73,14 +75,16 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
         passes.error + np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
     )
     poses = course.sampled(step, FRACTIONS)
-    everyone = np.arange(passes.size)
+    bend = 0.125 * (step / INTERVALS) ** 2  # of the hub's cosine between two places
+    highest = passes.radius * (poses.hub_cosine.max(axis=0) + bend)
+    low = np.flatnonzero(highest >= passes.depth - 1.0)  # elsewhere no tip reaches the workpart
     place = step.copy()
     kind = np.full(passes.size, NOTHING)
     margin = np.full(passes.size, np.inf)
-    for obstacle, chosen in ((WORKPART, everyone), (BAR, near)):
+    for obstacle, chosen in ((WORKPART, low), (BAR, near)):
         if chosen.size:
-            some = passes if obstacle == WORKPART else passes.take(chosen)
-            part = course if obstacle == WORKPART else course.take(chosen)
+            some = passes.take(chosen)
+            part = course.take(chosen)
             gaps, openings = clearance(obstacle, some, Pose(*(each[:, chosen] for each in poses)))
             leaving = some.touching & (obstacle == BAR)
             search = first_closing(
@@ -134,13 +138,7 @@ def _gaps(obstacle: int, passes: Passes, course: Course) -> Callable[[Chosen], G
         place = passes.place(numbers)
         own = course.take(numbers)
 
-        def gap(step: Array, opens: bool = False) -> Array:
-            pose = own.pose_at(step)
-            if opens:
-                return clearance(obstacle, place, pose._replace(rate=own.rate_at(step)))[1]
-            return clearance(obstacle, place, pose)[0]
-
-        return gap
+        return lambda step: clearance(obstacle, place, own.pose_at(step))
 
     return gap_of
 
@@ -199,7 +197,7 @@ def first_closing(
             (slopes[0][open_end], slopes[1][open_end]),
             hop[some],
         )
-        least = gap_of(some)(bottom)
+        least, _ = gap_of(some)(bottom)
         closes = least < np.where(leaves[open_end], -HOP_ROUNDING, 0.0)
         search.margin[some] = np.where(closes | leaves[open_end], np.inf, least)
         high[open_end] = np.where(closes, bottom, high[open_end])
@@ -210,16 +208,22 @@ def first_closing(
     closed = np.flatnonzero(high_gap <= 0.0)
     chosen = number[closed]
     from_zero = leaves[closed]
-    opening = np.where(slopes[0][closed] > 0.0, slopes[0][closed], np.inf)
-    low_value = np.where(from_zero, opening, gaps[part[closed], chosen])
-    high_value = high_gap[closed] / np.where(from_zero, high[closed], 1.0)
+    ends = (low[closed], high[closed])
+    values = (np.where(from_zero, np.inf, gaps[part[closed], chosen]), high_gap[closed])
 
-    def value_of(numbers: Chosen) -> Function:
+    def value_of(numbers: Chosen) -> Sloped:
         gap = gap_of(chosen[numbers])
         divided = from_zero[numbers]
-        return lambda place: gap(place) / np.where(divided, place, 1.0)
 
-    search.place[chosen] = root(value_of, (low[closed], high[closed]), (low_value, high_value))
+        def value(place: Array) -> tuple[Array, Array]:
+            height, rate = gap(place)
+            return height, np.where(divided, rate - height / place, rate)
+
+        return value
+
+    search.place[chosen] = newton_root(
+        value_of, ends, values, (slopes[0][closed], slopes[1][closed])
+    )
     search.touched[chosen] = True
     return search
 
@@ -241,10 +245,12 @@ def _lowest(
 
     def opening_of(numbers: Chosen) -> Function:
         gap = gap_of(number[turning[numbers]])
-        return lambda place: gap(place, opens=True)
+        return lambda place: gap(place)[1]
 
     brackets = (ends[0][turning], ends[1][turning])
-    bottom[turning] = root(opening_of, brackets, (slopes[0][turning], slopes[1][turning]))
+    bottom[turning] = root(
+        opening_of, brackets, (slopes[0][turning], slopes[1][turning]), PLACE_OF_LEAST
+    )
     return bottom
 
 

@@ -61,9 +61,6 @@ def pose_of(hub_angle: Array, angle: Array, rate: Array) -> Pose:
     return Pose(np.sin(hub_angle), np.cos(hub_angle), np.sin(turn), np.cos(turn), rate)
 
 
-NO_RATE = np.zeros(())  # rate of a pose of which only the gap is needed
-
-
 class Course(NamedTuple):
     """A flight as series about the present hub angle.
 
@@ -95,10 +92,10 @@ class Course(NamedTuple):
         return _horner(self.rate[1:], step)
 
     def pose_at(self, step: Array) -> Pose:
-        """Return the pose after steps, without its rate."""
+        """Return the pose after steps."""
         turned = (np.sin(step), np.cos(step))
         bent = (_horner(self.sine, step), _horner(self.cosine, step))
-        return self._pose(*turned, *bent, NO_RATE)
+        return self._pose(*turned, *bent, self.rate_at(step))
 
     def sampled(self, step: Array, fractions: Array) -> Pose:
         """Return the pose at fractions of steps, shape (fractions, passes)."""

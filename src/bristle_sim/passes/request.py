@@ -20,7 +20,6 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.units import Choice, Computed, Range, likely_key
 
-HUB_TURN = 1.5 * math.pi  # turn of the hub in a pass, rad, as in a simulation by default
 MOST_RADIANS = 1e5  # longest pass, times the fastest rate, rad; a step is some 2 rad
 OVERLAP_ROUNDING = 1e-11  # largest overlap at the start that is rounding, over the bristle's length
 
@@ -31,12 +30,14 @@ Values = dict[str, Array]
 class Request:
     """Given arrays of a tool's keys, and the shape to which they broadcast.
 
-    ``refused`` is the reason why no such pass can be computed; it is empty if passes can.
+    ``hub_turn`` is the turn of the hub after which a pass ends, rad. ``refused`` is the reason why
+    no such pass can be computed; it is empty if passes can.
     """
 
     tool: Tool
     given: Values
     shape: tuple[int, ...]
+    hub_turn: float
     refused: str = ""
 
     @property
@@ -60,7 +61,7 @@ class Request:
         return values
 
 
-def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
+def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Request:
     """Return the request after a check.
 
     Raises:
@@ -91,7 +92,7 @@ def request_of(tool: Tool, values: Mapping[str, Any]) -> Request:
         raise ValueError(f"{shapes}: must be shapes that broadcast against each other") from None
     law = tool.contact.law
     refused = "" if law == "energetic" else f"contact = {law}: must be energetic"
-    return Request(tool, given, shape, refused)
+    return Request(tool, given, shape, hub_turn, refused)
 
 
 def _array(declared: Range, value: Any) -> Array:
@@ -145,8 +146,8 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
     if request.refused:
         reasons.refuse(np.ones(len(numbers), dtype=bool), request.refused)
     _check_ranges(request, values, reasons)
-    with np.errstate(all="ignore"):  # refused tools have arbitrary numbers
-        passes = _built(request.tool, values, numbers)
+    with np.errstate(all="ignore"):  # numbers of refused tools
+        passes = _built(request, values, numbers)
         _check_tools(request.tool, values, passes, reasons)
     return passes.take(np.flatnonzero(reasons.texts == "")), reasons.texts
 
@@ -173,8 +174,9 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
     reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
 
 
-def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
-    """Return passes at their starts, with lengths over the bristle's and times as hub angles."""
+def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
+    """Return passes at their starts, lengths over the bristle's, times as hub angles."""
+    tool = request.tool
     size = len(numbers)
     length = values["bristle_length"]
     speed = values["hub_speed"]
@@ -222,7 +224,7 @@ def _built(tool: Tool, values: Values, numbers: Chosen) -> Passes:
         window=window,
         depth=depth,
         start=start,
-        end=start + HUB_TURN,
+        end=start + request.hub_turn,
         hub_angle=start.copy(),
         angle=nothing.copy(),
         rate=nothing.copy(),
@@ -255,4 +257,6 @@ def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -
         reasons.refuse(gap < -OVERLAP_ROUNDING, text, values["bar_horizontal"])
     fastest = np.sqrt(passes.stiffness + passes.centrifugal) + passes.damping + 1.0
     text = f"belt_stiffness = {{}}: must be one whose pass lasts at most {MOST_RADIANS:g} radians of the fastest motion (in N m/rad)"
-    reasons.refuse(~(fastest * HUB_TURN <= MOST_RADIANS), text, values["belt_stiffness"])
+    reasons.refuse(
+        ~(fastest * (passes.end - passes.start) <= MOST_RADIANS), text, values["belt_stiffness"]
+    )

@@ -154,8 +154,7 @@ class Ensemble(EqualByValue):
             raise ValueError(
                 f"shape = {self.shape}: must be one or two axes, along each of which one key varies"
             )
-        data = self.to_xarray().rename(reason="failure").drop_vars("outcome")
-        return import_module(DRAWN_BY).sweep_figure(data, names)
+        return import_module(DRAWN_BY).ensemble_figure(self, names)
 
     def _units(self) -> dict[str, str]:
         return {key: key_unit(key) for key in self.keys} | QUANTITIES

@@ -5,7 +5,8 @@ positions.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,9 +26,6 @@ from bristle_sim.render.style import (
 )
 from bristle_sim.studies.cue_map import CueMap
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
 ARC: dict[str, Any] = {
@@ -42,25 +40,29 @@ work has no bound."""
 
 
 @styled()
-def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
+def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
     """Draw lag, tip speed, normal work and crater depth over the bar's position.
 
-    ``maps`` is the result of :func:`bristle_sim.studies.cue_map.position_map`.
+    ``x``, ``y`` and ``maps`` are the result of :func:`bristle_sim.studies.cue_map.position_map`.
     """
     figure = blank_figure(16.0, 15.3)
     places = _places(found)
+    lags = maps["lag_deg_at_contact"]
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
         place = (1.5 + 7.9 * (number % 2), 9.0 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
-        _draw_map(
-            axes,
-            maps,
-            None if name not in maps else factor * maps[name].values,
-            unit,
-            signed=number == 0,
-        )
-        axes.autoscale_view()  # matplotlib defers autoscaling until the limits are read
+        places_shown = (x * MILLIMETRES, y * MILLIMETRES)
+        _draw_map(axes, places_shown, factor * maps[name], unit, signed=number == 0)
+        if np.nanmin(lags) < 0.0 < np.nanmax(lags):
+            axes.contour(
+                *places_shown,
+                lags,
+                levels=[0.0],
+                colors=[ZERO["color"]],
+                linewidths=ZERO["linewidth"],
+            )
+        axes.autoscale_view()  # matplotlib puts it off until the limits are read
         axes.autoscale(enable=False)
         axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
         for direction, look in places.values():
@@ -79,10 +81,8 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
 
 def _draw_map(
-    axes: Axes, maps: xr.Dataset, values: Array | None, unit: str, *, signed: bool
+    axes: Axes, places: tuple[Array, Array], values: Array, unit: str, *, signed: bool
 ) -> None:
-    x, y = (maps[each].values * MILLIMETRES for each in ("bar_horizontal", "bar_vertical"))
-    values = np.full((y.size, x.size), math.nan) if values is None else values
     finite = values[np.isfinite(values)] if np.isfinite(values).any() else np.array([0.0, 1.0])
     low, high = float(finite.min()), float(np.percentile(finite, COLOUR_PERCENTILE))
     if signed:
@@ -93,14 +93,10 @@ def _draw_map(
         "vmin": low,
         "vmax": max(high, low + 1e-12),
     }
-    scale = draw_colours(axes, x, y, values, "max" if finite.max() > high else "neither", **look)
+    extend = "max" if finite.max() > high else "neither"
+    scale = draw_colours(axes, *places, values, extend, **look)
     scale.set_title(unit, fontsize=7.0, color=GREY)
     axes.set_aspect("equal")
-    lag = maps.get("lag_deg_at_contact")
-    if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):
-        axes.contour(
-            x, y, lag.values, levels=[0.0], colors=[ZERO["color"]], linewidths=ZERO["linewidth"]
-        )
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:

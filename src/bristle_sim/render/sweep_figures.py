@@ -7,71 +7,149 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
-from bristle_sim.parameters import key_unit
+from bristle_sim.conversion import display_unit
+from bristle_sim.parameters import key_unit, tool_keys
+from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
+from bristle_sim.passes.result import Ensemble
 from bristle_sim.render import style
-from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
+from bristle_sim.render.colours import (
+    BLACK,
+    BLUE,
+    GREY,
+    OUTCOMES,
+    SKY,
+    VERMILION,
+)
 from bristle_sim.studies.design import Design
+from bristle_sim.studies.scenario_sweep import Swept
 from bristle_sim.studies.tolerances import Study
 from bristle_sim.studies.whole_pass import QUANTITIES
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-# Number of panels in a row, and width and height of a panel with its margins, cm.
+# panels in a row, and their size with its margins, cm
 COLUMNS = 3
 WIDTH = 6.0
 HEIGHT = 5.2
 TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 
 
+OUTCOME = "outcome"
+
+PERCENTILES = (1.0, 99.0)
+"""Percentiles between which a map's colours lie where values beyond them would take more than half of the scale."""
+
+
 @style.styled()
-def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
-    """Draw a panel for each quantity: a line over one key, or a map over two.
+def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
+    """Draw the outcome and a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
 
     Lines have gaps and maps white cells where there is no value.
 
     Raises:
         ValueError: if no point has a result.
     """
-    quantities = [str(name) for name in found.data_vars if name != "failure"]
-    names = [name for name in quantities if np.isfinite(found[name].values).any()]
+    names = [name for name in names if name in found.known] or list(found.known)
     if not names:
-        raise ValueError(f"--plot: must have results to draw; {found['failure'].values.ravel()[0]}")
-    rows = math.ceil(len(names) / COLUMNS)
-    figure = style.blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 0.4)
-    (x, x_label), *others = (_shown(found, key) for key in keys)
-    for number, name in enumerate(names):
-        column = number % COLUMNS
-        row = rows - 1 - number // COLUMNS
-        axes = style.axes_at(
-            figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4
-        )
-        values, label = _shown(found, name)
-        axes.set_title("\n".join(textwrap.wrap(label, TITLE_LETTERS)), loc="left", fontsize=7.5)
+        raise ValueError(f"--plot: must have results to draw; {found.failure.ravel()[0]}")
+    panels = [*([] if found.outcome is None else [OUTCOME]), *names]
+    rows = math.ceil(len(panels) / COLUMNS)
+    figure = style.blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 1.0)
+    (x, x_label, _), *others = (
+        _readable(each, key, found.units[key]) for key, each in found.axes.items()
+    )
+    for number, name in enumerate(panels):
+        left = 1.4 + WIDTH * (number % COLUMNS)
+        bottom = 1.9 + HEIGHT * (rows - 1 - number // COLUMNS)
+        axes = style.axes_at(figure, left, bottom, WIDTH - 2.4, HEIGHT - 2.4)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
-        for y, y_label in others:
-            axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
-            style.draw_colours(axes, x, y, values.T if found[name].dims[0] == keys[0] else values)
+        if others:
+            axes.set_ylabel(others[0][1], fontsize=7.0, labelpad=2.0)
+        if name == OUTCOME:
+            title = "outcome, coloured as below"
+            _draw_outcomes(axes, found, x, others[0][0] if others else None)
+        else:
+            label = found.labels.get(name, name)
+            y = others[0][0] if others else None
+            title = _draw_values(axes, found.values[name], label, found.units[name], x, y)
+        axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), loc="left", fontsize=7.5)
+        axes.xaxis.set_major_locator(MaxNLocator(4))
         if not others:
-            axes.plot(x, values, ".-", color=BLUE, markersize=4.0)
-            low, high = float(x.min()), float(x.max())  # includes points without a result
-            room = 0.05 * (high - low) or 0.5
-            axes.set_xlim(low - room, high + room)
+            room = 0.05 * float(x.max() - x.min()) or 0.5
+            axes.set_xlim(float(x.min()) - room, float(x.max()) + room)  # also without a result
     return figure
 
 
-def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
-    """Return the values of a quantity in a readable unit, and their label with that unit."""
-    about = found[name].attrs
-    label = str(about.get("long_name", name.removesuffix("_deg").replace("_", " ")))
-    return _readable(found[name].values, label, str(about.get("units", "1")))[:2]
+MANY = 60  # points of a line that are drawn without marks
+
+
+def _draw_values(
+    axes: Axes, values: Array, label: str, unit: str, x: Array, y: Array | None
+) -> str:
+    """Draw a quantity as a line over x, or as a map over x and y; return its title."""
+    if y is None:
+        shown, title, _ = _readable(values, label, unit)
+        axes.plot(x, shown, ".-" if len(x) < MANY else "-", color=BLUE, markersize=4.0)
+        return title
+    low, high, extend = _colour_range(values)
+    ends, title, size = _readable(np.array([low, high]), label, unit)
+    look = dict(zip(("vmin", "vmax"), ends.tolist(), strict=True))
+    style.draw_colours(axes, x, y, values.T / size, extend, **look)
+    return title
+
+
+def _colour_range(values: Array) -> tuple[float, float, str]:
+    """Return the ends of a map's colours, and which of them values exceed."""
+    known = values[np.isfinite(values)]
+    low, high = float(known.min()), float(known.max())
+    inner, outer = (float(each) for each in np.percentile(known, PERCENTILES))
+    below = low < 2.0 * inner - outer < inner
+    above = high > 2.0 * outer - inner > outer
+    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}
+    return inner if below else low, outer if above else high, extend.get((below, above), "neither")
+
+
+def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
+    """Draw the outcomes as a map, or as a strip over one key, with a key of those that occur at the figure's foot."""
+    assert found.outcome is not None
+    order = sorted(OUTCOMES)
+    codes = np.searchsorted(order, found.outcome)
+    if y is None:
+        codes = np.stack([codes, codes], axis=1)
+        axes.set_yticks([])
+    axes.grid(visible=False)
+    axes.pcolormesh(
+        x,
+        np.arange(2.0) if y is None else y,
+        codes.T,
+        shading="nearest",
+        rasterized=True,
+        cmap=ListedColormap([OUTCOMES[word] for word in order]),
+        vmin=-0.5,
+        vmax=len(order) - 0.5,
+    )
+    mark = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY}
+    present = {word: colour for word, colour in OUTCOMES.items() if (found.outcome == word).any()}
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    style.write_key(figure, {word: {**mark, "color": colour} for word, colour in present.items()})
+
+
+def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
+    """Draw the outcome and every quantity of passes over the one key, or the two, along the axes."""
+    axes = {key: many.keys[key].ravel() for key in keys}
+    values = {name: getattr(many, name) for name in QUANTITIES_OF_PASSES}
+    units = {key: key_unit(key) for key in keys} | QUANTITIES_OF_PASSES
+    labels = {name: name.replace("_", " ") for name in values}
+    found = Swept(axes, values, units, labels, many.reason, many.outcome)
+    return sweep_figure(found, list(values))
 
 
 MOST = 6  # largest number of inputs shown for each output
@@ -157,7 +235,10 @@ def trade_off_figure(found: Design) -> Figure:
 
 
 def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
-    """Return values in a readable unit, their label with that unit, and the size of the unit."""
-    shown, size = readable_unit(unit, values.ravel().tolist())
+    """Return values in a readable unit, their label with it, and its size."""
+    is_key = any(label in keys for keys in tool_keys().values())
+    shown, size = (
+        display_unit(label, unit) if is_key else readable_unit(unit, values.ravel().tolist())
+    )
     shown = {"1": "", "deg": "°"}.get(shown, shown)
     return values / size, label + (f" ({shown})" if shown else ""), size

@@ -1,4 +1,4 @@
-"""Search the simulation for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a maximum).
+"""Search for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a maximum).
 
 The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays. Its direction from
 the workpart's normal decides when the bristle is released; the lag at the strike falls as the direction grows.
@@ -7,40 +7,37 @@ the workpart's normal decides when the bristle is released; the lag at the strik
 from __future__ import annotations
 
 import functools
-import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar, toms748
 
+from bristle_sim.arrays import Array, Number
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import NotCuedError, strike_measures, strike_of_keys
-from bristle_sim.studies.whole_pass import GivenUpError, reference_accuracy
+from bristle_sim.studies.many_passes import REASON, unable
+from bristle_sim.studies.strike_point import NotCuedError, strikes_of_keys
 from bristle_sim.theory import cueing
 
-Measures = dict[str, float | None]
-Strike = Callable[[Tool], Measures]
-"""Measures of the strike of a tool; raises NotCuedError where there is none."""
+Measures = Mapping[str, float]
+Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
+"""Measures of the strike, and reasons why there is none, for directions of the bar, rad."""
 
 FINEST_DIRECTION = (
     1e-11  # Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size
 )
 FINEST_MAXIMUM = 1e-5  # Tolerance of a maximum, rad: the speed changes by its square, which is below any accuracy
-# First and largest step to bracket a root: the formulas miss it by a degree, and no range with an answer is under
-# eight
-FIRST_STEP = math.radians(1.0)
-LARGEST_STEP = math.radians(8.0)
-MOST_STEPS = 30  # Steps to either side: more than 180 degrees
-# Successive passes, from the first on, that may be given up (each takes seconds): then the others would be, too
-MOST_GIVEN_UP = 3
+# Steps in which directions are looked over, rad: of passes in arrays, and of single ones, as no range with an answer is
+# narrower
+STEP = math.radians(0.5)
+COARSE_STEP = math.radians(4.0)
 LAG_JUMP = 1e-4  # Lag in deg beyond which a sign change is no root but a jump of the lag: a bar that is just missed
 # Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone
 SWUNG = 0.01
-
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
 
@@ -55,11 +52,16 @@ class Place:
 
 def placed(tool: Tool, direction: float) -> Tool:
     """Return the tool with its bar in another direction at the same distance, rad."""
-    bar = _bar_of(tool)
-    distance = math.hypot(*bar.centre)
-    return tool.replace(
-        bar_horizontal=distance * math.sin(direction), bar_vertical=distance * math.cos(direction)
-    )
+    return tool.replace(**{key: float(each) for key, each in centre_of(tool, direction).items()})
+
+
+def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
+    """Return the bar's centre, by the keys of its coordinates, in directions at its distance, rad."""
+    distance = math.hypot(*_bar_of(tool).centre)
+    return {
+        "bar_horizontal": distance * np.sin(directions),
+        "bar_vertical": distance * np.cos(directions),
+    }
 
 
 def _bar_of(tool: Tool) -> Bar:
@@ -68,112 +70,77 @@ def _bar_of(tool: Tool) -> Bar:
     return tool.bar
 
 
-def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Place:
-    """Return the direction of the bar for a radial strike, by toms748 between two directions that enclose it.
+def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
+    """Return the function of the bar's direction, and the step in which directions are looked over, rad."""
+    _bar_of(tool)
 
-    Raises:
-        NotCuedError: if there is none, with the lags that were found.
-        GivenUpError: if the first passes are given up.
+    def strikes(directions: Array) -> Mapping[str, NDArray[Any]]:
+        return strikes_of_keys(settings, tool, **centre_of(tool, directions))
+
+    return strikes, COARSE_STEP if unable(tool) else STEP
+
+
+def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
+    """Return the direction of the bar for a radial strike, the nearest to the stiffened formula's.
+
+    Raises NotCuedError if there is none, with the lags that were found.
     """
+    guess = stiffened_direction(tool)
+    directions = np.linspace(0.0, math.pi, math.ceil(math.pi / step) + 1)
+    found = strikes(directions)
+    lags = found["lag_deg_at_contact"]
+    known = lags[np.isfinite(lags)]
+    if not known.size:
+        nearest = found[REASON][int(np.abs(directions - guess).argmin())]
+        raise NotCuedError(
+            f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {nearest}"
+        )
+    falls = np.flatnonzero((lags[:-1] >= 0.0) & (lags[1:] <= 0.0))
+    if not falls.size or known.min() > -SWUNG:
+        words = f"the bristle strikes with a lag of {known.min():.4g} to {known.max():.4g} deg"
+        raise NotCuedError(f"{NOT_RADIAL}; {words}")
+    first = falls[np.abs(directions[falls] + 0.5 * step - guess).argmin()]
 
     @functools.cache
     def at(direction: float) -> Measures:
-        return strike(placed(tool, direction))
+        return _single(strikes, direction)
 
     def lag(direction: float) -> float:
-        return at(direction)["lag_deg_at_contact"] or 0.0
+        return at(direction)["lag_deg_at_contact"]
 
-    low, high = _enclosed(lag, stiffened_direction(tool) if guess is None else guess)
-    direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
-    if abs(lag(direction)) > LAG_JUMP:
+    ends = (float(each) for each in directions[first : first + 2])
+    direction = float(toms748(lag, *ends, xtol=FINEST_DIRECTION, rtol=4e-15))
+    if not abs(lag(direction)) <= LAG_JUMP:
         where = f"at {math.degrees(direction):.6g} deg"
         raise NotCuedError(f"{NOT_RADIAL}; {where} the lag jumps from one sign to the other")
     return Place(direction, at(direction))
 
 
-def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
-    """Return two directions between which the lag falls through zero, the nearest to a guess."""
-    lags = dict[float, float]()
-    reasons = list[ValueError]()
-    offsets = np.cumsum(
-        FIRST_STEP * np.minimum(2.0 ** np.arange(MOST_STEPS), LARGEST_STEP / FIRST_STEP)
-    )
-    sides = (
-        guess + offsets[offsets < math.pi - guess],
-        [math.pi],
-        guess - offsets[offsets < guess],
-        [0.0],
-    )
-    tried = [guess, *np.concatenate(sides).tolist()]
-    for direction in sorted(tried, key=lambda each: abs(each - guess)):
-        try:
-            lags[direction] = lag(direction)
-        except ValueError as error:
-            reasons.append(error)
-            if (
-                not lags
-                and sum(isinstance(each, GivenUpError) for each in reasons) == MOST_GIVEN_UP
-            ):
-                raise
-        if lags and min(lags.values()) < -SWUNG:
-            for low, high in itertools.pairwise(sorted(lags)):
-                if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:
-                    return low, high
-    if not lags:
-        raise NotCuedError(
-            f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
-        )
-    least, most = min(lags.values()), max(lags.values())
-    raise NotCuedError(
-        f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg"
-    )
+def _single(strikes: Strikes, direction: float) -> Measures:
+    """Return the measures of one strike, NaN where there is none."""
+    found = strikes(np.array([direction]))
+    return {name: float(each[0]) for name, each in found.items() if name != REASON}
 
 
-def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
-    """Return the direction of the bar for the fastest tip, by Brent's method about a start, rad.
-
-    Raises NotCuedError if the bar cues no strike at the start.
-    """
-
-    def slowness(direction: float) -> float:
-        """Return the negative tip speed at the strike, m/s; 0 without a strike."""
-        try:
-            return -(strike(placed(tool, direction))["tip_speed_at_contact"] or 0.0)
-        except ValueError:  # no strike there
-            return 0.0
-
-    step = 2.0 * FIRST_STEP
-    middle = start
-    best = slowness(start)
-    while True:  # walk uphill until both neighbours are slower; the directions end at 0 and pi
-        sides = [each for each in (middle - step, middle + step) if 0.0 < each < math.pi]
-        values = [slowness(each) for each in sides]
-        if min(values) >= best:
+def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
+    """Return the direction of the bar for the fastest tip, uphill from a start, by Brent's method, rad."""
+    directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
+    speeds = np.nan_to_num(strikes(directions)["tip_speed_at_contact"])
+    middle = math.floor(start / step)
+    while True:  # walk uphill until both neighbours are slower
+        around = slice(max(middle - 1, 0), middle + 2)
+        best = around.start + int(speeds[around].argmax())
+        if best == middle:
             break
-        best, middle = min(zip(values, sides, strict=True))
-    bounds = (max(middle - step, 0.0), min(middle + step, math.pi))
+        middle = best
+    bounds = (max(directions[middle] - step, 0.0), min(directions[middle] + step, math.pi))
     found = minimize_scalar(
-        slowness, bounds=bounds, method="bounded", options={"xatol": FINEST_MAXIMUM}
+        lambda direction: -np.nan_to_num(_single(strikes, direction)["tip_speed_at_contact"]),
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": FINEST_MAXIMUM},
     )
-    return Place(float(found.x), strike(placed(tool, float(found.x))))
-
-
-def simulation(settings: Settings) -> Strike:
-    """Return the function that simulates the strike of a tool."""
-    return functools.partial(strike_of_keys, settings)
-
-
-def reference_solution(settings: Settings) -> Strike:
-    """Return the function that computes the strike of a tool by the independent solution."""
-    from bristle_sim.reference import simulate_reference
-
-    options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
-
-    def strike(tool: Tool) -> Measures:
-        run = simulate_reference(tool, **options)
-        return strike_measures(tool, run)
-
-    return strike
+    return Place(float(found.x), _single(strikes, float(found.x)))
 
 
 def retraction(tool: Tool) -> float:

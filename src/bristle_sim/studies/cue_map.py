@@ -5,28 +5,24 @@ The dissertation names one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1),
 
 from __future__ import annotations
 
-import functools
-import itertools
-import logging
 import math
 import time as clock
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import UNKNOWN, Report, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
+from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene
 from bristle_sim.studies.strike_measures import STATE, beside_radial
-from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
-from bristle_sim.studies.whole_pass import require_rigid
+from bristle_sim.studies.strike_point import strike_measures, strikes_of_keys
+from bristle_sim.studies.whole_pass import reference_accuracy, require_rigid
 from bristle_sim.theory import cueing
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 QUANTITIES = {
     "bar_direction_for_radial_strike_deg": ("bar's direction for a radial strike", "deg"),
@@ -38,7 +34,13 @@ QUANTITIES = {
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
-USUAL_PASSES = 12  # Passes that a search usually takes
+# Half distances of the reference's passes about the places that were found, rad: of two, between which its root lies on a
+# line to 1e-10, and of three, on whose parabola its maximum is, to 1e-6
+SECANT = 1e-5
+PARABOLA = 1e-3
+
+CHECKED_RANGE = math.radians(5.0)
+"""Directions to either side of the radial strike's at which the scene checks passes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,20 +66,15 @@ def cue_map(
     """
     require_rigid(tool)
     started = clock.perf_counter()
-    usual = 2 * USUAL_PASSES
-    strike = _logged(bar_search.simulation(settings), usual * (1 + with_reference))
-    radial = bar_search.radial_place(tool, strike)
-    fastest = bar_search.fastest_place(tool, strike, radial.direction)
+    strikes, step = bar_search.strikes_of(tool, settings)
+    radial = bar_search.radial_place(tool, strikes, step)
+    fastest = bar_search.fastest_place(strikes, step, radial.direction)
     simulated = _named(tool, radial, fastest)
     theory = UNKNOWN
     referred = UNKNOWN
     printed = UNKNOWN
     if with_reference:
-        independent = _logged(bar_search.reference_solution(settings), usual)
-        found = bar_search.radial_place(tool, independent, radial.direction)
-        referred = _named(
-            tool, found, bar_search.fastest_place(tool, independent, radial.direction)
-        )
+        referred = _referred(tool, settings, radial, fastest)
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance = 10.0 * max(1e-8, settings.accuracy)
     steep = abs(math.tan(radial.direction))
@@ -103,6 +100,9 @@ def cue_map(
             cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
         )
         theory = _named(tool, place, place)
+    random = np.random.default_rng(1).uniform(-CHECKED_RANGE, CHECKED_RANGE, CHECKED_POINTS)
+    directions = radial.direction + np.append(0.0, random)
+    check = checked_by_scene(tool, settings, bar_search.centre_of(tool, directions))
     return Report(
         quantities=rows(
             QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None
@@ -118,9 +118,37 @@ def cue_map(
             fastest,
             None if cue is None else cue.bar_direction,
         ),
-        answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strike)}",
+        answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strikes)}; {check}.",
         wall_s=clock.perf_counter() - started,
     )
+
+
+def _referred(
+    tool: Tool, settings: Settings, radial: bar_search.Place, fastest: bar_search.Place
+) -> Values:
+    """Return the quantities of the independent solution, interpolated between its passes next to the places that were found."""
+    from bristle_sim.reference import simulate_reference
+
+    options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
+
+    def strikes(directions: Array) -> dict[str, Array]:
+        tools = [bar_search.placed(tool, float(each)) for each in directions]
+        found = [strike_measures(each, simulate_reference(each, **options)) for each in tools]
+        names = ("lag_deg_at_contact", "relative_speed_at_contact", "tip_speed_at_contact")
+        return {name: np.array([each[name] for each in found]) for name in names}
+
+    offsets = SECANT * np.array([-1.0, 1.0])
+    beside = strikes(radial.direction + offsets)
+    low, high = beside["lag_deg_at_contact"]
+    part = low / (low - high)
+    measures = {name: float(a + part * (b - a)) for name, (a, b) in beside.items()}
+    root = radial.direction + float(offsets[0] + part * (offsets[1] - offsets[0]))
+    around = PARABOLA * np.array([-1.0, 0.0, 1.0])
+    speeds = strikes(fastest.direction + around)["tip_speed_at_contact"]
+    bend, slope, height = np.polyfit(around, speeds, 2).tolist()
+    top = {"tip_speed_at_contact": height - 0.25 * slope**2 / bend}
+    best = bar_search.Place(fastest.direction - 0.5 * slope / bend, top)
+    return _named(tool, bar_search.Place(root, measures), best)
 
 
 def _found_in_words(simulated: Values) -> str:
@@ -141,26 +169,15 @@ def _found_in_words(simulated: Values) -> str:
     )
 
 
-def _where_it_stands(tool: Tool, strike: bar_search.Strike) -> str:
+def _where_it_stands(tool: Tool, strikes: bar_search.Strikes) -> str:
     assert tool.bar is not None
-    stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
-    try:
-        lag = strike(tool)["lag_deg_at_contact"] or 0.0
-    except ValueError as error:
-        return f"Where it stands, at {stands:.2f}°, there is no cued strike: {error}."
-    return f"Where it stands, at {stands:.2f}°{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}."
-
-
-def _logged(strike: bar_search.Strike, usual: int) -> bar_search.Strike:
-    """Log each pass that is finished, and the usual number of passes."""
-    counter = itertools.count(1)
-
-    def logged(tool: Tool) -> bar_search.Measures:
-        measures = strike(tool)
-        logging.getLogger(__name__).info("pass %d of some %d finished", next(counter), usual)
-        return measures
-
-    return logged
+    own = math.atan2(tool.bar.horizontal, tool.bar.vertical)
+    found = strikes(np.array([own]))
+    stands = f"Where it stands, at {math.degrees(own):.2f}°"
+    if found[REASON][0]:
+        return f"{stands}, there is no cued strike: {found[REASON][0]}"
+    lag = float(found["lag_deg_at_contact"][0])
+    return f"{stands}{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}"
 
 
 def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
@@ -175,24 +192,26 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
     )
 
 
-def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
-    """Return measures of the strike over the bar's position, NaN where it cues none; needs the extra ``sweep``.
+def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
+    """Return S_H and S_V of the bar, m, and measures of the strike over them, shape (S_V, S_H), NaN where it cues none.
 
-    The maps are centred on the bar's position.
+    The maps show the tool's bar and the places that were found.
     """
-    try:
-        from bristle_sim.studies.sweep import sweep
-    except ImportError as error:
-        raise ValueError(
-            f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})"
-        ) from error
-    assert tool.bar is not None
-    offsets = np.linspace(-grid.half_width, grid.half_width, grid.points)
-    horizontal = tool.bar.horizontal + offsets
-    space = {
-        "bar_vertical": tool.bar.vertical + offsets,
-        "bar_horizontal": horizontal[horizontal >= 0.0],
-    }
-    point = functools.partial(strike_of_keys, settings, tool)
-    units = {**STRIKE_UNITS, "bar_horizontal": "m", "bar_vertical": "m"}
-    return sweep(point, space, units=units, workers=None if grid.workers == 1 else grid.workers)
+    assert found.tool.bar is not None
+    directions = [found.radial.direction, found.fastest.direction]
+    if found.formula is not None:
+        directions.append(found.formula)
+    own = bar_search.centre_of(found.tool, np.array(directions))
+    bar = (found.tool.bar.horizontal, found.tool.bar.vertical)
+    places = np.array([np.append(each, at) for each, at in zip(own.values(), bar, strict=True)])
+    low, high = places.min(axis=1), places.max(axis=1)
+    middle = 0.5 * (low + high)
+    half = max(found.grid.half_width, ROOM * float((high - low).max()))
+    offsets = np.linspace(-half, half, found.grid.points)
+    horizontal, vertical = middle[:, np.newaxis] + offsets
+    horizontal = horizontal[horizontal >= 0.0]
+    centre = {"bar_horizontal": horizontal, "bar_vertical": vertical[:, np.newaxis]}
+    return horizontal, vertical, strikes_of_keys(found.settings, found.tool, **centre)
+
+
+ROOM = 0.6  # half-width of the maps over the largest distance of the places that they show

@@ -15,7 +15,6 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool, tool_keys
-from bristle_sim.settings import Settings
 from bristle_sim.studies.design_search import (
     MET,
     Function,
@@ -34,7 +33,7 @@ from bristle_sim.studies.design_words import (
 )
 from bristle_sim.studies.many_passes import (
     CHECKED_POINTS,
-    SCENE_ACCURACY,
+    SCENE,
     Check,
     checked_by_scene,
     unable,
@@ -177,7 +176,7 @@ def _question(
     maximize: str,
 ) -> Question:
     """Return the question after a check of all arguments."""
-    if reason := unable(tool, Settings()):
+    if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if minimize and maximize:
         raise ValueError("minimize, maximize: must be one quantity")
@@ -237,13 +236,12 @@ def _result(
     question: Question, place: Array, conflict: tuple[str, ...], curve: Array | None
 ) -> Design:
     """Return the design at given fractions of the ranges, with its confirmation by the scene."""
-    settings = Settings(accuracy=SCENE_ACCURACY)
     varied = {key: float(each[0]) for key, each in question.keys_at(place[:, np.newaxis]).items()}
     found = question.tool.replace(**varied)
-    report = whole_pass(found, settings)
+    report = whole_pass(found, SCENE)
     reached = {each.name: each.simulated for each in report.quantities}
     try:
-        before = whole_pass(question.tool, settings).quantities
+        before = whole_pass(question.tool, SCENE).quantities
     except ValueError:  # the given tool's parts may overlap although those of the found tool do not
         before = ()
     random = np.random.default_rng(1).random((place.size, CHECKED_POINTS))
@@ -258,7 +256,7 @@ def _result(
     if curve is not None:
         passes = question.passes(curve)
         curves = {name: passes[name] for name in conflict} | question.keys_at(curve)
-    check = checked_by_scene(question.tool, SCENE_ACCURACY, points)
+    check = checked_by_scene(question.tool, SCENE, points)
     words = tool_in_words(question, varied, reached)
     remarks = list[str]()
     kept = {}

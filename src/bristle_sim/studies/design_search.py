@@ -19,6 +19,7 @@ from scipy.stats.qmc import Sobol
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
+from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 
 SEED = 1
@@ -29,7 +30,7 @@ STARTS = 4  # number of best points of a population that are refined
 # Step of a fraction for derivatives; its truncation error is some 1e-10, as is the error of the
 # passes.
 DIFFERENCE = 1e-5
-ACCURACY = 1e-10  # requested accuracy of the passes
+SETTINGS = Settings(accuracy=1e-10)  # of the passes
 PENALTY = 30.0  # penalty of a want missed by its spread; a goal changes by a few spreads at most
 NO_STRIKE = 1e6  # merit of a pass without the quantities
 MET = 1e-6  # largest miss of a met want, over its spread
@@ -73,7 +74,7 @@ class Question:
 
     def passes(self, fractions: Array) -> dict[str, Array]:
         """Return the quantities of the passes at fractions of the ranges."""
-        return pass_quantities(self.tool, ACCURACY, **self.keys_at(fractions))
+        return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
     def present(self) -> Array:
         """Return the fractions of the tool's own values; a value outside a range is moved to its

@@ -4,11 +4,11 @@ the keys.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import amount, readable_unit
+from bristle_sim.conversion import display_unit, plain_number
 from bristle_sim.parameters import key_unit
 from bristle_sim.studies.design_search import Question
 from bristle_sim.studies.whole_pass import QUANTITIES
@@ -68,14 +68,13 @@ def _quantity(name: str, value: float | None) -> str:
 
 
 def _key(key: str, value: float) -> str:
-    """Return a key with its value and unit, for example ``hub_speed 261.8 rad/s (2500 rpm)``."""
-    unit = key_unit(key)
-    rpm = f" ({value * 30.0 / math.pi:.5g} rpm)" if unit == "rad/s" else ""
-    return f"{key} {amount(value, unit, 5)}{rpm}"
+    """Return a key with its value and unit, for example ``hub_speed 2500 rpm``."""
+    unit, size = display_unit(key, key_unit(key))
+    return f"{key} {plain_number(value / size, 5)} {unit}".rstrip()
 
 
 def _range(key: str, low: float, high: float) -> str:
-    """Return the range of a key, for example ``hub_speed from 259.1 to 264.5 rad/s``."""
-    unit, size = readable_unit(key_unit(key), [low, high])
-    shown = {"1": "", "deg": "°"}.get(unit, f" {unit}")
-    return f"{key} from {low / size:.5g} to {high / size:.5g}{shown}"
+    """Return the range of a key, for example ``hub_speed from 2451.2 to 2548.1 rpm``."""
+    unit, size = display_unit(key, key_unit(key))
+    ends = " to ".join(plain_number(each / size, 5) for each in (low, high))
+    return f"{key} from {ends} {unit}".rstrip()

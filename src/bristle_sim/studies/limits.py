@@ -12,6 +12,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.passes.result import Ensemble
+from bristle_sim.studies.many_passes import SCENE, scene_pass, unable
 from bristle_sim.units import shown
 
 POINTS = 2000
@@ -19,16 +20,22 @@ POINTS = 2000
 
 PARTS = 32  # of an interval with a change, in each round of the search
 
+BESIDE = 1e-4  # distance from a change at which the scene confirms it, over the range
+
 MOST_CHANGES = 200  # beyond which the outcome changes almost everywhere in the range
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of the outcome at the value ``at`` of a key, with the outcomes below and above it."""
+    """A change of the outcome at the value ``at`` of a key, with the outcomes below and above it.
+
+    ``confirmed``: whether the scene has these outcomes a ten-thousandth of the range below and above.
+    """
 
     at: float
     below: str
     above: str
+    confirmed: bool
 
 
 def limits(
@@ -48,8 +55,11 @@ def limits(
         between: one key with the two ends of the range, numbers in SI units or texts with a unit.
 
     Raises:
-        ValueError: for anything but one key with two different ends, a key or value that is refused, or more than 200 changes.
+        ValueError: for a tool whose passes are not computed in arrays, for anything but one key with two different ends, a key or value that is refused, or more than 200 changes.
     """
+    tool = Tool() if tool is None else tool
+    if reason := unable(tool):
+        raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if len(between) != 1:
         raise ValueError(f"limits of {', '.join(between) or 'no key'}: must be those of one key")
     ((key, ends),) = between.items()
@@ -72,11 +82,23 @@ def limits(
             )
         width = np.maximum(accuracy * (last - first), np.spacing(np.abs(highs)) * PARTS)
         if (highs - lows <= width).all():
-            middles = (0.5 * (lows + highs)).tolist()
-            return tuple(Change(at, *pair) for at, pair in zip(middles, words, strict=True))
+            middles = 0.5 * (lows + highs)
+            beside = _beside(middles, first, last)
+            found = []
+            for at, pair, sides in zip(middles.tolist(), words, beside.tolist(), strict=True):
+                own = [scene_pass(tool.replace(**{key: each}), SCENE)[0] for each in sides]
+                found.append(Change(at, *pair, confirmed=own == list(pair)))
+            return tuple(found)
         points = lows[:, np.newaxis] + (highs - lows)[:, np.newaxis] * np.linspace(
             0.0, 1.0, PARTS + 1
         )
+
+
+def _beside(places: Array, first: float, last: float) -> Array:
+    """Return values below and above each place, BESIDE of the range away, nearer where the next place is near."""
+    gaps = np.diff(places, prepend=first, append=last)
+    steps = np.minimum(BESIDE * (last - first), 0.25 * np.stack([gaps[:-1], gaps[1:]]))
+    return np.asarray((places + steps * [[-1.0], [1.0]]).T)
 
 
 def _changes(points: Array, outcome: Any) -> tuple[Array, Array, list[tuple[str, str]]]:

@@ -5,6 +5,7 @@ Names and units are those of the whole pass.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,18 +18,19 @@ from bristle_sim.parameters import Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.passes.result import Ensemble
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.settings import Settings
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
 
+ENTRY = "entry_angle"
 OUTCOME = "outcome"
 REASON = "failure"
 
 CHECKED_POINTS = 8
 """Number of random points at which the scene checks the passes in arrays."""
 
-SCENE_ACCURACY = 1e-9
-"""Finest accuracy of the scene in a check; at a finer accuracy it takes longer and agrees no
-better."""
+SCENE = Settings(accuracy=1e-9)
+"""Settings of a check, with the finest accuracy of the scene; at a finer accuracy it takes longer
+and agrees no better."""
 
 SIZES = {
     "contact_time": 0.0,
@@ -39,30 +41,38 @@ SIZES = {
 """Quantities that are compared, and the least size of each, to which a difference is related."""
 
 
-def unable(tool: Tool, settings: Settings) -> str:
+def unable(tool: Tool) -> str:
     """Return the reason why passes of a tool cannot be computed in arrays; empty if they can."""
     if tool.contact.law != "energetic":
         return f"contact = {tool.contact.law}"
-    if tool.bristle.links > 1 or tool.bristle.knee_angle_deg:
-        return "the wire bends" if tool.bristle.links > 1 else "the wire has a knee"
-    return "" if settings.hub_turn == Settings().hub_turn else "hub_turn is given"
+    if tool.bristle.links > 1:
+        return f"wire_links = {tool.bristle.links}"
+    angle = tool.bristle.knee_angle_deg
+    return f"knee_angle_deg = {angle:g}" if angle else ""
 
 
-def pass_quantities(tool: Tool, accuracy: float, **values: Any) -> dict[str, NDArray[Any]]:
+def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, NDArray[Any]]:
     """Return the quantities of whole passes, NaN where a pass lacks a quantity.
 
     ``outcome`` and ``failure``, the reason in words, are further entries.
 
+    ``entry_angle`` is that between the surface and the path on which the tip comes down, rad.
+
     Args:
         tool: the tool that gives the values of all other keys.
-        accuracy: requested relative accuracy.
+        settings: accuracy requested, and the turn of the hub after which a pass ends.
         values: arrays of values, by key, as for ``ensemble``.
     """
-    many = ensemble(tool, accuracy=accuracy, **values)
+    options: dict[str, Any] = {"accuracy": settings.accuracy, "hub_turn": settings.hub_turn}
+    many = ensemble(tool, progress=_log, **options, **values)
     found = {name: _quantity(many, name) for name in QUANTITIES if name != "rebound_ratio"}
     speed = many.keys.get("hub_speed", tool.hub.speed) + many.relative_speed_at_contact
     found["rebound_ratio"] = many.final_bristle_rate / np.where(speed == 0.0, np.nan, speed)
-    return found | {OUTCOME: many.outcome, REASON: many.reason}
+    return found | {ENTRY: many.entry_angle_at_contact, OUTCOME: many.outcome, REASON: many.reason}
+
+
+def _log(part: float) -> None:
+    logging.getLogger(__name__).info("%.0f %% of the passes finished", 100.0 * part)
 
 
 def _quantity(many: Ensemble, name: str) -> Array:
@@ -77,7 +87,7 @@ class Check:
     Attributes:
         passes: number of passes.
         difference: largest relative difference.
-        apart: number of passes that strike in only one of the two.
+        apart: number of passes whose outcome differs.
     """
 
     passes: int
@@ -86,29 +96,38 @@ class Check:
 
     def __str__(self) -> str:
         """Return the result as the end of a sentence."""
-        apart = f", but for {self.apart} that strike in one of the two alone" if self.apart else ""
+        apart = f", but for {self.apart} with another outcome" if self.apart else ""
         return f"the scene agrees to {self.difference:.0e} in {self.passes} passes{apart}"
 
 
-def checked_by_scene(tool: Tool, accuracy: float, values: Mapping[str, Array]) -> Check:
+def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]) -> Check:
     """Compare passes in arrays with passes of the scene; ``values`` holds arrays of shape (points,)
     by key.
 
-    Compared are the instant of the strike, lag, tip speed and normal impulse, relative to their
-    sizes.
+    Compared are the outcome, the instant of the strike, lag, tip speed and normal impulse, relative
+    to their sizes. A tool that is refused is left out.
     """
-    found = pass_quantities(tool, accuracy, **values)
-    settings = Settings(accuracy=max(accuracy, SCENE_ACCURACY))
+    found = pass_quantities(tool, settings, **values)
+    compared = np.flatnonzero(found[OUTCOME] != "refused")
     worst = 0.0
     apart = 0
-    for number, point in enumerate(zip(*(each.tolist() for each in values.values()), strict=True)):
-        own = tool.replace(**dict(zip(values, point, strict=True)))
-        measured = measures_of(own, simulate(own, settings, stop_after="strike"))
+    for number in compared:
+        point = {key: float(each[number]) for key, each in values.items()}
+        word, measured = scene_pass(tool.replace(**point), settings)
+        if word != found[OUTCOME][number]:
+            apart += 1
+            continue
         for name, size in SIZES.items():
-            one = float(found[name][number])
             other = measured[name]
-            if (other is None) != np.isnan(one):
-                apart += name == "contact_time"
-            elif other is not None:
-                worst = max(worst, abs(one - other) / max(abs(other), size, 1e-300))
-    return Check(len(found[OUTCOME]), worst, apart)
+            if other is not None:
+                difference = abs(float(found[name][number]) - other)
+                worst = max(worst, difference / max(abs(other), size, 1e-300))
+    return Check(compared.size, worst, apart)
+
+
+def scene_pass(tool: Tool, settings: Settings) -> tuple[str, Mapping[str, float | None]]:
+    """Return the outcome of a pass in words and its quantities, by the scene."""
+    run = simulate(tool, settings, stop_after="strike")
+    strike = run.first_contact("workpart")
+    word = "jams" if run.stop_reason is StopReason.JAM else "does not strike"
+    return word if strike is None else strike.outcome_in_words, measures_of(tool, run)

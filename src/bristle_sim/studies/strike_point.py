@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.many_passes import ENTRY, OUTCOME, REASON, pass_quantities, unable
 from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -44,6 +49,52 @@ def strike_of_keys(
     run = simulate(tool, settings, stop_after="strike")
     require_result(run, settings)
     return strike_measures(tool, run)
+
+
+def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, NDArray[Any]]:
+    """Return the measures of the strikes of tools at arrays of their keys, in the units of STRIKE_UNITS.
+
+    They are computed in arrays where that is possible, else by the scene, one at a time. A strike that the bar has not cued, or
+    none, is NaN; ``failure`` has the reason.
+    """
+    if unable(tool):
+        return _strikes_by_scene(settings, tool, values)
+    found = pass_quantities(tool, settings, **values)
+    cued = found["release_time"] < found["contact_time"]
+    entry = found[ENTRY]
+    friction = np.asarray(values.get("friction", tool.workpart.friction if tool.workpart else 0.0))
+    work = -found["normal_compressive_work"] - found["tangential_compressive_work"]
+    cuts = cued & (friction > 0.0) & (entry > 0.0) & (entry < 0.5 * math.pi)
+    rubbing = np.broadcast_to(friction, cued.shape)[cuts]
+    energy = specific_cutting_energy(rubbing, entry[cuts], API_5L, "inclined")
+    found["crater_depth"] = np.full(cued.shape, math.nan)
+    found["crater_depth"][cuts] = depth_from_energy(
+        np.maximum(0.0, work[cuts]), energy, entry[cuts]
+    )
+    measures = {name: np.where(cued, found[name], math.nan) for name in STRIKE_UNITS}
+    struck = np.isfinite(found["contact_time"])
+    reason = np.where(struck, NOT_CUED, found[OUTCOME].astype(object) + ": " + found[REASON])
+    return measures | {REASON: np.where(cued, "", reason)}
+
+
+NOT_CUED = "the bristle must touch the bar, and leave it, before it strikes the workpart"
+
+
+def _strikes_by_scene(
+    settings: Settings, tool: Tool, values: Mapping[str, Any]
+) -> dict[str, NDArray[Any]]:
+    columns = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
+    shape = next(iter(columns.values())).shape
+    found = {name: np.full(shape, math.nan) for name in STRIKE_UNITS}
+    reasons = np.full(shape, "", dtype=object)
+    for place in np.ndindex(shape):
+        point = {key: float(each[place]) for key, each in columns.items()}
+        try:
+            for name, value in strike_of_keys(settings, tool, **point).items():
+                found[name][place] = math.nan if value is None else value
+        except ValueError as error:
+            reasons[place] = str(error)
+    return {**found, REASON: reasons}
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:

@@ -6,11 +6,10 @@ finished points to a store, as data and never as pickles; xarray labels and read
 
 from __future__ import annotations
 
-import functools
 import inspect
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from importlib import metadata
@@ -23,7 +22,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from bristle_sim.comparison import Report
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
 from bristle_sim.studies.sweep_results import Results, check_name
@@ -34,7 +32,6 @@ from bristle_sim.units import shown
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
 WRITTEN_EVERY = 1.0  # Interval between writes of finished points, s: a killed program loses at most this much work
-FORMULA = " by formula"  # suffix of the name of a quantity's value by formula, within a sweep
 # Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s
 PATIENCE = 5.0
 # Number of checks after which a store that still lacks points is given up: another program may be writing to it
@@ -150,68 +147,6 @@ class SweepInterrupted(KeyboardInterrupt):
     def __init__(self, kept: str, results: xr.Dataset) -> None:
         super().__init__(kept)
         self.results = results
-
-
-def sweep_scenario(
-    run: Callable[..., Report],
-    axes: Mapping[str, Sequence[float]],
-    *,
-    units: Mapping[str, str] | None = None,
-    workers: int | Executor | None = None,
-    store: str | Path | None = None,
-    progress: bool | None = None,
-) -> xr.Dataset:
-    """Run a scenario at every combination of the values of one or two keys, and return its quantities as one table.
-
-    Args:
-        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
-        axes: the values of each key, in SI units; one key can be drawn as lines, two as maps.
-        units: of the keys; those of the quantities come from the report.
-        workers, store, progress: those of :func:`bristle_sim.sweep`, which raises the same errors.
-
-    Returns:
-        The simulated values of the report's quantities by name (by formula if never simulated; NaN if missing), with ``units``
-        and ``long_name``; and ``failure``, the reason why a point lacks some: the error, or the report's answer."""
-    if len(axes) not in (1, 2):
-        raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")
-    space = {key: np.asarray(values, dtype=float) for key, values in axes.items()}
-    options: dict[str, Any] = {
-        "units": units,
-        "workers": workers,
-        "store": store,
-        "progress": progress,
-    }
-    found = sweep(functools.partial(_quantities, run), space, **options).load()
-    known = [np.isfinite(each.values) for name, each in found.data_vars.items() if name != FAILURE]
-    finished = np.argwhere(np.any(known, axis=0))
-    if finished.size:  # a report there has labels and units
-        point = {
-            key: float(values[i])
-            for (key, values), i in zip(space.items(), finished[0], strict=True)
-        }
-        quantities = run(**point).quantities
-        for each in quantities:
-            if each.name + FORMULA in found and not np.isfinite(found[each.name]).any():
-                found[each.name] = found[each.name + FORMULA]
-            found[each.name].attrs = {"units": each.unit, "long_name": each.label}
-        found = found[[*(each.name for each in quantities), FAILURE]]
-        complete = np.all([np.isfinite(found[each.name].values) for each in quantities], axis=0)
-        found[FAILURE] = found[FAILURE].where(~complete, "")
-    return found
-
-
-def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Return a report's simulated values, the formula's for the others, and the reason why some may be missing."""
-    report = run(**keys)
-    values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
-    formulas = {
-        each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None
-    }
-    return (
-        values
-        | formulas
-        | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
-    )
 
 
 def _check(

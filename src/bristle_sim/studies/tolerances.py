@@ -6,7 +6,8 @@ deviation is that of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2
 Sobol indices divide the variance of every output among the inputs. Two samples A and B of a scrambled Sobol sequence, and A
 with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the fraction of the
 variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the fraction in which x_i has a
-part (``scipy.stats.sobol_indices``).
+part (``scipy.stats.sobol_indices``). The sample consists of sequences with independent scramblings; the scatter of their
+estimates gives the intervals.
 """
 
 from __future__ import annotations
@@ -21,24 +22,25 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import sobol_indices
+from scipy.stats import sobol_indices, t
 from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Unfinished, amount
+from bristle_sim.comparison import Quantity, Report, amount
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
+from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene, unable
 from bristle_sim.studies.strike_measures import IMPACT, STATE
-from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, strikes_of_keys
 from bristle_sim.units import Range
 
-Measures = Mapping[str, float | None]
+Measures = Mapping[str, NDArray[Any]]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
-# Percentiles between which outputs and indices lie with a probability of 95 %
+# Percentiles between which outputs lie with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-RESAMPLES = 200  # Bootstrap resamples; the ends of a 95 % interval then rest on five of them each
+SEQUENCES = 16  # independent scramblings: the interval of their mean is then a seventh wider than that of a known scatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,28 +73,15 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     """Spread the inputs of a pass, and report the spread of its strike and the inputs that cause it.
 
     Raises:
-        ValueError: if somewhere in the intervals the bar cues no strike, or the extra ``sweep`` is not installed.
-        Unfinished: with mean and standard deviation of the passes that are finished, if the user interrupts.
+        ValueError: if somewhere in the intervals the bar cues no strike.
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
     started = clock.perf_counter()
     intervals = _intervals(tool, spreads)
-    point = functools.partial(strike_of_keys, settings, tool)
-    options: dict[str, Any] = {
-        "seed": sampling.seed,
-        "workers": None if sampling.workers == 1 else sampling.workers,
-    }
-    try:
-        study = sobol_study(point, intervals, OUTPUTS, sampling.samples, **options)
-    except KeyboardInterrupt as ended:
-        raise Unfinished(
-            _unfinished(getattr(ended, "results", {}), (len(intervals) + 2) * sampling.samples)
-        ) from None
-    middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
-    changes = propagated(
-        point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()}
-    )
+    function = functools.partial(strikes_of_keys, settings, tool)
+    study = sobol_study(function, intervals, OUTPUTS, sampling.samples, seed=sampling.seed)
+    changes = propagated(function, intervals)
     std = {
         name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0)
         for name, parts in changes.items()
@@ -110,24 +99,21 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         remarks=_remarks(rows),
         extra={"rows": rows},
         subject=study,
-        answer=answer(rows),
+        answer=f"{answer(rows)}; {_check(tool, settings, intervals)}.",
     )
 
 
-def _unfinished(results: Mapping[str, Any], total: int) -> Report:
-    """Return mean and standard deviation of the outputs at the points that are finished."""
-    known = {name: results[name].values for name in OUTPUTS if name in results}
-    finished = np.isfinite(list(known.values())).all(axis=0)
-    number = int(finished.sum()) if known else 0
-    found = list[Quantity]()
-    for name, each in known.items() if number > 1 else ():
-        found.append(Quantity(f"{name}_mean", STRIKE_UNITS[name], float(each[finished].mean())))
-        found.append(Quantity(f"{name}_std", STRIKE_UNITS[name], float(each[finished].std(ddof=1))))
-    return Report(
-        None,
-        tuple(found),
-        remarks=(f"{number} of {total} passes are finished; indices need all of them",),
-    )
+def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, float]]) -> str:
+    """Return the agreement with the scene at the tool and at random points of the intervals, in words."""
+    if reason := unable(tool):
+        return f"by the scene, as {reason}"
+    random = np.random.default_rng(1).uniform(size=CHECKED_POINTS)
+    fractions = np.append(0.5, random)
+    points = {
+        key: low + (high - low) * np.roll(fractions, number)
+        for number, (key, (low, high)) in enumerate(intervals.items())
+    }
+    return str(checked_by_scene(tool, settings, points))
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -142,25 +128,29 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
                 f"{label} {amount(row['mean'], unit)} by {amount(row['std'], unit, 2)} (mostly {first})"
             )
     ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
-    return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}."
+    return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}"
 
 
 def propagated(
-    function: Callable[..., Measures], values: Mapping[str, float], half_widths: Mapping[str, float]
+    function: Callable[..., Measures], intervals: Mapping[str, tuple[float, float]]
 ) -> dict[str, dict[str, float]]:
-    """Return half the change of every output between both ends of each input's interval, the others at their values.
+    """Return half the change of every output between both ends of each input's interval, the others in the middle.
 
-    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation sqrt(sum (.)^2/3).
+    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation sqrt(sum (.)^2/3). An output
+    without a value has no change.
     """
-    changes: dict[str, dict[str, float]] = {}
-    for key, half_width in half_widths.items():
-        low, high = (
-            function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0)
+    size = 2 * len(intervals)
+    points = {key: np.full(size, 0.5 * sum(ends)) for key, ends in intervals.items()}
+    for number, (key, ends) in enumerate(intervals.items()):
+        points[key][2 * number : 2 * number + 2] = ends
+    found = function(**points)
+    return {
+        name: dict(
+            zip(intervals, (0.5 * np.diff(values.reshape(-1, 2))[:, 0]).tolist(), strict=True)
         )
-        for name, value in high.items():
-            if value is not None and (other := low[name]) is not None:
-                changes.setdefault(name, {})[key] = 0.5 * (value - other)
-    return changes
+        for name, values in found.items()
+        if values.dtype.kind == "f" and np.isfinite(values).all()
+    }
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
@@ -205,73 +195,55 @@ def sobol_study(
     samples: int,
     *,
     seed: int = 1,
-    workers: int | None = None,
 ) -> Study:
-    """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
+    """Evaluate a function of arrays on Saltelli's samples and estimate the Sobol indices of its outputs.
 
-    Function and workers are those of ``sweep``; each argument is uniform in its interval, and there are at least two outputs.
-    The number of samples is a power of 2. The seed sets the sequence's scrambling and the bootstrap; scipy's own bootstrap
-    takes none.
+    Each argument is uniform in its interval, and there are at least two outputs. The number of samples is a power of 2, at
+    least twice SEQUENCES. The seed sets the sequences' scramblings.
 
     Raises:
-        ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
-        SweepInterrupted: if the user interrupts, with the points that are finished.
+        ValueError: if the function has no result somewhere in the intervals.
     """
     inputs = len(intervals)
-    random = np.random.default_rng(seed)
+    each = samples // SEQUENCES
     low, high = np.array(list(intervals.values())).T[:, :, np.newaxis]
-    fractions = (
-        Sobol(2 * inputs, seed=random, bits=64).random(samples).T.reshape(2, inputs, samples)
-    )
+    sequences = [
+        Sobol(2 * inputs, seed=random, bits=64).random(each)
+        for random in np.random.default_rng(seed).spawn(SEQUENCES)
+    ]
+    fractions = np.concatenate(sequences).T.reshape(2, inputs, samples)
     first, second = low + (high - low) * fractions
     mixed = np.tile(first, (inputs, 1, 1))
     mixed[np.arange(inputs), np.arange(inputs)] = second
     points = dict(zip(intervals, np.concatenate([first, second, *mixed], axis=1), strict=True))
-    values = _swept(function, points, outputs, workers).reshape(len(outputs), inputs + 2, samples)
+    found = function(**points)
+    _require_results(found, points, outputs)
+    values = np.array([found[name] for name in outputs]).reshape(len(outputs), inputs + 2, samples)
 
-    def indices(chosen: NDArray[np.intp]) -> list[Array]:
-        """Return first-order and total indices by some points of each sample, shape (outputs, inputs)."""
+    def indices(chosen: slice) -> Array:
+        """Return first-order and total indices by some points of each sample, shape (2, outputs, inputs)."""
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
-        found = sobol_indices(func=func, n=samples)
-        return [
-            np.reshape(each, (len(outputs), inputs))
-            for each in (found.first_order, found.total_order)
-        ]
+        estimate = sobol_indices(func=func, n=of_mixed.shape[-1])
+        return np.reshape([estimate.first_order, estimate.total_order], (2, len(outputs), inputs))
 
-    resampled = [indices(chosen) for chosen in random.integers(0, samples, (RESAMPLES, samples))]
-    ends: Array = np.moveaxis(np.percentile(resampled, ENDS, axis=0), 0, -1)
+    middle = indices(slice(None))
+    parts = [indices(slice(start, start + each)) for start in range(0, samples, each)]
+    half = t.ppf(0.975, SEQUENCES - 1) * np.std(parts, axis=0, ddof=1) / math.sqrt(SEQUENCES)
+    ends = np.stack([middle - half, middle + half], axis=-1)
     both = values[:, :2].reshape(len(outputs), -1)
-    return Study(tuple(intervals), tuple(outputs), both, *indices(np.arange(samples)), *ends)
+    return Study(tuple(intervals), tuple(outputs), both, *middle, *ends)
 
 
-def _swept(
-    function: Callable[..., Measures],
-    inputs: Mapping[str, Array],
-    outputs: Sequence[str],
-    workers: int | None,
-) -> Array:
-    """Return the outputs, shape (outputs, points), for inputs of shape (points)."""
-    try:
-        from bristle_sim.studies.sweep import sweep
-    except ImportError as error:
-        raise ValueError(
-            f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})"
-        ) from error
-    found = sweep(
-        function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers
+def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequence[str]) -> None:
+    """Raise ValueError, with the reason at one of them, if some points have no result."""
+    lost = ~np.all([np.isfinite(found[name]) for name in outputs], axis=0)
+    if not lost.any():
+        return
+    where = int(np.argmax(lost))
+    unknown = [name for name in outputs if not np.isfinite(found[name][where])]
+    reason = found[REASON][where] or f"no {', '.join(unknown)}"
+    point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
+    raise ValueError(
+        f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
     )
-    unknown = np.full(found.sizes["sample"], math.nan)
-    values = np.array([found[name].values if name in found else unknown for name in outputs])
-    lost = ~np.isfinite(values).all(axis=0)
-    if lost.any():
-        where = int(np.argmax(lost))
-        reason = (
-            str(found["failure"].values[where])
-            or f"no {', '.join(set(outputs) - {*found}) or 'number'}"
-        )
-        point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
-        raise ValueError(
-            f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
-        )
-    return values

@@ -21,14 +21,14 @@ from bristle_sim.conversion import exact_text, plain_number
 from bristle_sim.parameters import Tool, key_unit
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import placed, radial_place, simulation
+from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
 from bristle_sim.studies.design import design
 from bristle_sim.studies.limits import limits
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import Range
 
-ACCURACY = 1e-6  # relative accuracy of the passes in a map: far below one shade
+SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map, whose errors are far below one shade
 CELLS = 40  # number of cells along each side of the coarse map
 PARTS = 5  # number of fine cells along a side of a coarse cell
 SHADES = 254  # number of steps of a map's scale
@@ -60,7 +60,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
             key: low + (high - low) * each
             for (key, low, high), each in zip(ends, fractions, strict=True)
         }
-        found = pass_quantities(tool, ACCURACY, **places)
+        found = pass_quantities(tool, SETTINGS, **places)
         codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
         if (codes == REFUSED).all():
             raise ValueError(f"no map: {found[REASON].flat[0]}")
@@ -136,7 +136,7 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     key, low, high = _ends(pass_of, *json.loads(on)["x"])
     declared = pass_of.keys()[key][0]
     assert isinstance(declared, Range)
-    found = limits(tool, accuracy=ACCURACY, **{key: (low, high)})
+    found = limits(tool, accuracy=SETTINGS.accuracy, **{key: (low, high)})
     return {"answer": limits_in_words(declared, min(low, high), max(low, high), found)}
 
 
@@ -163,8 +163,8 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     """
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)
-    strike = simulation(Settings(accuracy=values["accuracy"]))
-    found = placed(tool, radial_place(tool, strike).direction).bar
+    strikes = strikes_of(tool, Settings(accuracy=values["accuracy"]))
+    found = placed(tool, radial_place(tool, *strikes).direction).bar
     assert found is not None
     places = {"bar_horizontal": found.horizontal, "bar_vertical": found.vertical}
     return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}

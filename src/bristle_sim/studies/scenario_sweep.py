@@ -1,0 +1,177 @@
+"""A scenario's quantities over one key or two: of passes in arrays where that is possible, else of single runs."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import logging
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.arrays import Array
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Tool
+from bristle_sim.passes.strike import OUTCOMES
+from bristle_sim.settings import Settings
+from bristle_sim.studies.many_passes import (
+    CHECKED_POINTS,
+    OUTCOME,
+    REASON,
+    checked_by_scene,
+    pass_quantities,
+)
+from bristle_sim.studies.sweep_point import FAILURE, outcome_of
+from bristle_sim.studies.whole_pass import QUANTITIES
+
+FORMULA = " by formula"  # suffix of the name of a quantity's value by formula
+
+
+CODE = "outcome_code"  # name of the outcome's place in OUTCOMES, among the numbers of a run
+
+
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """Quantities over one key or two, in SI units and degrees where a name ends in ``_deg``.
+
+    Attributes:
+        axes: values of each key.
+        values: quantities by name, arrays with an axis for each key, NaN where there is none.
+        units, labels: by name; a name without a label stands for itself.
+        failure: why a point lacks some, in words, empty where it lacks none.
+        outcome: of each pass in words; None where the scenario has none.
+        check: how far the scene agrees, in words; empty where each point is a run of its own.
+    """
+
+    axes: dict[str, Array]
+    values: dict[str, Array]
+    units: dict[str, str]
+    labels: dict[str, str]
+    failure: NDArray[Any]
+    outcome: NDArray[Any] | None = None
+    check: str = ""
+
+    @property
+    def known(self) -> dict[str, Array]:
+        """Return the quantities that have a value somewhere."""
+        return {name: each for name, each in self.values.items() if np.isfinite(each).any()}
+
+    @property
+    def changing(self) -> dict[str, Array]:
+        """Return the quantities that change by more than rounding."""
+        known = self.known
+        return {name: each for name, each in known.items() if _spread(each) > ROUNDING}
+
+
+ROUNDING = 1e-7
+"""Range of a quantity's values over their size, below which it counts as constant: tenfold the usual accuracy of the passes."""
+
+
+def _spread(values: Array) -> float:
+    size = np.nanmax(np.abs(values))
+    return float((np.nanmax(values) - np.nanmin(values)) / size) if size else 0.0
+
+
+def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -> Swept:
+    """Return the quantities of the whole pass over keys of a straight rigid bristle, and the scene's agreement at some points."""
+    names = list(axes)
+    grids = dict(zip(names, np.meshgrid(*axes.values(), indexing="ij", sparse=True), strict=True))
+    passes = pass_quantities(tool, settings, **grids)
+    random = np.random.default_rng(1)
+    chosen = {key: random.choice(values, CHECKED_POINTS + 1) for key, values in axes.items()}
+    labels = {name: label for name, (label, _) in QUANTITIES.items()}
+    units = {name: unit for name, (_, unit) in QUANTITIES.items()}
+    values = {name: passes[name] for name in QUANTITIES}
+    complete = np.all([np.isfinite(each) for each in values.values()], axis=0)
+    reason = np.where(passes[REASON] == "", passes[OUTCOME].astype(object), passes[REASON])
+    check = str(checked_by_scene(tool, settings, chosen))
+    failure = np.where(complete, "", reason)
+    return Swept({**axes}, values, units, labels, failure, passes[OUTCOME], check)
+
+
+def sweep_of_runs(
+    run: Callable[..., Report],
+    axes: Mapping[str, Array],
+    *,
+    workers: Any = None,
+    store: Any = None,
+) -> Swept:
+    """Run a scenario at every combination of the values of one or two keys.
+
+    Args:
+        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
+        axes: the values of each key, in SI units.
+        workers, store: those of :func:`bristle_sim.sweep`, which raises the same errors. Without both, and without the extra
+            ``sweep``, the points are computed one after the other.
+
+    Returns:
+        The simulated values of the report's quantities; those by formula for one that is nowhere simulated.
+    """
+    function = functools.partial(_quantities, run)
+    shape = tuple(len(values) for values in axes.values())
+    try:
+        from bristle_sim.studies.sweep import sweep
+
+        found = sweep(function, axes, workers=workers, store=store).load()
+        columns = {str(name): each.values for name, each in found.data_vars.items()}
+    except ImportError as error:
+        if workers is not None or store is not None:
+            raise ValueError(
+                f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
+            ) from error
+        columns = _one_by_one(function, axes)
+    failure = columns.pop(FAILURE).astype(object)
+    codes = columns.pop(CODE, np.full(shape, math.nan))
+    finished = np.argwhere(np.any([np.isfinite(each) for each in columns.values()], axis=0))
+    outcome = np.array([*OUTCOMES, ""])[np.nan_to_num(codes, nan=len(OUTCOMES)).astype(int)]
+    swept = Swept({**axes}, {}, {}, {}, failure, outcome if np.isfinite(codes).any() else None)
+    if not columns or not finished.size:
+        return swept
+    point = {
+        key: float(values[i]) for (key, values), i in zip(axes.items(), finished[0], strict=True)
+    }
+    for each in run(**point).quantities:  # they have labels and units
+        values = columns.get(each.name, np.full(shape, math.nan))
+        formula = columns.get(each.name + FORMULA)
+        swept.values[each.name] = (
+            values if formula is None or np.isfinite(values).any() else formula
+        )
+        swept.units[each.name] = each.unit
+        swept.labels[each.name] = each.label
+    complete = np.all([np.isfinite(each) for each in swept.values.values()], axis=0)
+    failure[complete] = ""
+    return swept
+
+
+def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict[str, NDArray[Any]]:
+    """Return the results of a function at every combination of values, and the reasons of failures."""
+    shape = tuple(len(values) for values in axes.values())
+    columns: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
+    points = itertools.product(*(values.tolist() for values in axes.values()))
+    for number, point in enumerate(points):
+        values, reason = outcome_of(function, dict(zip(axes, point, strict=True)))
+        columns[FAILURE].flat[number] = reason
+        for name, value in values.items():
+            columns.setdefault(name, np.full(shape, math.nan)).flat[number] = value
+        logging.getLogger(__name__).info("%d of %d points finished", number + 1, math.prod(shape))
+    return columns
+
+
+def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
+    """Return a report's simulated values, the formula's for the others, and the reason why some may be missing."""
+    report = run(**keys)
+    values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
+    if report.outcome_in_words in OUTCOMES:
+        values[CODE] = OUTCOMES.index(report.outcome_in_words)
+    formulas = {
+        each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None
+    }
+    return (
+        values
+        | formulas
+        | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
+    )
