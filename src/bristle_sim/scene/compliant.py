@@ -40,6 +40,7 @@ two thirds to nine tenths of the steps, with the same error."""
 
 # least penetration, scene units times e*: below it rounding decides when the contact ends, and the
 # rigid limit is closer
+LEAST_DEPTH = 1e-13
 
 LEAST_RESTITUTION = 1e-3  # least e* other than 0: the spring unloads 1/e* times as fast as it loads
 

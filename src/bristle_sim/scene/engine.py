@@ -34,6 +34,7 @@ correct the remembered impulse; without them, alternating short and long steps w
 without bound."""
 
 # logarithm of the fraction of the error that iterations leave: rounding
+LOG_SOLVED = math.log(1e-17)
 MOST_ITERATIONS = 40_000
 """Most iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them."""
 

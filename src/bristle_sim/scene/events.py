@@ -1,11 +1,14 @@
-"""Events of a run: the functions whose change of sign ends a smooth motion, and the kinds of change that follow.
+"""Events of a run: functions whose change of sign ends a smooth motion, and the kinds of events.
 
-An event *triggers* in an interval (0, h] of a smooth motion if its value has the sign opposite to ``direction`` at the beginning,
-and the sign ``direction`` at some later instant of the interval; the instant of the event is the first zero before. At the
-beginning of a motion a value within its rounding has no sign. Such a value takes the sign that its kind states in
-:data:`BEGINS_POSITIVE`, or else the first sign that it has at the end of an interval. A ``direction`` of 0 stands for both.
-
-Gaps to pairs that may touch are searched in :mod:`bristle_sim.scene.touches`.
+An event *triggers* in an interval (0, h] of a smooth motion if its value begins with the sign
+opposite to ``direction`` and has
+the sign ``direction`` at a later instant of the interval. The instant of the event is the last zero
+before that change shows.
+A value within its rounding at the beginning of a motion has no sign. It takes the sign that its
+kind states in
+:data:`BEGINS_POSITIVE`, or else the first sign that it has at the end of an interval. A
+``direction`` of 0 stands for both
+signs. :mod:`bristle_sim.scene.touches` searches for gaps that close.
 """
 
 from __future__ import annotations
@@ -25,10 +28,13 @@ from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.system import System
 
-LEAST_COMPLIANCE_IN_SLIP = 1e-3  # of a free link's; with less, the force that keeps a contact closed grows beyond bounds: a jam
-PLACE_ROUNDING = 4e-16  # of a tip's place, in the scene's unit of length
+# least compliance in slip, over that of a free link: with less, the force that keeps a contact
+# closed grows without bound, a jam
+LEAST_COMPLIANCE_IN_SLIP = 1e-3
+PLACE_ROUNDING = 4e-16  # rounding of a tip's place, in the scene's unit of length
 LOCATED_VELOCITY = 0.1
-"""Fraction of an interval's error in velocity to which a spring's events are located."""
+"""Tolerance to which a spring's events are located, over the error in velocity that an interval may
+have."""
 
 
 class Kind(Enum):
@@ -85,29 +91,33 @@ BEGINS_POSITIVE = frozenset(
         Kind.CONE_REACHED,
     }
 )
-"""Kinds whose value is positive where a motion begins, or rises from zero there, by the decision at the event before."""
+"""Kinds whose value, by the decision at the last event, is positive where a motion begins or rises
+from zero there."""
 
 TURNS = SPRING_KINDS | {Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
 """Kinds whose value may change its sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY, Kind.HIGHEST_SPEED})
-"""Kinds whose value contains a difference of rates over a step, and so its rounding."""
+"""Kinds whose value contains a difference of rates over a step, with its rounding."""
 
 OF_THE_MOTION = frozenset(
     {Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED, Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
 )
-"""Kinds that do not depend on a contact."""
+"""Kinds of events that do not depend on a contact."""
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A function of the result of an interval whose change of sign is an event.
+    """A function of an interval's result whose change of sign is an event.
 
     Attributes:
         value: the function.
-        direction: -1 if it falls through zero, +1 if it rises, 0 for both.
-        kind, subject: the kind of event, and its contact, pair or wire.
-        tolerance: value to which the zero is located; None for the run's own. Values then have a sign down to rounding.
+        direction: -1 for a fall through zero, +1 for a rise, 0 for both.
+        kind: kind of the event.
+        subject: contact, pair or wire of the event, as its kind states.
+        tolerance: value to which the zero is located; None for the run's own tolerance. With a
+            tolerance, every value above
+            rounding has a sign.
     """
 
     value: Callable[[IntervalResult], float]
@@ -118,7 +128,9 @@ class Event:
 
 
 class Happening(NamedTuple):
-    """An event that has happened: its kind and subject, and the sense of slip or the pair that follows."""
+    """An event that has happened: its kind, its subject, and a detail such as the new sense of
+    slip.
+    """
 
     kind: Kind
     subject: Any
@@ -126,7 +138,7 @@ class Happening(NamedTuple):
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
-    """Yield the events of the motion as a whole: extremes, limits, dents that are left."""
+    """Yield the events of the motion as a whole: extremes, limits, and dents that the tip leaves."""
     mechanism = system.mechanism
     plan = system.plan
 
@@ -162,7 +174,9 @@ def _gap(system: System, pair: ContactPair, at: IntervalResult) -> float:
 def contact_events(
     system: System, contacts: Sequence[ActiveContact], rigid: RigidContacts | None
 ) -> Iterator[Event]:
-    """Yield the events that change or end contacts, which are numbered as in the load: the rigid ones come first."""
+    """Yield the events that change or end contacts; contacts are numbered as in the load, the rigid
+    ones first.
+    """
     for index, contact in enumerate(contacts):
         if contact.spring is not None:
             yield from _spring_events(system, contact, contact.spring, index)
@@ -176,9 +190,12 @@ def contact_events(
 def _rigid_events(
     system: System, contact: ActiveContact, rigid: RigidContacts, index: int
 ) -> Iterator[Event]:
-    """Yield the events of a rigid contact: it locks, its force vanishes, it sticks or slips otherwise, it passes a corner.
+    """Yield the events of a rigid contact: it locks, is released, slips, sticks, or passes a
+    corner.
 
-    With too little compliance in slip friction locks the link, or a frictionless link meets the obstacle end-on.
+    A contact locks when its compliance in slip is too small: friction then jams the link, or a
+    frictionless link meets the
+    obstacle end-on.
     """
     pair = contact.pair
     gaps = system.gaps
@@ -213,9 +230,10 @@ def _rigid_events(
 def _bar_events(
     system: System, contact: ActiveContact, pair: BarPair, piece: int
 ) -> Iterator[Event]:
-    """Yield the events at which a contact slides over a joint, or another piece of a bent link meets the same bar.
+    """Yield the events at which a contact slides over a joint, or another piece of the same bent
+    link touches the bar.
 
-    Contact passes to the other piece by an impact.
+    The contact passes to the other piece by an impact.
     """
     gaps = system.gaps
     lower, upper = system.neighbour(pair, -1), system.neighbour(pair, 1)
@@ -241,9 +259,11 @@ def _bar_events(
 def _spring_events(
     system: System, contact: ActiveContact, spring: Spring, index: int
 ) -> Iterator[Event]:
-    """Yield the events of a spring: compression ends, unloading ends at zero force or by reloading, its foot stops or slips.
+    """Yield the events of a spring: it is compressed, unloads or reloads, and its foot stops or
+    slips.
 
-    Each function is a velocity, or a penetration over the contact's duration.
+    The value of each event is a velocity, or a penetration or force scaled to a velocity by the
+    contact's duration.
     """
     pair = contact.pair
     gaps = system.gaps
@@ -287,7 +307,8 @@ def _spring_events(
             spring.law.stiffness * duration
         )
 
-    # It rises from zero and may come back at once: nothing but rounding of a place counts as zero.
+    # This value rises from zero and may fall back at once: only values within the rounding of a
+    # place count as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)
     if spring.at_rest:
         yield Event(slip_at_rest, -1, Kind.FOOT_STOPS, contact, tolerance)

@@ -17,25 +17,32 @@ from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = 6.0
-"""Cost of placing and reading the bodies once, in engine steps; it steers the choice of the step."""
+"""Cost of placing and reading the bodies once, in engine steps; the choice of the interval uses
+it."""
 
-ANGLE_ROUNDING = 4e-16  # of an angle of some radians; extrapolation weights amplify it
+# rounding of an angle of some radians, rad, which the weights of extrapolation amplify
+ANGLE_ROUNDING = 4e-16
 LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
 
 
 class Repetitions:
-    """Numbers of steps in which an interval is repeated, and the weights that extrapolate the results up to each repetition.
+    """Numbers of steps in which an interval is repeated, and the weights that extrapolate the
+    results.
+
+    Every attribute but ``least_rows`` has one entry for each repetition, for the results up to it.
 
     Attributes:
-        least_rows: repetitions before the first estimate of the error.
-        costs: of the repetitions up to each one, in engine steps.
-        weights, first_order: for results whose error is a polynomial in a power of the step, and in the step itself.
-        differences: weights of the last extrapolate less the one without the first result, which estimates the latter's error.
-        noise: rounding of the extrapolate that results from the rounding of an angle.
+        least_rows: number of repetitions before the first error estimate.
+        costs: cost of the repetitions, in engine steps.
+        weights: weights for results whose error is a polynomial in the step to the given ``power``.
+        first_order: weights for results whose error is a polynomial in the step itself.
+        differences: weights of the extrapolate less the extrapolate without the first result; they
+            give the error estimate.
+        noise: rounding of the extrapolate that the rounding of an angle causes, rad.
     """
 
     def __init__(self, *counts: int, power: int = 1) -> None:
-        """Compute all from ascending numbers of steps."""
+        """Compute all weights from ascending numbers of steps."""
         rows = range(1, len(counts) + 1)
         self.counts = counts
         self.power = power
@@ -50,7 +57,10 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
-    """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h^power, h = 1/n, at 0."""
+    """Return the weights that extrapolate results with these numbers of steps to zero step.
+
+    They are the values at h = 0 of Lagrange's polynomials in h^power, h = 1/n.
+    """
     return tuple(
         math.prod(n**power / (n**power - other**power) for other in counts if other != n)
         for n in counts
@@ -69,19 +79,28 @@ EVEN = Repetitions(
 )  # symmetric in time; odd numbers have an error of their own
 LEAST_NOISE = HALVED.noise[3]  # least error of an interval that rounding permits
 CUT_SHORT = 0.25
-"""Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
+"""Least fraction of the proposed interval that a shorter one must reach to shorten the next
+proposal: an interval grows by a
+factor of four at most, which leads back from here."""
 
 
 class Extrapolation:
-    """Engine steps extrapolated to zero step, to a tolerance for each interval, relative to the ``scale`` of the motion.
+    """Integrate an interval by engine steps extrapolated to zero step, to ``tolerance * scale``.
 
-    ``longest`` bounds the intervals that follow from an error estimate, to avoid the cost of unneeded accuracy. The first one,
-    and one extended by a tenth to avoid a short remainder, may be longer. An estimate holds from steps as short as ``damped_step``.
+    Args:
+        tolerance: error permitted in an interval, relative.
+        scale: scale of the motion.
+        repetitions: numbers of steps, for loads and steps that need no others.
+        longest: bound of proposed intervals. The first interval, and one extended by a tenth to
+            avoid a short remainder, may be
+            longer.
+        damped_step: coarsest step whose error estimate is trusted under damping.
 
     Attributes:
-        noise: the error that an interval may have.
-        interpolation_error: bound of the distance of a link's tip from the cubic through an interval's ends, beside the cubic's own
-            error, over the interval's length and the change of the rates.
+        noise: error that an interval may have.
+        interpolation_error: bound of the distance of a link's tip from the cubic through an
+            interval's ends, beyond the cubic's
+            own error, over the interval's length times the change of the rates.
     """
 
     interpolation_error = 0.0
@@ -103,18 +122,24 @@ class Extrapolation:
         self._use(repetitions)
 
     def _use(self, repetitions: Repetitions) -> None:
-        """From now on repeat intervals with these numbers of steps, as far as their rounding is below the tolerance."""
+        """Repeat intervals with these numbers of steps from now on, as far as their rounding is
+        below the tolerance.
+        """
         self.repetitions = repetitions
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
-        """Return the interval that costs least per time, shortened so that the remaining time is divided evenly."""
+        """Return the interval of least cost per time, shortened so that it divides the remaining
+        time evenly.
+        """
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(
         self, scene: Scene, state: State, duration: float, load: Load | None = None
     ) -> IntervalResult:
-        """Repeat the interval with finer steps until the estimate is within the tolerance."""
+        """Integrate over an interval by finer and finer steps until the error estimate is within
+        the tolerance.
+        """
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
         if (
@@ -161,9 +186,10 @@ class Extrapolation:
         return found._replace(middle=state_of(scene, state.time + 0.5 * duration, middle))
 
     def accepts(self, result: IntervalResult, duration: float) -> bool:
-        """Whether the estimate is within the tolerance; in either case it determines the next interval.
+        """Return whether the estimate is within the tolerance; in either case it determines the
+        next interval.
 
-        An interval that was cut far short of the proposed one does not shorten the next proposal.
+        An accepted interval cut far short of the proposed one does not shorten the next proposal.
         """
         proposed = self.length
         self.length = self.next_length(result, duration)
@@ -173,7 +199,9 @@ class Extrapolation:
         return accurate
 
     def next_length(self, result: IntervalResult, duration: float) -> float:
-        """Return the length of the next interval that costs least per time, by the estimates so far."""
+        """Return the length of the next interval: that of least cost per time by the error
+        estimates so far.
+        """
         costs = self.repetitions.costs
         limit = self.noise
         lengths = {}
@@ -195,21 +223,25 @@ class Extrapolation:
         return length if result.error <= limit else min(length, 0.5 * duration)
 
     def halves(self, scene: Scene, load: Load | None) -> bool:
-        """Whether the state in the middle of an interval is known too."""
+        """Return whether the state in the middle of an interval is computed too."""
         return scene.engine.take_symmetric is None and load is None
 
 
 LONGEST_PROBE = 0.3
-"""Longest step of a probed acceleration, in the scene's time units and time constants of the engine's damping. Measured:
-rounding and the error left by extrapolation are then both some 1e-12 times the rate of the damping."""
+"""Longest step of :func:`acceleration` without damping, in the scene's time units; damping of the
+rate r divides it by 1 + r.
+Measured: rounding and the error left by extrapolation are then both about 1e-12 r."""
 
-PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # its steps are this many times shorter
+PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # numbers by which the longest step is divided
 
 PROBE_WEIGHTS = lagrange_weights(PROBES)
 
 
 def acceleration(scene: Scene, state: State, link: int = 0) -> float:
-    """Return the acceleration of a link without contact, engine units: that of the second step, extrapolated to zero step."""
+    """Return a link's acceleration without contact, engine units.
+
+    It is the acceleration in the second of two engine steps, extrapolated to zero step.
+    """
     longest = LONGEST_PROBE / (1.0 + damping_rate(scene))
     found = []
     for count, weight in zip(PROBES, PROBE_WEIGHTS, strict=True):

@@ -11,32 +11,35 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
-AT_JOINT = 1e-9  # fraction of a link within which a foot on it is at its end
+# largest distance from a link's end, over the link's length, at which a contact is at that end
+AT_JOINT = 1e-9
 
-GAP_ROUNDING = 1e-11  # a gap of the scene's unit below this is closed
+GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in the scene's unit of length
 
 
 class Gaps:
-    """Gaps, touches and poses of a mechanism's links at any state."""
+    """Gaps, closest approaches and poses of a mechanism's links in any state."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
 
     def closest(self, pair: ContactPair, state: State, piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of link and pair; a named piece restricts it to that part of the link."""
+        """Return the closest approach of a pair; ``piece`` restricts it to one straight piece of
+        the link.
+        """
         return pair.closest(self.mechanism.poses(state), state.rates, piece)
 
     def gap(self, pair: ContactPair, state: State) -> float:
-        """Return the distance of link and pair, negative inside."""
+        """Return the distance between a pair's link and obstacle, negative where they overlap."""
         return self.closest(pair, state).gap
 
     def along(self, pair: ContactPair, state: State) -> float:
-        """Return the place of a corner along the workpart, +x."""
+        """Return the x coordinate of the pair's contact point, along the workpart."""
         poses = self.mechanism.poses(state)
         return poses[pair.link].joint[0] + pair.closest(poses, state.rates).arm[0]
 
     def gap_and_rate(self, pair: ContactPair, state: State) -> tuple[float, float]:
-        """Return the distance of link and pair, and its rate."""
+        """Return a pair's gap and its rate of change."""
         touch = self.closest(pair, state)
         return touch.gap, touch.velocity[0]
 
@@ -46,12 +49,16 @@ class Gaps:
 
 
 LEAST_LEVER = 1e-6
-"""Shortest lever of the contact normal, as a fraction of the link, with which turning a link can set it back."""
+"""Shortest lever of the contact normal, over the link's length, at which turning the link can close
+a gap."""
 
 CLOSED_GAP = 1e-10
-"""A gap below this fraction of the link counts as closed: closing it changes the rate by as little, less than any accuracy."""
+"""Gap, over the link's length, below which no further round of Newton's method is needed: it would
+change the rate by less
+than any accuracy."""
 
-NEWTON_ROUNDS = 3  # rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding
+# rounds of Newton's method: an error of 1e-3 falls to 1e-6, 1e-12 and then rounding
+NEWTON_ROUNDS = 3
 
 
 def contact_row(
@@ -61,9 +68,11 @@ def contact_row(
     touch: ClosestApproach,
     direction: Vector,
 ) -> Array:
-    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,); ``turn`` is e^{i angle} of each link.
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,).
 
-    A link's rate moves the contact by the lever of the link's tip, for a link that carries the touching one, or of the contact itself.
+    The rate of the touching link acts by the lever of the contact point about the link's joint; the
+    rate of a link that carries it
+    acts by the lever of the link's tip. ``turn`` is e^{i angle} of each link.
     """
     row = np.zeros(len(turn))
     for link, arm, sign in (
@@ -85,10 +94,12 @@ def set_back(
     pieces: Sequence[int | None] | None = None,
     slips: Sequence[int | None] = (),
 ) -> State:
-    """Return the nearest state in which all contacts are closed and stay closed.
+    """Return the nearest state in which all contacts are closed and stay closed, by Newton's
+    method.
 
-    By Newton's method; nearest in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times the error of the
-    gaps and of their rates. Contacts that stick get no slip velocity either.
+    Nearest is meant in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times
+    the gaps and their rates. In
+    contacts that stick the slip velocity is removed too.
     """
     pieces = pieces or [None] * len(pairs)
     mechanism = gaps.mechanism
@@ -120,7 +131,9 @@ def set_back(
 
 
 def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
-    """Return the smallest change, in the norm of the mass matrix, whose product with the rows equals the amounts."""
+    """Return the smallest change, in the norm of the mass matrix, whose product with ``rows`` is
+    ``amounts``.
+    """
     response = np.linalg.solve(mass, rows.T)
     found = np.linalg.lstsq(rows @ response, np.array(amounts), rcond=1e-12)[0]
     changes: list[float] = (response @ found).tolist()
@@ -128,7 +141,7 @@ def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
 
 
 def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None = None) -> State:
-    """Turn a single link back onto a pair."""
+    """Return the state of a single link turned until the pair's gap is closed and stays closed."""
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON_ROUNDS):
         placed = State(state.time, (angle,), (rate,))
@@ -144,7 +157,8 @@ def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None =
 
 
 MOMENT = 1e-6
-"""Time (scene units) after which the touching piece, and a single link's slip, are looked up again."""
+"""Time, in scene units, after which the touching piece and a single link's slip are computed again,
+to tell how they change."""
 
 
 def slip_acceleration(gaps: Gaps, pair: ContactPair, state: State) -> float:
@@ -160,10 +174,14 @@ def slip_acceleration(gaps: Gaps, pair: ContactPair, state: State) -> float:
 
 
 def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
-    """Return the rate at which the clearance between two contacts on one link grows; negative means that they wedge it.
+    """Return the rate at which the clearance between two contacts of one link grows; a negative
+    rate wedges the link.
 
-    Each normal velocity is drift + lever * rate. With levers of opposite signs, both can be positive for the same rate only if
-    the sum of drift / abs(lever), in which the rate cancels, is positive. Infinite for levers of the same sign.
+    Each contact's normal velocity is drift + lever * rate. With levers of opposite signs, one rate
+    can make both velocities positive
+    only if the sum of drift / abs(lever), in which the rate cancels, is positive. The result is
+    infinite for levers of the same
+    sign.
     """
     levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:

@@ -1,9 +1,13 @@
 """Impact laws.
 
-An impact at an instant is resolved at once: scene, state, pair in; state after, contact record out. A law that resolves
-the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.compliant`).
-To add a law, write a subclass of :class:`ContactLaw`, name it in ``contact_law`` of that module and among the words
-of ``Contact.law``.
+An instantaneous law takes a scene, a state and a pair, and returns the state after the impact and
+the contact record. A law
+that resolves the contact in time returns a spring instead, which acts in the run's own loop
+(:mod:`bristle_sim.scene.compliant`).
+
+To add a law, write a subclass of :class:`ContactLaw`, name it in ``contact_law`` of that module and
+among the words of
+``Contact.law``.
 """
 
 from __future__ import annotations
@@ -28,7 +32,9 @@ from bristle_sim.trajectory import ContactRecord
 def energetic_at(
     pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0
 ) -> Impact:
-    """Return the impact on a pair of rigid bodies with energetic restitution, and eta^2 of the contact."""
+    """Return the impact of a pair of rigid bodies with energetic restitution;
+    ``tangential_compliance`` is eta^2.
+    """
     coefficients = pair.friction, pair.restitution, pair.restitution_friction
     further = space.stick_compliance, tangential_compliance
     return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
@@ -48,26 +54,33 @@ class ContactLaw(ABC):
     def spring(
         self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
     ) -> Spring | None:
-        """Return the spring of a contact that is resolved in time; None if the impact is instantaneous.
+        """Return the spring of a contact that is resolved in time; None if the impact is
+        instantaneous.
 
-        ``press`` is the acceleration at which a point at rest would approach.
+        ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
         """
         del scene, state, pair, press
         return None
 
     def known_to(self, error: float) -> ContactLaw:
-        """Return the law for velocities before the impact that are known to an error, relative; here the same."""
+        """Return the law for velocities known to a relative error before the impact; here the same
+        law.
+        """
         del error
         return self
 
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply an instantaneous impact to the scene; all values are in engine units."""
+        """Apply an instantaneous impact to the scene, and return the state after it and the contact
+        record, in engine units.
+        """
 
     def _after(
         self, scene: Scene, pair: ContactPair, before: State, **entries: Any
     ) -> tuple[State, ContactRecord]:
-        """Return the state after an impact that has changed the scene's rates, and its record with further entries."""
+        """Return the state after an impact that has changed the scene's rates, and its record with
+        the given entries.
+        """
         after = State(before.time, before.angles, tuple(scene.rates()))
         works = {"compressive_impulse": None, "compressive_work": None, "restitutive_work": None}
         motion = {"angles": before.angles, "rates_before": before.rates, "rates_after": after.rates}
@@ -78,7 +91,7 @@ class ContactLaw(ABC):
 def contact_at(
     scene: Scene, state: State, pair: ContactPair
 ) -> tuple[ClosestApproach, ContactSpace]:
-    """Place the scene and describe its contact with a pair, from the bodies as they are in the engine."""
+    """Place the scene, and return a pair's closest approach and its contact space."""
     scene.place(state)
     poses = scene.mechanism.poses(state)
     touch = pair.closest(poses, state.rates)
@@ -93,10 +106,11 @@ def contact_at(
 
 @dataclass(frozen=True)
 class EnergeticLaw(ContactLaw):
-    """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene.
+    """Stronge's energetic restitution with Coulomb friction, on the scene's contact-space inverse
+    mass.
 
     Attributes:
-        accuracy: relative, of the velocities before the impact.
+        accuracy: relative accuracy of the velocities before the impact.
         tangential_compliance: eta^2 of the contact.
     """
 
@@ -105,11 +119,13 @@ class EnergeticLaw(ContactLaw):
     name = "energetic"
 
     def known_to(self, error: float) -> EnergeticLaw:
-        """Return the law with this accuracy, if that is higher."""
+        """Return the law with this accuracy, if it is finer than the law's own."""
         return dataclasses.replace(self, accuracy=error) if error < self.accuracy else self
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Change all bodies' velocities at once; positions stay."""
+        """Change all bodies' velocities at once, and return the state after the impact and the
+        contact record.
+        """
         _, space = contact_at(scene, state, pair)
         space = ending_together(space, self.accuracy)
         impact = energetic_at(pair, space, self.tangential_compliance)
@@ -135,10 +151,13 @@ class EnergeticLaw(ContactLaw):
 
 
 def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
-    """Return the contact space with the slip at which slip and approach end together, if that is within the accuracy.
+    """Return the contact space whose slip ends together with the approach, if the accuracy cannot
+    tell them apart.
 
-    A point with one degree of freedom has v_t/v_n = K_nt/K_nn where it moves by that alone. Slip and approach then end at one
-    impulse. With an error of the slip it could end earlier, and the point would stick while it still approaches.
+    A contact point with one degree of freedom, moved by it alone, has v_t/v_n = K_nt/K_nn. Its slip
+    and its approach end at one
+    impulse. With an error of the slip the slip could end earlier, and the point would stick while
+    it still approaches.
     """
     (normal, coupling), _ = space.inverse_mass.tolist()
     if space.stick_compliance or not normal:
@@ -149,25 +168,32 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     return dataclasses.replace(space, velocity=(approach, exact)) if near else space
 
 
-ENERGETIC = EnergeticLaw()  # the law of every pair but the workpart
+ENERGETIC = EnergeticLaw()  # the law of every pair but those with the workpart
 
-ENGINE_STEP = 1e-12  # step of an engine impact in scene time units: forces and motion within it are below rounding
+# step of an engine impact, scene time units: so short that forces and motion within it are below
+# rounding
+ENGINE_STEP = 1e-12
 
 
 @dataclass(frozen=True)
 class EngineLaw(ContactLaw):
-    """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
+    """The engine's own contact: Newton's coefficient, and friction clamped by the accumulated
+    impulse, by iteration.
 
-    ``elasticity`` is taken as the coefficient of restitution. It has no phases and one friction coefficient, and may gain
-    energy where bodies are joined in a chain. It serves for comparison. ``iterations`` are those of the engine's solver; 10 is
-    its default.
+    It serves for comparison. The coefficient of restitution is the engine's ``elasticity``. The law
+    has no phases and only one
+    friction coefficient, and may gain energy where bodies are joined in a chain. ``iterations`` is
+    the number of the engine solver's
+    iterations, by default the engine's own 10.
     """
 
     iterations: int = 10
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Take one engine step, so short that only the impact happens in it."""
+        """Take one engine step that is so short that only the impact happens in it; return the
+        state after it and the contact record.
+        """
         touch, _ = contact_at(scene, state, pair)
         impulse = engine_impact(
             scene, pair, touch.piece, touch.normal, self.iterations, ENGINE_STEP
@@ -187,14 +213,15 @@ class EngineLaw(ContactLaw):
 def engine_impact(
     scene: Scene, pair: ContactPair, piece: int, normal: Vector, iterations: int, step: float
 ) -> Vector:
-    """Take one engine step in which the engine resolves an impact; return the normal and the tangential impulse on the link.
+    """Take one engine step that resolves an impact; return the normal and the tangential impulse on
+    the link.
 
     Args:
         scene: the scene, placed at the instant of the impact.
-        pair: the pair, whose coefficients are the engine's elasticity and friction.
-        piece: straight piece of the link that touches.
+        pair: the pair, whose coefficients the engine uses as elasticity and friction.
+        piece: number of the link's straight piece that touches.
         normal: unit vector out of the obstacle.
-        iterations: of the engine's solver.
+        iterations: number of iterations of the engine's solver.
         step: length of the step, so short that only the impact happens in it.
     """
     assert not isinstance(pair, WirePair), (

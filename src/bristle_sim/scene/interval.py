@@ -1,4 +1,6 @@
-"""An interval of smooth motion: forces and sums of its contacts, the result at its end, and the load that an integrator sees."""
+"""An interval of smooth motion: its result, the forces and sums of its contacts, and the load on an
+integrator.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +12,22 @@ from typing import NamedTuple, Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import Curve, State
 
-ONE_INSTANT = 1e-15  # of the time at an interval's end plus 1: an event sooner after the start is at the start
+# time over (1 + time at an interval's end) within which an event counts as at the interval's start
+ONE_INSTANT = 1e-15
 
 
 class Sums(NamedTuple):
-    """Forces of one contact on its link at the end of an interval, and their sums over it; engine units.
+    """Forces of one contact on its link at the end of an interval, and their integrals; engine
+    units.
 
     Attributes:
-        normal, tangential: the forces. In stick the tangential one is the force that friction would have to supply.
-        impulse_normal, impulse_tangential: their integrals over the time.
-        work_normal, work_tangential: their integrals over the path.
-        tangential_at_start: the tangential force of a spring in stick at the beginning of the interval.
+        normal: normal force.
+        tangential: tangential force; in stick, the force that friction would have to supply.
+        impulse_normal: integral of the normal force over the time.
+        impulse_tangential: integral of the tangential force over the time.
+        work_normal: integral of the normal force over the path.
+        work_tangential: integral of the tangential force over the path.
+        tangential_at_start: tangential force of a spring in stick at the beginning of the interval.
     """
 
     normal: float = 0.0
@@ -32,41 +39,46 @@ class Sums(NamedTuple):
     tangential_at_start: float = 0.0
 
 
-NUMBERS = len(Sums._fields)  # of a contact in the flat list that an integrator extrapolates
+# numbers of one contact in the flat list that an integrator extrapolates
+NUMBERS = len(Sums._fields)
 
 
 def sums_of(totals: Sequence[float], index: int) -> Sums:
-    """Return the sums of one contact from the flat list of all."""
+    """Return the sums of one contact from the flat list of all contacts' sums."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
 class Load(Protocol):
-    """The forces of all contacts of a smooth motion, as an integrator sees them.
+    """The forces of all contacts in a smooth motion, as an integrator calls them.
 
     Attributes:
-        symmetric: whether they act alike forwards and backwards in time.
+        symmetric: whether the forces act alike forwards and backwards in time.
     """
 
     symmetric: bool
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return a callback to run before each step of this length."""
+        """Reset the sums; return the callback to run before each step of this length."""
 
     def totals(self) -> list[float]:
-        """Return the numbers of :class:`Sums` of each contact, with the last step."""
+        """Return the numbers of :class:`Sums` of each contact, in one list, after the last step."""
 
     def fails(self, totals: Sequence[float]) -> bool:
         """Return whether a contact would have to pull."""
 
 
 class IntervalResult(NamedTuple):
-    """Result of integrating over an interval: the state at its end, the links' accelerations there, the sums of a load.
+    """Result of integrating over an interval.
 
     Attributes:
-        error: estimated error of angles in rad and of rates per time unit; 0 where there is no estimate.
-        failed: whether the load could not act as it should; the rest of the result is then meaningless.
-        errors: estimated error by number of the repetition, if the stepper repeats the interval.
-        middle: the state halfway; None if the integrator does not know it.
+        state: the state at the interval's end.
+        accelerations: the links' accelerations there.
+        totals: the flat list of the contacts' sums.
+        error: estimated error of angles in rad and of rates per time unit; 0 without an estimate.
+        failed: whether a contact would have had to pull; the rest of the result is then
+            meaningless.
+        errors: estimated error after each repetition, by its number.
+        middle: the state halfway; None if the integrator does not compute it.
     """
 
     state: State
@@ -87,7 +99,7 @@ class IntervalResult(NamedTuple):
         failed: bool,
         errors: Mapping[int, float],
     ) -> IntervalResult:
-        """Return the angles, rates, accelerations and totals that a scene had at a time."""
+        """Return the result from the flat list of angles, rates, accelerations and totals."""
         size = len(scene.links)
         state = state_of(scene, time, values)
         return cls(
@@ -100,11 +112,11 @@ class IntervalResult(NamedTuple):
         )
 
     def sums(self, index: int) -> Sums:
-        """Return the forces and sums of one contact of the load."""
+        """Return the forces and sums of one contact."""
         return sums_of(self.totals, index)
 
     def moved(self, time: float) -> IntervalResult:
-        """Return the result a short time later, by the accelerations."""
+        """Return the result moved on by a short time with its accelerations."""
         when, angles, rates = self.state
         angles = tuple(
             [
@@ -117,7 +129,7 @@ class IntervalResult(NamedTuple):
 
 
 def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
-    """Return the state with the angles and rates that a scene's bodies had at a time."""
+    """Return the state from a list that begins with the angles and rates of a scene's bodies."""
     size = len(scene.links)
     turned = scene.turned
     return State(
@@ -144,7 +156,10 @@ class Interval:
         self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
-        """Return the state a time after the start, on the polynomial through start, end and, where it is known, middle."""
+        """Return the state at a time after the start, by the polynomial through the known states.
+
+        These are the start, the end and, if the integrator computed it, the middle.
+        """
         if self._curve is None:
             middle = () if self.end.middle is None else (self.end.middle,)
             self._curve = Curve(self.start, *middle, self.end.state)
@@ -152,11 +167,13 @@ class Interval:
 
     @property
     def instant(self) -> float:
-        """The time within which the end is the start."""
+        """The longest time after the start that counts as the start."""
         return ONE_INSTANT * (1.0 + self.end.state.time)
 
     def up_to(self, end: IntervalResult) -> Interval:
-        """Return the interval with an earlier end; within an instant that is the start, where nothing is integrated."""
+        """Return the interval with an earlier end; an end within an instant of the start is the
+        start.
+        """
         if end is self.end:
             return self
         at_start = end.state.time - self.start.time <= self.instant
@@ -164,5 +181,5 @@ class Interval:
 
 
 def at_state(state: State) -> IntervalResult:
-    """Return a state as the end of an interval of no length."""
+    """Return a state as the result of an interval of no length."""
     return IntervalResult(state, (math.nan,) * len(state.angles), (), 0.0)

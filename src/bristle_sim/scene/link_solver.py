@@ -1,12 +1,17 @@
 """The velocity of a single link that obeys its joint and a sustained contact, in closed form.
 
-A link on its joint has one freedom, its rate w. With the levers l_n, l_t of normal and tangent at the joint, the velocity of the
-joint u, and friction that adds the fraction f = -mu s of the normal impulse p along the surface, the contact stays closed if
+A link on its joint has one degree of freedom, its rate w. Let l_n and l_t be the levers of normal
+and tangent about the joint, u
+the velocity of the joint, and p the normal impulse. Friction adds the impulse f p along the
+surface, with f = -mu s and the
+sense of slip s. The contact stays closed if
 
     u.n + l_n (w + (l_n + f l_t) p/I) = 0,
 
-where I is the moment of inertia about the joint, plus the belt's damping times the step. It is the solution of :mod:`bristle_sim.scene.solver` for one link, without its
-matrices: those would make a pass 2.5 times as expensive.
+where I is the moment of inertia about the joint, plus the belt's damping times the step. This is
+the solution of
+:mod:`bristle_sim.scene.solver` for one link. With that module's matrices a pass would take 2.5
+times as long.
 """
 
 from __future__ import annotations
@@ -26,17 +31,20 @@ _set_rate = lib.cpBodySetAngularVelocity
 _set_velocity = lib.cpBodySetVelocity
 
 Touch = Callable[[float, float, float, float], tuple[float, float, float, float]]
-"""Joint (x, y), cosine and sine of the link's angle in; the arm of the contact point from the joint and the normal out."""
+"""Takes x and y of the joint, cosine and sine of the link's angle; returns x and y of the contact
+point's arm from the joint,
+and x and y of the normal."""
 
 
 class LinkVelocity:
-    """The rate of a single link after an engine step.
+    """Sets the rate of a single link after an engine step.
 
     Attributes:
-        impulses: normal and tangential impulse of the contact in the last step, and its slip.
+        impulses: for the one contact: its normal and tangential impulse in the last step, and its
+            slip velocity.
     """
 
-    reversible = False  # its steps are not symmetric in time
+    reversible = False  # steps with this solver are not symmetric in time
 
     def __init__(
         self,
@@ -59,15 +67,17 @@ class LinkVelocity:
         self.impulses: list[tuple[float, float, float]] = []
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on keep this sustained contact closed."""
+        """Keep this sustained contact closed from now on."""
         (closed,) = contacts
         self._touch = _touch_of(closed, self._link)
         self._ratio = -closed.pair.friction * (closed.slip or 0)
 
     def solve(self, step: float) -> None:
-        """Make the link's rate after an engine step obey the contact, with implicit damping.
+        """Change the link's rate after an engine step so that the contact stays closed, with
+        implicit damping.
 
-        The engine's step has made it obey the joint: the belt's spring acts before the joint is solved.
+        The link already obeys its joint: the engine's step applies the belt's spring before it
+        solves the joint.
         """
         touch = self._touch
         body = self._body
@@ -106,7 +116,7 @@ class LinkVelocity:
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:
-    """Return the function that gives the contact point of a pair."""
+    """Return the function that gives a pair's contact point and normal."""
     pair = closed.pair
     if isinstance(pair, WorkpartPair):
         return _corner((*link.knees, link.tip)[pair.corner])
@@ -117,7 +127,7 @@ def _touch_of(closed: ClosedPair, link: Link) -> Touch:
 
 
 def _corner(corner: Vector) -> Touch:
-    """Return the touch of a corner on the workpart."""
+    """Return the function that gives the contact of a corner with the workpart."""
     x, y = corner
 
     def touch(
@@ -130,7 +140,9 @@ def _corner(corner: Vector) -> Touch:
 
 
 def _flank(bar: BarPair, start: Vector, end: Vector) -> Touch:
-    """Return the touch of a straight piece, with round ends, on the bar."""
+    """Return the function that gives the contact of a straight piece, with round ends, with the
+    bar.
+    """
     length = math.dist(start, end)
     start_x, start_y = start
     along_x = (end[0] - start_x) / length
