@@ -26,7 +26,7 @@ import pymunk
 import pytest
 import tqdm
 
-from bristle_sim.cli import Scenario, main, output
+from bristle_sim.cli import Scenario, command, main, output
 from bristle_sim.cli.scripts import script_paths
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.units import choice, quantity, validate
@@ -518,3 +518,24 @@ def test_a_full_disk_is_an_error_in_one_line(capsys: pytest.CaptureFixture[str],
     assert (
         capsys.readouterr().err == f"fake.py: error: standard output: {os.strerror(errno.ENOSPC)}\n"
     )
+
+
+def test_rows_of_a_csv_at_equal_intervals(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """18 ms of a pass in steps of 50 us: 360 rows, the last one before the end, the peak not cut."""
+    file = tmp_path / "pass.csv"
+    given = ["cue_and_impact", "--csv", str(file)]
+    assert command.main([*given, "--interval", "50us"]) == 0
+    head, *rows = file.read_text(encoding="utf-8").splitlines()
+    times = [float(row.split(",")[0]) for row in rows]
+    assert head.startswith("time (s),hub_angle (rad),angle_1 (rad)")
+    assert len(rows) == 360
+    assert times == pytest.approx([5e-5 * row for row in range(360)], abs=1e-15)
+    capsys.readouterr()
+    for options, words in (
+        (["--interval", "0"], "interval = '0': must be a finite number with 0 < interval"),
+        (["--interval", "1ns"], "must give at most 1000000 rows"),
+    ):
+        assert command.main([*given, *options]) == 2
+        assert words in capsys.readouterr().err
+    assert command.main(["cue_and_impact", "--interval", "50us"]) == 2
+    assert "must be given with --csv" in capsys.readouterr().err

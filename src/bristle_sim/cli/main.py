@@ -25,12 +25,12 @@ from bristle_sim.cli.output import (
     progress,
     write_text,
 )
-from bristle_sim.cli.scenario import Scenario, Values, build_parameters
+from bristle_sim.cli.scenario import Columns, Scenario, Values, build_parameters
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, is_special
 from bristle_sim.parameters import Tool
 from bristle_sim.tool_file import write_tool
-from bristle_sim.units import UnusualValueWarning
+from bristle_sim.units import Range, UnusualValueWarning
 
 KINDS = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
@@ -113,6 +113,32 @@ def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str])
     return values
 
 
+INTERVAL = Range("interval", "s", 0.0, 1.0, False, "")
+MOST_ROWS = 1_000_000  # rows of a CSV at equal intervals
+
+
+def _even_columns(subject: Any, interval: str) -> Columns:
+    """Return the motion of a report's subject at equal intervals, typed with a unit or in s.
+
+    Raises:
+        ValueError: for an interval that is refused, or a subject without a motion.
+    """
+    import numpy as np
+
+    run = getattr(subject, "trajectory", None)
+    step = INTERVAL.parse(interval)
+    if run is None:
+        raise ValueError("--interval: must be left out, this scenario has no motion to interpolate")
+    rows = 1 + int((run.time[-1] - run.time[0]) / step)
+    if rows > MOST_ROWS:
+        raise ValueError(
+            f"--interval = {interval!r}: must give at most {MOST_ROWS} rows, not {rows}"
+        )
+    instants = np.minimum(run.time[0] + step * np.arange(rows), run.time[-1])
+    columns: Columns = run.at(instants).columns()
+    return columns
+
+
 @dataclass
 class Work:
     """A requested run of a scenario: values of its keys, files to write, and the command that
@@ -125,6 +151,12 @@ class Work:
     targets: Mapping[str, Path]
     command: str
 
+    def __post_init__(self) -> None:
+        """Refuse an interval of rows without a time series."""
+        given = self.options.interval is not None
+        if given and (self.options.csv is None or self.options.sweep):
+            raise ValueError("--interval: must be given with --csv, and without --sweep")
+
     def deliver(self, report: Report, status: int) -> int:
         """Write the requested files and print the answer; return the exit status.
 
@@ -134,8 +166,12 @@ class Work:
         options = self.options
         if self.scenario.series is not None and options.csv is not None and not status:
             write = self.scenario.formats.get(Path(options.csv).suffix.lower())
-            columns = csv_text(self.scenario.series(report)) if write is None else write(report)
-            texts["csv"] = columns.removesuffix("\n")
+            if options.interval is not None:
+                text = csv_text(_even_columns(report.subject, options.interval))
+            else:
+                text = csv_text(self.scenario.series(report)) if write is None else write(report)
+            texts["csv"] = text.removesuffix("
+")
         if options.json is not None:
             texts["json"] = document(self.scenario.name, self.values, report, finished=not status)
         for option in sorted(self.targets, key=texts.__contains__):
@@ -288,6 +324,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
     "json": ("FILE", "write the results as JSON; - for standard output", {}),
     "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
+    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {}),
     "plot": ("FILE", "draw a figure (PNG, SVG, PDF)", {}),
     "video": ("FILE", "render a video (MP4, GIF)", {}),
     "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
@@ -317,7 +354,7 @@ def parser_of(
     if scenario.film is None:
         left_out |= {"video", "size", "fps"}
     if scenario.series is None and not sweeping:
-        left_out.add("csv")
+        left_out |= {"csv", "interval"}
     if not (scenario.plot or scenario.plots or sweeping):
         left_out.add("plot")
     for name, (metavar, words, how) in OPTIONS.items():

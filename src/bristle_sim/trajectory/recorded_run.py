@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
@@ -117,32 +116,6 @@ class RecordedRun(Motion):
             if each.obstacle == obstacle:
                 return each
         return None
-
-    def columns(self) -> dict[str, Array]:
-        """Return every sampled quantity, one entry for each sample, for tables and files.
-
-        The key of a quantity is its name and unit.
-        """
-        x_y = ("x", "y")
-        links = range(self.angles.shape[1])
-        return {
-            "time (s)": self.time,
-            "hub_angle (rad)": self.hub_angle,
-            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
-            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
-            "relative_angle (rad)": self.relative_angle,
-            "relative_rate (rad/s)": self.relative_rate,
-            "retraction (rad)": self.retraction,
-            **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
-            **{
-                f"tip_velocity_{name} (m/s)": each
-                for name, each in zip(x_y, self.tip_velocity.T, strict=True)
-            },
-            "tip_speed (m/s)": self.tip_speed,
-            "kinetic_energy (J)": self.kinetic_energy,
-            "potential_energy (J)": self.potential_energy,
-            "normal_force (N)": self.normal_force,
-        }
 
     @property
     def tool(self) -> Tool:

@@ -131,6 +131,32 @@ class Motion(WireMotion):
         """Kinetic plus potential energy, J; it is not constant, since the hub's drive does work."""
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
+    def columns(self) -> dict[str, Array]:
+        """Return every quantity, one entry for each instant of a one-dimensional motion, for tables.
+
+        The key of a quantity is its name and unit.
+        """
+        x_y = ("x", "y")
+        links = range(self.angles.shape[1])
+        return {
+            "time (s)": self.time,
+            "hub_angle (rad)": self.hub_angle,
+            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
+            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
+            "relative_angle (rad)": self.relative_angle,
+            "relative_rate (rad/s)": self.relative_rate,
+            "retraction (rad)": self.retraction,
+            **{f"tip_{name} (m)": each for name, each in zip(x_y, self.tip.T, strict=True)},
+            **{
+                f"tip_velocity_{name} (m/s)": each
+                for name, each in zip(x_y, self.tip_velocity.T, strict=True)
+            },
+            "tip_speed (m/s)": self.tip_speed,
+            "kinetic_energy (J)": self.kinetic_energy,
+            "potential_energy (J)": self.potential_energy,
+            "normal_force (N)": self.normal_force,
+        }
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactHistory(EqualByValue):
