@@ -170,8 +170,7 @@ class Work:
                 text = csv_text(_even_columns(report.subject, options.interval))
             else:
                 text = csv_text(self.scenario.series(report)) if write is None else write(report)
-            texts["csv"] = text.removesuffix("
-")
+            texts["csv"] = text.removesuffix("\n")
         if options.json is not None:
             texts["json"] = document(self.scenario.name, self.values, report, finished=not status)
         for option in sorted(self.targets, key=texts.__contains__):
