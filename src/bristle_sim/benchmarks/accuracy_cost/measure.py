@@ -37,12 +37,14 @@ class Run:
 class Attempt:
     """One method with one setting.
 
-    ``run`` is the timed part. ``method`` begins with the name of the package.
+    ``run`` is the timed part. ``method`` begins with the name of the package. ``passes`` is the
+    number of answers that one run computes, among which its time is divided.
     """
 
     method: str
     setting: str
     run: Callable[[], Run]
+    passes: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +89,7 @@ def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
     exception.
     """
     points = list[Point]()
-    working = list[Callable[[], Run]]()
+    working = list[Attempt]()
     for attempt in tried:
         error = math.inf
         steps = 0
@@ -96,13 +98,14 @@ def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
             run = attempt.run()
             error = case.error(run.values)
             steps = run.steps
-            working.append(attempt.run)
+            working.append(attempt)
         except Exception as raised:
             failure = " ".join(str(raised).split()) or type(raised).__name__
         points.append(
             Point(case.name, attempt.method, attempt.setting, error, math.nan, steps, failure)
         )
-    times = iter(cpu_times(working, rounds))
+    totals = cpu_times([each.run for each in working], rounds)
+    times = iter([total / each.passes for total, each in zip(totals, working, strict=True)])
     return [
         each if each.failure else dataclasses.replace(each, cpu_s=next(times)) for each in points
     ]

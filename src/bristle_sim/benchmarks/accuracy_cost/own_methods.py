@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,7 @@ from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_a
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.benchmarks.accuracy_cost.plain_steps import correct_joints, simulate_in_steps
 from bristle_sim.parameters import Contact
+from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.simulate import simulate
@@ -20,6 +22,8 @@ ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
 STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)
 """Lengths of plain engine steps in a pass, s."""
+PASSES = 4096
+"""Number of passes that are computed at once in arrays."""
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
@@ -109,6 +113,13 @@ def pass_attempts(case: Case) -> list[Attempt]:
         found = run(case.tool, setting, stop_after="strike")
         return Run(state_at_strike(found), found.cost.steps)
 
+    def in_arrays(accuracy: float) -> Run:
+        """Compute the pass many times at once."""
+        many = ensemble(case.tool, accuracy=accuracy, hub_speed=[case.tool.hub.speed] * PASSES)
+        columns = (many.contact_time, -many.lag_at_contact, many.relative_speed_at_contact)
+        return Run(tuple(float(each[0]) for each in columns), 0)
+
+    blocks = attempts("bristle_sim ensemble", "accuracy={:g}", in_arrays, ACCURACIES[1:10:4])
     return [
         *attempts(
             "bristle_sim simulate",
@@ -116,6 +127,7 @@ def pass_attempts(case: Case) -> list[Attempt]:
             lambda e: passed(Settings(e), simulate),
             ACCURACIES[:10],
         ),
+        *(dataclasses.replace(each, passes=PASSES) for each in blocks),
         *attempts(
             "bristle_sim plain steps",
             "step={:g} s",

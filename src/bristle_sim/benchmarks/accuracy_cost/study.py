@@ -57,8 +57,9 @@ TARGETS = {
 }
 """Errors at which costs are compared."""
 
-NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine")
-"""This project's impact laws without steps in time; they are not compared with integrators."""
+NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine", "bristle_sim ensemble")
+"""This project's impact laws without steps in time, and its passes in blocks; they are not compared
+with integrators of one pass."""
 
 REQUESTED = {
     "release_flight": ("bristle_sim simulate", 1e-10),
