@@ -54,7 +54,8 @@ class Scenario:
         they are given.
         series: function that returns the time series of a report, by name and unit, with one entry
         for each sample; None without a motion.
-        formats: functions that return the lines of ``--csv`` in another format, by the suffix of the
+        formats: functions that return the lines of ``--csv`` in another format, by the suffix of
+            the
         file's name.
         tool: function that returns the tool found, if it differs from the given one.
         defaults: values of keys that differ from the defaults of the parameter classes, each with

@@ -35,7 +35,8 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     """Sweep, write the requested files, and print the answer and the table.
 
     Raises:
-        ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it is needed.
+        ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it
+            is needed.
     """
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):
@@ -72,7 +73,8 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Any]) -> Swept:
-    """Sweep in arrays where the scenario and its tool allow it, and no processes and no store are requested; else run by run."""
+    """Sweep in arrays where the scenario and its tool allow it, and no processes and no store are
+    requested; else run by run."""
     values = scenario.values_of(options.set)
     keys = {key for part in tool_keys().values() for key in part}
     alone = options.workers is None and options.store is None
@@ -143,7 +145,8 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
 
 
 def _table(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the chosen quantities over one key at MOST_ROWS values, or the extremes of each over two keys, in aligned lines."""
+    """Return the chosen quantities over one key at MOST_ROWS values, or the extremes of each over
+    two keys, in aligned lines."""
     import numpy as np
 
     if len(found.axes) > 1:
@@ -185,7 +188,8 @@ def _column(found: Swept, name: str, values: Any) -> list[str]:
 
 
 def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
-    """Return a title and parts in lines that fit the width, after an empty one; nothing without parts."""
+    """Return a title and parts in lines that fit the width, after an empty one; nothing without
+    parts."""
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
 

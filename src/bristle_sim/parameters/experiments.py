@@ -235,9 +235,9 @@ class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
 
     A Sobol sequence of 26 dimensions has two for each of 13 inputs. Its first 64 points leave pairs
-    of dimensions correlated, so indices are off by up to 0.4. With 128 points the error is 0.2, with
-    256 points 0.1, with 512 points 0.03 (tried on a linear model). The samples are divided among
-    sixteen sequences, whose scatter shows such errors.
+    of dimensions correlated, so indices are off by up to 0.4. With 128 points the error is 0.2,
+    with 256 points 0.1, with 512 points 0.03 (tried on a linear model). The samples are divided
+    among sixteen sequences, whose scatter shows such errors.
     """
 
     samples: int = count(

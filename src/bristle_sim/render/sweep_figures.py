@@ -44,12 +44,14 @@ TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 OUTCOME = "outcome"
 
 PERCENTILES = (1.0, 99.0)
-"""Percentiles between which a map's colours lie where values beyond them would take more than half of the scale."""
+"""Percentiles between which a map's colours lie where values beyond them would take more than half
+of the scale."""
 
 
 @style.styled()
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
-    """Draw the outcome and a panel for each quantity: a line with gaps, or a map with white cells, where there is no value.
+    """Draw the outcome and a panel for each quantity: a line with gaps, or a map with white cells,
+    where there is no value.
 
     Lines have gaps and maps white cells where there is no value.
 
@@ -117,7 +119,8 @@ def _colour_range(values: Array) -> tuple[float, float, str]:
 
 
 def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
-    """Draw the outcomes as a map, or as a strip over one key, with a key of those that occur at the figure's foot."""
+    """Draw the outcomes as a map, or as a strip over one key, with a key of those that occur at the
+    figure's foot."""
     assert found.outcome is not None
     order = sorted(OUTCOMES)
     codes = np.searchsorted(order, found.outcome)
@@ -143,7 +146,8 @@ def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
 
 
 def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
-    """Draw the outcome and every quantity of passes over the one key, or the two, along the axes."""
+    """Draw the outcome and every quantity of passes over the one key, or the two, along the
+    axes."""
     axes = {key: many.keys[key].ravel() for key in keys}
     values = {name: getattr(many, name) for name in QUANTITIES_OF_PASSES}
     units = {key: key_unit(key) for key in keys} | QUANTITIES_OF_PASSES

@@ -127,7 +127,8 @@ class Scene:
 
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps and then solves joints, damping and contacts."""
+    """Return the object that takes the engine's steps and then solves joints, damping and
+    contacts."""
     mechanism = scene.mechanism
     effects = scene.effects
     belt = effects.damping if effects.stiffness is not None else 0.0

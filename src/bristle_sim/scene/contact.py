@@ -1,4 +1,5 @@
-"""A contact that lasts, rigid or with a spring: the impulse and work it collects, and its record."""
+"""A contact that lasts, rigid or with a spring: the impulse and work it collects, and its
+record."""
 
 from __future__ import annotations
 

@@ -198,7 +198,8 @@ def _touch_name(system: System, pair: ContactPair) -> str:
 
 
 def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind: Kind) -> Contacts:
-    """Return the contacts after an event of a spring, which changes its phase or ends its contact."""
+    """Return the contacts after an event of a spring, which changes its phase or ends its
+    contact."""
     spring = contact.spring
     pair = contact.pair
     assert spring is not None

@@ -1,14 +1,12 @@
 """Events of a run: functions whose change of sign ends a smooth motion, and the kinds of events.
 
 An event *triggers* in an interval (0, h] of a smooth motion if its value begins with the sign
-opposite to ``direction`` and has
-the sign ``direction`` at a later instant of the interval. The instant of the event is the last zero
-before that change shows.
-A value within its rounding at the beginning of a motion has no sign. It takes the sign that its
-kind states in
+opposite to ``direction`` and has the sign ``direction`` at a later instant of the interval. The
+instant of the event is the first zero before that later instant. A value within its rounding at the
+beginning of a motion has no sign. It takes the sign that its kind states in
 :data:`BEGINS_POSITIVE`, or else the first sign that it has at the end of an interval. A
-``direction`` of 0 stands for both
-signs. :mod:`bristle_sim.scene.touches` searches for gaps that close.
+``direction`` of 0 stands for both signs. :mod:`bristle_sim.scene.touches` searches for gaps that
+close.
 """
 
 from __future__ import annotations
@@ -116,8 +114,7 @@ class Event:
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
         tolerance: value to which the zero is located; None for the run's own tolerance. With a
-            tolerance, every value above
-            rounding has a sign.
+            tolerance, every value above rounding has a sign.
     """
 
     value: Callable[[IntervalResult], float]
@@ -138,7 +135,8 @@ class Happening(NamedTuple):
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
-    """Yield the events of the motion as a whole: extremes, limits, and dents that the tip leaves."""
+    """Yield the events of the motion as a whole: extremes, limits, and dents that the tip
+    leaves."""
     mechanism = system.mechanism
     plan = system.plan
 
@@ -194,8 +192,7 @@ def _rigid_events(
     corner.
 
     A contact locks when its compliance in slip is too small: friction then jams the link, or a
-    frictionless link meets the
-    obstacle end-on.
+    frictionless link meets the obstacle end-on.
     """
     pair = contact.pair
     gaps = system.gaps

@@ -80,8 +80,7 @@ EVEN = Repetitions(
 LEAST_NOISE = HALVED.noise[3]  # least error of an interval that rounding permits
 CUT_SHORT = 0.25
 """Least fraction of the proposed interval that a shorter one must reach to shorten the next
-proposal: an interval grows by a
-factor of four at most, which leads back from here."""
+proposal: an interval grows by a factor of four at most, which leads back from here."""
 
 
 class Extrapolation:
@@ -92,15 +91,14 @@ class Extrapolation:
         scale: scale of the motion.
         repetitions: numbers of steps, for loads and steps that need no others.
         longest: bound of proposed intervals. The first interval, and one extended by a tenth to
-            avoid a short remainder, may be
-            longer.
+            avoid a short remainder, may be longer.
         damped_step: coarsest step whose error estimate is trusted under damping.
 
     Attributes:
         noise: error that an interval may have.
         interpolation_error: bound of the distance of a link's tip from the cubic through an
-            interval's ends, beyond the cubic's
-            own error, over the interval's length times the change of the rates.
+            interval's ends, beyond the cubic's own error, over the interval's length times the
+            change of the rates.
     """
 
     interpolation_error = 0.0
@@ -229,8 +227,8 @@ class Extrapolation:
 
 LONGEST_PROBE = 0.3
 """Longest step of :func:`acceleration` without damping, in the scene's time units; damping of the
-rate r divides it by 1 + r.
-Measured: rounding and the error left by extrapolation are then both about 1e-12 r."""
+rate r divides it by 1 + r. Measured: rounding and the error left by extrapolation are then both
+about 1e-12 r."""
 
 PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # numbers by which the longest step is divided
 

@@ -54,8 +54,7 @@ a gap."""
 
 CLOSED_GAP = 1e-10
 """Gap, over the link's length, below which no further round of Newton's method is needed: it would
-change the rate by less
-than any accuracy."""
+change the rate by less than any accuracy."""
 
 # rounds of Newton's method: an error of 1e-3 falls to 1e-6, 1e-12 and then rounding
 NEWTON_ROUNDS = 3
@@ -71,8 +70,8 @@ def contact_row(
     """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,).
 
     The rate of the touching link acts by the lever of the contact point about the link's joint; the
-    rate of a link that carries it
-    acts by the lever of the link's tip. ``turn`` is e^{i angle} of each link.
+    rate of a link that carries it acts by the lever of the link's tip. ``turn`` is e^{i angle} of
+    each link.
     """
     row = np.zeros(len(turn))
     for link, arm, sign in (
@@ -98,8 +97,7 @@ def set_back(
     method.
 
     Nearest is meant in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times
-    the gaps and their rates. In
-    contacts that stick the slip velocity is removed too.
+    the gaps and their rates. In contacts that stick the slip velocity is removed too.
     """
     pieces = pieces or [None] * len(pairs)
     mechanism = gaps.mechanism
@@ -178,10 +176,8 @@ def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     rate wedges the link.
 
     Each contact's normal velocity is drift + lever * rate. With levers of opposite signs, one rate
-    can make both velocities positive
-    only if the sum of drift / abs(lever), in which the rate cancels, is positive. The result is
-    infinite for levers of the same
-    sign.
+    can make both velocities positive only if the sum of drift / abs(lever), in which the rate
+    cancels, is positive. The result is infinite for levers of the same sign.
     """
     levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:

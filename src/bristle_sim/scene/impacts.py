@@ -1,13 +1,11 @@
 """Impact laws.
 
 An instantaneous law takes a scene, a state and a pair, and returns the state after the impact and
-the contact record. A law
-that resolves the contact in time returns a spring instead, which acts in the run's own loop
-(:mod:`bristle_sim.scene.compliant`).
+the contact record. A law that resolves the contact in time returns a spring instead, which acts in
+the run's own loop (:mod:`bristle_sim.scene.compliant`).
 
 To add a law, write a subclass of :class:`ContactLaw`, name it in ``contact_law`` of that module and
-among the words of
-``Contact.law``.
+among the words of ``Contact.law``.
 """
 
 from __future__ import annotations
@@ -155,9 +153,8 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     tell them apart.
 
     A contact point with one degree of freedom, moved by it alone, has v_t/v_n = K_nt/K_nn. Its slip
-    and its approach end at one
-    impulse. With an error of the slip the slip could end earlier, and the point would stick while
-    it still approaches.
+    and its approach end at one impulse. With an error of the slip the slip could end earlier, and
+    the point would stick while it still approaches.
     """
     (normal, coupling), _ = space.inverse_mass.tolist()
     if space.stick_compliance or not normal:
@@ -181,10 +178,9 @@ class EngineLaw(ContactLaw):
     impulse, by iteration.
 
     It serves for comparison. The coefficient of restitution is the engine's ``elasticity``. The law
-    has no phases and only one
-    friction coefficient, and may gain energy where bodies are joined in a chain. ``iterations`` is
-    the number of the engine solver's
-    iterations, by default the engine's own 10.
+    has no phases and only one friction coefficient, and may gain energy where bodies are joined in
+    a chain. ``iterations`` is the number of the engine solver's iterations, by default the engine's
+    own 10.
     """
 
     iterations: int = 10

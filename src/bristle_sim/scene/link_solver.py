@@ -1,17 +1,15 @@
 """The velocity of a single link that obeys its joint and a sustained contact, in closed form.
 
 A link on its joint has one degree of freedom, its rate w. Let l_n and l_t be the levers of normal
-and tangent about the joint, u
-the velocity of the joint, and p the normal impulse. Friction adds the impulse f p along the
-surface, with f = -mu s and the
-sense of slip s. The contact stays closed if
+and tangent about the joint, u the velocity of the joint, and p the normal impulse. Friction adds
+the impulse f p along the surface, with f = -mu s and the sense of slip s. The contact stays closed
+if
 
     u.n + l_n (w + (l_n + f l_t) p/I) = 0,
 
 where I is the moment of inertia about the joint, plus the belt's damping times the step. This is
-the solution of
-:mod:`bristle_sim.scene.solver` for one link. With that module's matrices a pass would take 2.5
-times as long.
+the solution of :mod:`bristle_sim.scene.solver` for one link. With that module's matrices a pass
+would take 2.5 times as long.
 """
 
 from __future__ import annotations
@@ -32,8 +30,7 @@ _set_velocity = lib.cpBodySetVelocity
 
 Touch = Callable[[float, float, float, float], tuple[float, float, float, float]]
 """Takes x and y of the joint, cosine and sine of the link's angle; returns x and y of the contact
-point's arm from the joint,
-and x and y of the normal."""
+point's arm from the joint, and x and y of the normal."""
 
 
 class LinkVelocity:

@@ -1,7 +1,8 @@
-"""Event functions and the one locator: where within an interval of motion a function is zero.
+"""The locator of events: the instant within an interval of motion at which an event's value is
+zero.
 
-The zero is first estimated on the polynomial through the interval's states. Then the engine is run again from the restored
-start over a shorter time, until the zero is at the end.
+The zero is first estimated on the polynomial through the interval's states. The engine is then run
+again from the interval's start over a shorter time, until the interval ends at the zero.
 """
 
 from __future__ import annotations
@@ -21,25 +22,33 @@ Value = Callable[[IntervalResult], float]
 """A function of the result of an interval."""
 
 LOCATED_VALUE = 1e-3
-"""Fraction of the accuracy to which a sign change is located, relative to the ends' values."""
+"""Tolerance of a located zero, over the run's accuracy times the larger value at the interval's
+ends."""
 
-RATE_ROUNDING = 1e-13  # of the difference of two rates that give an acceleration, and of a force times a duration
+# rounding of the difference of two rates, scene units: of an acceleration, or a force, times the
+# interval's length
+RATE_ROUNDING = 1e-13
 
 EXTREME_ERROR = 0.1
-"""Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
-between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384 = 1 % of its amplitude."""
+"""Error of an extreme estimated from five values, over the function's range within the interval.
+The cubic between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384
+= 1 % of the motion's amplitude."""
 
 LONGEST_OF_A_FORCE = 0.025
-"""Longest interval, in time scales of the fastest motion, in which a zero of a force is located: extrapolation from h/4, h/5, h/6
-and h/7 leaves h^4/840 of the force's fourth derivative, and its error is not estimated."""
+"""Longest interval, in time scales of the fastest motion, in which a zero of a force is located.
+Extrapolation from h/4, h/5, h/6 and h/7 leaves h^4/840 times the force's fourth derivative, and no
+estimate shows this error."""
 
 ROUGH_VALUE = 0.01
+"""Tolerance of a force's zero located in a longer interval, over the larger value at the interval's
+ends."""
+
 BEFORE_ZERO = 0.95
-"""Fraction of the ends' values to which a zero of a force is located in a longer interval, and fraction of the time to it after which
-a shorter interval begins."""
+"""Fraction of the time to that zero after which a shorter interval begins."""
 
 ENDS_WITHOUT_EXTREME = 0.01
-"""Fraction of an interval from its ends in which a function hardly moves."""
+"""Fraction of an interval, from either end, in which an extreme is ignored: the function hardly
+changes there."""
 
 
 class Monitor:
@@ -47,15 +56,18 @@ class Monitor:
 
     Attributes:
         event: the watched event.
-        exact: the value as a function of the state, where ``event.value`` has the error of a difference over the interval.
+        exact: the value as a function of the state, where ``event.value`` has the error of a
+            difference over the interval; None otherwise.
         difference: whether the value contains a difference of rates over a step.
-        noise: values below this have no sign.
+        noise: size below which a value has no sign.
         sign: the last sign; None while it is unknown.
         reached: the value at the end of the last interval.
     """
 
     def __init__(self, event: Event, system: System) -> None:
-        """Take the sign at the start of a smooth motion: a change in its first interval is then an event, too."""
+        """Take the sign at the start of a smooth motion, so that a change in the motion's first
+        interval is an event too.
+        """
         self.event = event
         self.exact: Callable[[State], float] | None = None
         if event.kind is Kind.HIGHEST_SPEED:
@@ -70,13 +82,14 @@ class Monitor:
             self.sign = self.sign_of(value)
 
     def sign_of(self, value: float) -> float | None:
-        """Return the sign of a value, or the last one where the value has none."""
+        """Return the sign of a value, or the last sign if the value has none."""
         return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
 
     def follow(self, value: float) -> None:
         """Take the sign of a value at an interval's end.
 
-        A change of sign that is an event is left to the next interval, at whose start the event then is.
+        A change of sign that is an event is left to the next interval, which then begins with the
+        event.
         """
         sign = self.sign_of(value)
         if self.sign in (None, sign) or self.event.direction == self.sign:
@@ -107,7 +120,9 @@ def first_change(
 
 
 def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
-    """Return the values at the ends of an interval in which the event triggers, or None."""
+    """Return the values at both ends of an interval in which the event triggers; None in other
+    intervals.
+    """
     event = monitor.event
     exact = monitor.exact
     right = event.value(interval.end)
@@ -136,7 +151,9 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
 
 
 def _rise(value: Value, interval: Interval, instant: float) -> float:
-    """Return a time at which a value is positive that rises from zero and is negative at the end; 0 if it never was."""
+    """Return a time at which a value that rises from zero and ends negative is positive; 0 if there
+    is none.
+    """
     time = interval.length
     while time > instant:
         time *= 0.5
@@ -146,7 +163,9 @@ def _rise(value: Value, interval: Interval, instant: float) -> float:
 
 
 def _may_have_changed(value: Value, interval: Interval, right: float) -> bool:
-    """Whether an acceleration may have had another sign at the start of its first interval, by the polynomial."""
+    """Return whether an acceleration may have had another sign at the start, by the interval's
+    polynomial.
+    """
     moment = 1e-3 * interval.length
     rates = zip(interval.start.rates, interval.at(moment).rates, strict=True)
     left = value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
@@ -154,7 +173,9 @@ def _may_have_changed(value: Value, interval: Interval, right: float) -> bool:
 
 
 def _is_far(system: System, monitor: Monitor, interval: Interval) -> bool:
-    """Whether a zero of a force must be looked for in a shorter interval, which begins just before it."""
+    """Return whether a force's zero must be located in a shorter interval that begins just before
+    it.
+    """
     longest = LONGEST_OF_A_FORCE * system.plan.time_scale
     return monitor.difference and monitor.exact is None and interval.length > longest
 
@@ -199,14 +220,19 @@ def _zero(
     time = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
-        # A step beyond the release would pull: the last one before it is accurate.
+        # In a step beyond the release the contact would pull; the last step before the release is
+        # accurate.
         time = time * (1.0 - back)
         back = 10.0 * back
     return result
 
 
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
-    """Shorten the interval to the function's extreme, by parabolas through its values, if it changes its sign twice before the end."""
+    """Return the interval up to the value's extreme, if the value changes its sign twice before the
+    interval's end.
+
+    The extreme is that of parabolas through five values.
+    """
     sense = -float(event.direction)
     length = interval.length
     end = interval.end
@@ -219,7 +245,9 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     if not (
         bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)
     ):
-        return interval  # without an extreme within, or far above zero there, nothing is missed
+        # no double change of sign is missed if there is no extreme within, or if the extreme is far
+        # above zero
+        return interval
     quarters = [sense * event.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
     margins = [first, quarters[0], middle, quarters[1], last]
     if math.isnan(sum(margins)) or last < 0.0:
@@ -237,19 +265,21 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
 
 
 MOST_GUESSES = 4
-"""Most guesses; one or two bring an event that is found on the polynomial of a whole interval to rounding."""
+"""Most guesses for one event. One or two are enough to locate an event to rounding."""
 
-MOST_SECANTS = 3  # by the accelerations, from a guess's end
+MOST_SECANTS = 3  # most secant steps from the end of a guess, by the accelerations there
 ROUNDED_TOLERANCES = 10.0
-"""Tolerances within which the value at the last guess must be, where rounding lets none come nearer."""
+"""Largest value accepted at the last guess, over the tolerance: rounding may let no guess come
+nearer."""
 
-SLOPE_SPAN = 1e-4  # fraction of an interval over which a slope is taken, before a secant step
-GUESS_TOLERANCE = 1e-7  # to which a guess is located, relative; the polynomial is hardly better
+SLOPE_SPAN = 1e-4  # fraction of an interval over which the slope for the first secant step is taken
+# relative tolerance of a guess on the polynomial, which is hardly more accurate
+GUESS_TOLERANCE = 1e-7
 
 MOST_MOVED = 0.1
-"""Longest time by which a result is moved with its accelerations, in units of the fastest motion's time scale times the
-square root of an interval's permitted error. With accelerations wrong by that root, the rates are then off by a tenth of
-the error."""
+"""Longest time by which a result is moved on with its accelerations, over the time scale of the
+fastest motion times the square root of an interval's permitted error. If the accelerations are
+wrong by that root, the rates are off by a tenth of the permitted error."""
 
 
 def settle(
@@ -259,9 +289,11 @@ def settle(
     near: float,
     tolerance: float,
 ) -> IntervalResult | None:
-    """Return the result, near a guessed time, at which a function of the state is zero; None where guesses do not converge.
+    """Return the result, near a guessed time, at which a function of the state is zero; None if the
+    guesses do not converge.
 
-    Each guess is followed by secant steps along the motion with the accelerations at its end.
+    Each guess is followed by secant steps along the motion, with the accelerations at the guess's
+    end.
     """
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
@@ -296,11 +328,13 @@ def settle(
 def guess(
     value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0
 ) -> float | None:
-    """Return the time, between ``first`` and ``last``, at which a function of the state is zero on the polynomial.
+    """Return the time between ``first`` and ``last`` at which a function of the state is zero on
+    the interval's polynomial.
 
-    None without a change of sign. The value may be NaN where the state does not determine it.
+    Return None without a change of sign. The function may be NaN where the state does not determine
+    it.
     """
-    if interval.length <= 0.0:  # less than the rounding of the time
+    if interval.length <= 0.0:  # shorter than the rounding of the time
         return None
     left = value(interval.at(first) if first else interval.start)
     right = value(interval.end.state if last == interval.length else interval.at(last))

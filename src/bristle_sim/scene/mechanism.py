@@ -21,9 +21,16 @@ Complexes = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid link, inertia about its centre of mass; engine units.
+    """A rigid link; engine units.
 
-    ``centre``, ``tip`` and ``knees``, corners of its centre line, are seen from its joint when its angle is 0, along (0, -1).
+    Positions are those from the link's joint at the angle 0, at which the link is along (0, -1).
+
+    Attributes:
+        mass: mass.
+        inertia: moment of inertia about the centre of mass.
+        centre: centre of mass.
+        tip: end of the link.
+        knees: corners of the centre line between joint and tip.
     """
 
     mass: float
@@ -34,7 +41,7 @@ class Link:
 
     @classmethod
     def rod(cls, mass: float, length: float) -> Link:
-        """Return a uniform slender rod, inertia m L^2/12."""
+        """Return a uniform slender rod, of moment of inertia m L^2/12."""
         return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
 
     @property
@@ -44,7 +51,7 @@ class Link:
 
 
 class State(NamedTuple):
-    """Time, and absolute angle and rate of every link; engine units, rad."""
+    """Time, and the absolute angle, rad, and rate of every link; engine units."""
 
     time: float
     angles: tuple[float, ...]
@@ -52,7 +59,9 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """One link in space: its joint, centre, tip and knees, and velocities of the first three."""
+    """Positions of a link's joint, centre, tip and knees, and the velocities of its joint, centre
+    and tip.
+    """
 
     joint: Vector
     centre: Vector
@@ -71,9 +80,14 @@ class Pose(NamedTuple):
 class ChainConstants(NamedTuple):
     """Constants of identical wires; complex numbers stand for points in the plane.
 
-    Tips, centres and inertias are those of every link, from its joint and about its centre. ``arms`` are g_kj of one wire,
-    transposed: from the joint of link j to the next one (j < k) or to its centre (j = k). ``moments`` are their conjugates times
-    the masses; ``products`` is the mass matrix at the angles 0.
+    Attributes:
+        tips: position of every link's tip from its joint.
+        centres: position of every link's centre from its joint.
+        inertias: moment of inertia of every link about its centre.
+        arms: g_kj of one wire, transposed: from the joint of link j to the next joint (j < k) or to
+            the link's centre (j = k).
+        moments: conjugates of ``arms`` times the masses.
+        products: mass matrix at the angles 0.
     """
 
     tips: Complexes
@@ -86,10 +100,12 @@ class ChainConstants(NamedTuple):
 
 @dataclass
 class Mechanism:
-    """Links in order from the root; the root moves on a circle of ``hub_radius`` at ``hub_speed``, from ``hub_start``.
+    """Links in order from the root, which moves on a circle of ``hub_radius`` at ``hub_speed`` from
+    ``hub_start``.
 
-    Without a hub (radius and speed 0) the root is the origin. The links of several ``wires``, equally many each, follow one
-    another, the foremost wire's first; each root lags the one before it by ``pitch``, rad.
+    Without a hub (radius and speed 0) the root is the origin. Several ``wires`` have equally many
+    links; the links of the foremost wire come first. Each root lags the root before it by
+    ``pitch``, rad.
     """
 
     links: tuple[Link, ...]
@@ -103,7 +119,9 @@ class Mechanism:
     _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Count the links of a wire; ``single_link`` is one link alone, with one degree of freedom."""
+        """Count the links of a wire; ``single_link`` is true for one link alone, with one degree of
+        freedom.
+        """
         self.wire_links = len(self.links) // self.wires
         self.single_link = len(self.links) == 1
         self._known = deque(maxlen=3)
@@ -117,14 +135,14 @@ class Mechanism:
         return self.hub_angle(time) - link // self.wire_links * self.pitch
 
     def wire(self, number: int) -> Mechanism:
-        """Return one of the wires alone."""
+        """Return a mechanism of one of the wires alone."""
         own = slice(number * self.wire_links, (number + 1) * self.wire_links)
         return Mechanism(
             self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch
         )
 
     def poses(self, state: State) -> list[Pose]:
-        """Return the poses of all links; the last few are cached, as the same state is needed repeatedly."""
+        """Return the poses of all links; those of the last three states are cached."""
         for known, poses in self._known:
             if known is state:
                 return poses
@@ -165,9 +183,15 @@ class Mechanism:
     def walk(
         self, time: Array, angles: Array, rates: Array
     ) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
-        """Yield each link of a wire with e^(i angle), its rate, and its joint's position and velocity, at times, angles, rates.
+        """Yield each link of a wire with its turn, rate, and its joint's position and velocity, at
+        the given times.
 
-        Points are complex numbers x + iy. A point with the arm r from a joint at p has the velocity p' + i rate r.
+        Points are complex numbers x + iy. A point with the arm r from a joint at p has the velocity
+        p' + i rate r.
+
+        Yields:
+            The link, e^(i angle), the rate, the joint's position and the joint's velocity; arrays
+            over the times.
         """
         joint = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
         velocity = 1j * self.hub_speed * joint
@@ -179,9 +203,15 @@ class Mechanism:
             velocity = velocity + 1j * rate * tip
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
-        """Return the corners of a wire's centre line from root to tip, and their velocities, each of shape (n, corners, 2).
+        """Return the corners of a wire's centre line from root to tip, and their velocities.
 
-        ``time`` has the shape (n,), ``angles`` and ``rates`` of every link (n, links).
+        Args:
+            time: times, shape (n,).
+            angles: angles of the links, rad, shape (n, links).
+            rates: rates of the links, shape (n, links).
+
+        Returns:
+            Positions and velocities, each of shape (n, corners, 2).
         """
         corners: list[tuple[Array, Array]] = []
         for link, turn, rate, joint, velocity in self.walk(time, angles, rates):
@@ -194,7 +224,9 @@ class Mechanism:
         )
 
     def speed_bound(self, state: State) -> float:
-        """Bound the speed of all points, also of two wires relative to each other, while no rate exceeds the state's."""
+        """Return a bound of the speed of all points, or of one wire relative to another, while no
+        rate exceeds the state's.
+        """
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):
             bound += math.hypot(*link.tip) * abs(rate)
@@ -202,7 +234,7 @@ class Mechanism:
 
     @cached_property
     def constants(self) -> ChainConstants:
-        """The constants of the wires, computed when they are first needed."""
+        """Constants of the wires, computed when they are first needed."""
         size = self.wire_links
         tips, centres = np.array(
             [(complex(*link.tip), complex(*link.centre)) for link in self.links]
@@ -219,12 +251,12 @@ class Mechanism:
 
 
 def cross(arm: Vector, direction: Vector) -> float:
-    """Return the lever of a direction at an arm."""
+    """Return the lever of a direction through the end of an arm, about the arm's start."""
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
 class Curve:
-    """The polynomial through angles and rates of states: cubic for two of them, quintic for three."""
+    """The polynomial through the angles and rates of two states (cubic) or three states (quintic)."""
 
     def __init__(self, *states: State) -> None:
         """Compute the coefficients of Newton's form for each link, by divided differences."""

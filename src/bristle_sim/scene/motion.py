@@ -1,6 +1,7 @@
-"""The smooth motion between two changes of contact: in flight, separating, in sustained contact, or several of these at once.
+"""The smooth motion between two changes of contact: in flight, in contact, or both at different
+links.
 
-It integrates one interval after another, and shortens each to its first event.
+It is integrated interval by interval; an interval is shortened to its first event.
 """
 
 from __future__ import annotations
@@ -25,24 +26,31 @@ from bristle_sim.scene.touches import SHORTEST_INTERVAL, first_touch_of_all
 from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
-"""Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
-cubic through the ends is good to 1/384 of the motion."""
+"""Longest interval, in radians of the fastest motion. Within it each event's value changes its sign
+once at most, and the cubic through the ends is off by at most 1/384 of the motion."""
 
 BEYOND_RELEASE = 1.02
-"""Multiple of the time to an expected release that the next interval takes, to contain it."""
+"""Length of the next interval over the time to an expected release, so that the interval contains
+the release."""
 
-BEFORE_RELEASE = 0.95  # of the time to a release located by the steps of one repetition: an interval that ends before it
+# length of an interval that ends before a release, over the time to it, which the steps of one
+# repetition give
+BEFORE_RELEASE = 0.95
 SHORTEST_CONTACT_INTERVAL = 1e-9
-"""Fraction of a contact with a spring in which rounding exceeds the tolerance."""
+"""Shortest interval of a contact with a spring, over the contact's duration: rounding exceeds the
+tolerance in a shorter one."""
 
 OVERDUE_DURATIONS = 10.0
-"""Expected durations after which a contact in the rigid-body limit is no impact: it is pressed on."""
+"""Duration of a contact in the rigid-body limit, over the expected one, above which it counts as
+pressed on, not as an impact."""
 
 SHORTEST_SAMPLED = 2e-3
-"""Shortest interval with inner states; shorter ones are left to the cubic, whose error falls with their third power."""
+"""Shortest interval with inner states, scene time units. In a shorter one the cubic is enough: its
+error falls with the third power of the length."""
 
 CUBIC_RATE_ERROR = 0.1
-"""Fraction of the requested error of the rate above which the middle alone is not enough."""
+"""Error of the cubic's rate, over the requested error of the rate, above which one inner state is
+not enough."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest
@@ -55,12 +63,13 @@ class Motion:
 
     Attributes:
         contacts: the active contacts, the rigid ones first.
-        separating: pairs that have been released but whose gaps are not open yet.
-        rigid, load: the object that keeps rigid contacts closed, and the forces of all contacts; None without any.
-        limit: longest permitted next interval: a contact may be over as soon as it begins.
-        before: the last interval's end; None in the first interval.
+        separating: pairs that have been released but whose gaps are still closed.
+        rigid: keeps rigid contacts closed; None without rigid contacts.
+        load: forces of all contacts; None without contacts.
+        limit: longest permitted next interval; a contact may end as soon as it begins.
+        before: result at the last interval's end; None in the first interval.
         locked: whether no force keeps the rigid contacts closed.
-        monitors: of the motion's events, those of contacts first.
+        monitors: monitors of the motion's events, contact events first.
     """
 
     contacts: tuple[ActiveContact, ...] = ()
@@ -94,9 +103,11 @@ class Motion:
 
 
 def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happening | None]:
-    """Integrate over an interval; return it, or a change of contacts if their forces have vanished.
+    """Integrate over an interval.
 
-    Without either the next interval must be shorter.
+    Returns:
+        The interval, or None; then the event that changes a contact whose force has vanished, or
+        None. If both are None, the next interval must be shorter.
     """
     start = system.state
     first = motion.before is None
@@ -114,7 +125,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
         gone = result.failed or min(forces) <= 0.0
         slipping = None if gone else motion.rigid.breaks_away(result.totals)
         if (gone or slipping is not None) and first and length > system.plan.instant:
-            # Whether it is so from the beginning shows in an instant.
+            # An interval of an instant shows whether the force is gone from the beginning.
             motion.limit = system.plan.instant
             return None, None
         if slipping is not None:
@@ -133,9 +144,11 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 
 
 def _due(motion: Motion) -> Happening | None:
-    """Return the event of a spring that has happened before the motion begins, together with the last event.
+    """Return the event of a spring that coincides with the event before the motion; None without
+    one.
 
-    Of two events that end a phase together, each located to the tolerance, the later one may lie just before the other.
+    Two events that end a phase together are each located to the tolerance, so that the later one
+    may lie just before the first.
     """
     for monitor in motion.monitors:
         event = monitor.event
@@ -149,7 +162,7 @@ def _due(motion: Motion) -> Happening | None:
 
 
 def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening:
-    """Return the beginning of the slip, against friction, of a contact that has stuck."""
+    """Return the event of a contact that has stuck and begins to slip against friction."""
     return Happening(
         Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1
     )
@@ -158,10 +171,12 @@ def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening
 def _approach_release(
     system: System, motion: Motion, rigid: RigidContacts, result: IntervalResult, length: float
 ) -> Happening | None:
-    """Shorten the interval towards the instant at which a force vanishes, or release the contact or its stick.
+    """Return the event at which a contact is released or begins to slip; None if the next interval
+    must be shorter first.
 
-    Only a contact that does not stick is released: its force vanishes where its gap begins to open. In stick the force also
-    depends on friction, which cannot act without it, and the gap may still close.
+    Only a contact that does not stick is released: its force vanishes where its gap begins to open.
+    In stick the normal force also depends on friction, which cannot without the normal force, and
+    the gap may still close.
     """
     plan = system.plan
     first = motion.before is None
@@ -180,7 +195,9 @@ def _approach_release(
 
 
 def _until_release(motion: Motion) -> float:
-    """Return an interval that ends just after the first force vanishes, extrapolated from the last one."""
+    """Return the length of an interval that ends just after the first force vanishes, by
+    extrapolation.
+    """
     return BEYOND_RELEASE * min(
         (contact.vanishes_in for contact in motion.contacts), default=math.inf
     )
@@ -189,13 +206,16 @@ def _until_release(motion: Motion) -> float:
 def up_to_first_event(
     system: System, motion: Motion, interval: Interval
 ) -> tuple[Interval | None, Happening | None]:
-    """Return an interval up to its first event, and the event; None for the interval if it must be shorter."""
+    """Return an interval up to its first event, and the event; None for both if the interval must
+    be shorter.
+    """
     whole = interval
     of_contacts = [
         monitor for monitor in motion.monitors if monitor.event.kind not in OF_THE_MOTION
     ]
     of_motion = [monitor for monitor in motion.monitors if monitor.event.kind in OF_THE_MOTION]
-    # Changes of contact come first: a link that slides onto its neighbour does not touch before that.
+    # Events of contacts come first: a link that slides onto its neighbour does not touch the
+    # obstacle with it before.
     interval, triggered = first_change(system, of_contacts, interval)
     changed = interval
     active = [contact.pair for contact in motion.contacts]
@@ -219,9 +239,11 @@ def up_to_first_event(
 
 
 def _is_accurate(system: System, motion: Motion, interval: Interval) -> bool:
-    """Return whether an interval cut short at an event may be accepted; if not, the next one is shorter.
+    """Return whether an interval cut short at an event is accurate enough; if not, the next one is
+    shorter.
 
-    Its integration is another one than that of the whole interval, whose estimate may have been too small.
+    The shortened interval is integrated anew, and its error may exceed the estimate for the whole
+    interval.
     """
     end = interval.end
     length = interval.length
@@ -232,10 +254,10 @@ def _is_accurate(system: System, motion: Motion, interval: Interval) -> bool:
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
-    """Accept an interval's end; links in sustained contact are set back onto their obstacles.
+    """Accept an interval's end, and set links in sustained contact back onto their obstacles.
 
-    The first interval of a flight after a contact, which may be the only one, gets one more sample where the polynomial through
-    three is less accurate than the run.
+    The first interval of a flight after a contact may be the flight's only one. It gets one more
+    sample where the polynomial through three samples is less accurate than the run.
     """
     gaps = system.gaps
     recording = system.recording
@@ -277,7 +299,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
         sums = sums_of(interval.end.totals, index)
         contact.add(sums)
         if contact.spring is None:
-            # A release is located to rounding, on either side.
+            # A located release has the error of rounding, which may make the force negative.
             begins[contact] = max(0.0, contact.expect_release(sums, interval.length))
             ends[contact] = max(0.0, sums.normal)
         else:
@@ -312,12 +334,15 @@ def _proposed(system: System, motion: Motion) -> float:
 
 
 def _inner_states(system: System, rigid: RigidContacts, interval: Interval) -> list[State]:
-    """Return states within the last interval; for a single link in contact they follow from geometry alone."""
+    """Return states within the last interval of a single link in contact, which follow from
+    geometry alone.
+    """
     length = interval.length
     gaps = system.gaps
     guess = interval.at(0.5 * length)
     middle = rigid.set_back(gaps, guess)
-    # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
+    # An error of the angle that is e in the middle and 0 at the ends is an error of 8 e/length in
+    # the rate.
     error = 8.0 * abs(middle.angles[-1] - guess.angles[-1])
     if error <= CUBIC_RATE_ERROR * system.plan.accuracy * length * abs(middle.rates[-1]):
         return [middle]
@@ -326,9 +351,11 @@ def _inner_states(system: System, rigid: RigidContacts, interval: Interval) -> l
 
 
 def overdue(system: System, motion: Motion) -> Happening | None:
-    """Return the event that ends a contact lasting over ``OVERDUE_DURATIONS`` times as long as expected.
+    """Return the event that ends a contact lasting over ``OVERDUE_DURATIONS`` times as long as
+    expected; None without one.
 
-    Only a contact in the rigid-body limit, or a single one of rigid links, is ended so: nothing else would end it.
+    It ends only contacts in the rigid-body limit and single contacts of rigid links, which would
+    not end otherwise.
     """
     single = system.plan.single_contact and not system.scene.effects.hinges
     for contact, spring in motion.springs:

@@ -1,7 +1,9 @@
-"""Search for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a maximum).
+"""Search for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a
+maximum).
 
-The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays. Its direction from
-the workpart's normal decides when the bristle is released; the lag at the strike falls as the direction grows.
+The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release
+stays. Its direction from the workpart's normal decides when the bristle is released; the lag at the
+strike falls as the direction grows.
 """
 
 from __future__ import annotations
@@ -56,7 +58,8 @@ def placed(tool: Tool, direction: float) -> Tool:
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
-    """Return the bar's centre, by the keys of its coordinates, in directions at its distance, rad."""
+    """Return the bar's centre, by the keys of its coordinates, in directions at its distance,
+    rad."""
     distance = math.hypot(*_bar_of(tool).centre)
     return {
         "bar_horizontal": distance * np.sin(directions),
@@ -71,7 +74,8 @@ def _bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return the function of the bar's direction, and the step in which directions are looked over, rad."""
+    """Return the function of the bar's direction, and the step in which directions are looked over,
+    rad."""
     _bar_of(tool)
 
     def strikes(directions: Array) -> Mapping[str, NDArray[Any]]:
@@ -123,7 +127,8 @@ def _single(strikes: Strikes, direction: float) -> Measures:
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
-    """Return the direction of the bar for the fastest tip, uphill from a start, by Brent's method, rad."""
+    """Return the direction of the bar for the fastest tip, uphill from a start, by Brent's method,
+    rad."""
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
     speeds = np.nan_to_num(strikes(directions)["tip_speed_at_contact"])
     middle = math.floor(start / step)

@@ -126,7 +126,8 @@ def cue_map(
 def _referred(
     tool: Tool, settings: Settings, radial: bar_search.Place, fastest: bar_search.Place
 ) -> Values:
-    """Return the quantities of the independent solution, interpolated between its passes next to the places that were found."""
+    """Return the quantities of the independent solution, interpolated between its passes next to
+    the places that were found."""
     from bristle_sim.reference import simulate_reference
 
     options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
@@ -193,7 +194,8 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
 
 
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
-    """Return S_H and S_V of the bar, m, and measures of the strike over them, shape (S_V, S_H), NaN where it cues none.
+    """Return S_H and S_V of the bar, m, and measures of the strike over them, shape (S_V, S_H), NaN
+    where it cues none.
 
     The maps show the tool's bar and the places that were found.
     """

@@ -29,7 +29,8 @@ MOST_CHANGES = 200  # beyond which the outcome changes almost everywhere in the 
 class Change:
     """A change of the outcome at the value ``at`` of a key, with the outcomes below and above it.
 
-    ``confirmed``: whether the scene has these outcomes a ten-thousandth of the range below and above.
+    ``confirmed``: whether the scene has these outcomes a ten-thousandth of the range below and
+    above.
     """
 
     at: float
@@ -55,7 +56,8 @@ def limits(
         between: one key with the two ends of the range, numbers in SI units or texts with a unit.
 
     Raises:
-        ValueError: for a tool whose passes are not computed in arrays, for anything but one key with two different ends, a key or value that is refused, or more than 200 changes.
+        ValueError: for a tool whose passes are not computed in arrays, for anything but one key
+            with two different ends, a key or value that is refused, or more than 200 changes.
     """
     tool = Tool() if tool is None else tool
     if reason := unable(tool):
@@ -95,7 +97,8 @@ def limits(
 
 
 def _beside(places: Array, first: float, last: float) -> Array:
-    """Return values below and above each place, BESIDE of the range away, nearer where the next place is near."""
+    """Return values below and above each place, BESIDE of the range away, nearer where the next
+    place is near."""
     gaps = np.diff(places, prepend=first, append=last)
     steps = np.minimum(BESIDE * (last - first), 0.25 * np.stack([gaps[:-1], gaps[1:]]))
     return np.asarray((places + steps * [[-1.0], [1.0]]).T)

@@ -1,4 +1,5 @@
-"""A scenario's quantities over one key or two: of passes in arrays where that is possible, else of single runs."""
+"""A scenario's quantities over one key or two: of passes in arrays where that is possible, else of
+single runs."""
 
 from __future__ import annotations
 
@@ -68,7 +69,8 @@ class Swept:
 
 
 ROUNDING = 1e-7
-"""Range of a quantity's values over their size, below which it counts as constant: tenfold the usual accuracy of the passes."""
+"""Range of a quantity's values over their size, below which it counts as constant: tenfold the
+usual accuracy of the passes."""
 
 
 def _spread(values: Array) -> float:
@@ -77,7 +79,8 @@ def _spread(values: Array) -> float:
 
 
 def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -> Swept:
-    """Return the quantities of the whole pass over keys of a straight rigid bristle, and the scene's agreement at some points."""
+    """Return the quantities of the whole pass over keys of a straight rigid bristle, and the
+    scene's agreement at some points."""
     names = list(axes)
     grids = dict(zip(names, np.meshgrid(*axes.values(), indexing="ij", sparse=True), strict=True))
     passes = pass_quantities(tool, settings, **grids)
@@ -103,13 +106,15 @@ def sweep_of_runs(
     """Run a scenario at every combination of the values of one or two keys.
 
     Args:
-        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
+        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError
+            of a point is its reason.
         axes: the values of each key, in SI units.
-        workers, store: those of :func:`bristle_sim.sweep`, which raises the same errors. Without both, and without the extra
-            ``sweep``, the points are computed one after the other.
+        workers, store: those of :func:`bristle_sim.sweep`, which raises the same errors. Without
+            both, and without the extra ``sweep``, the points are computed one after the other.
 
     Returns:
-        The simulated values of the report's quantities; those by formula for one that is nowhere simulated.
+        The simulated values of the report's quantities; those by formula for one that is nowhere
+        simulated.
     """
     function = functools.partial(_quantities, run)
     shape = tuple(len(values) for values in axes.values())
@@ -148,7 +153,8 @@ def sweep_of_runs(
 
 
 def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict[str, NDArray[Any]]:
-    """Return the results of a function at every combination of values, and the reasons of failures."""
+    """Return the results of a function at every combination of values, and the reasons of
+    failures."""
     shape = tuple(len(values) for values in axes.values())
     columns: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
     points = itertools.product(*(values.tolist() for values in axes.values()))
@@ -162,7 +168,8 @@ def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Return a report's simulated values, the formula's for the others, and the reason why some may be missing."""
+    """Return a report's simulated values, the formula's for the others, and the reason why some may
+    be missing."""
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
     if report.outcome_in_words in OUTCOMES:

@@ -52,10 +52,11 @@ def strike_of_keys(
 
 
 def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the measures of the strikes of tools at arrays of their keys, in the units of STRIKE_UNITS.
+    """Return the measures of the strikes of tools at arrays of their keys, in the units of
+    STRIKE_UNITS.
 
-    They are computed in arrays where that is possible, else by the scene, one at a time. A strike that the bar has not cued, or
-    none, is NaN; ``failure`` has the reason.
+    They are computed in arrays where that is possible, else by the scene, one at a time. A strike
+    that the bar has not cued, or none, is NaN; ``failure`` has the reason.
     """
     if unable(tool):
         return _strikes_by_scene(settings, tool, values)

@@ -1,4 +1,5 @@
-"""A sweep in sentences: how quantities run over one key or two, where the outcome changes, which points lack results."""
+"""A sweep in sentences: how quantities run over one key or two, where the outcome changes, which
+points lack results."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ NAMED = 3  # quantities that an answer names
 
 
 def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
-    """Return how the first quantities run, where the outcome changes, why points lack results, and what the scene says."""
+    """Return how the first quantities run, where the outcome changes, why points lack results, and
+    what the scene says."""
     over = " and ".join(
         f"{key} from {shown_value(found, key, values[0])} to {shown_value(found, key, values[-1])}"
         for key, values in found.axes.items()
@@ -73,7 +75,8 @@ def _between(found: Swept, name: str) -> str:
 
 
 def _outcomes(found: Swept) -> str:
-    """Return the outcomes along the key, with the values from which they hold, or their parts of a map."""
+    """Return the outcomes along the key, with the values from which they hold, or their parts of a
+    map."""
     assert found.outcome is not None
     words = found.outcome.ravel()
     if len(found.axes) > 1:

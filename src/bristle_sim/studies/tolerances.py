@@ -1,13 +1,15 @@
 """Which tolerance matters: inputs spread about their values, and how the strike spreads with them.
 
-Every input is uniform within its half-width about its value, independent of the others. For small spreads the standard
-deviation is that of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2).
+Every input is uniform within its half-width about its value, independent of the others. For small
+spreads the standard deviation is that of first-order error propagation, sqrt(sum (dy/dx_i
+sigma_i)^2).
 
-Sobol indices divide the variance of every output among the inputs. Two samples A and B of a scrambled Sobol sequence, and A
-with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the fraction of the
-variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the fraction in which x_i has a
-part (``scipy.stats.sobol_indices``). The sample consists of sequences with independent scramblings; the scatter of their
-estimates gives the intervals.
+Sobol indices divide the variance of every output among the inputs. Two samples A and B of a
+scrambled Sobol sequence, and A with the columns of B one at a time, give Saltelli's estimate of the
+first-order index V(E(y|x_i))/V(y), the fraction of the variance that would vanish if x_i were
+known, and of the total index E(V(y|all but x_i))/V(y), the fraction in which x_i has a part
+(``scipy.stats.sobol_indices``). The sample consists of sequences with independent scramblings; the
+scatter of their estimates gives the intervals.
 """
 
 from __future__ import annotations
@@ -70,7 +72,8 @@ class Study:
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Spread the inputs of a pass, and report the spread of its strike and the inputs that cause it.
+    """Spread the inputs of a pass, and report the spread of its strike and the inputs that cause
+    it.
 
     Raises:
         ValueError: if somewhere in the intervals the bar cues no strike.
@@ -104,7 +107,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 
 
 def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, float]]) -> str:
-    """Return the agreement with the scene at the tool and at random points of the intervals, in words."""
+    """Return the agreement with the scene at the tool and at random points of the intervals, in
+    words."""
     if reason := unable(tool):
         return f"by the scene, as {reason}"
     random = np.random.default_rng(1).uniform(size=CHECKED_POINTS)
@@ -134,10 +138,11 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
 def propagated(
     function: Callable[..., Measures], intervals: Mapping[str, tuple[float, float]]
 ) -> dict[str, dict[str, float]]:
-    """Return half the change of every output between both ends of each input's interval, the others in the middle.
+    """Return half the change of every output between both ends of each input's interval, the others
+    in the middle.
 
-    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation sqrt(sum (.)^2/3). An output
-    without a value has no change.
+    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation
+    sqrt(sum (.)^2/3). An output without a value has no change.
     """
     size = 2 * len(intervals)
     points = {key: np.full(size, 0.5 * sum(ends)) for key, ends in intervals.items()}
@@ -196,10 +201,11 @@ def sobol_study(
     *,
     seed: int = 1,
 ) -> Study:
-    """Evaluate a function of arrays on Saltelli's samples and estimate the Sobol indices of its outputs.
+    """Evaluate a function of arrays on Saltelli's samples and estimate the Sobol indices of its
+    outputs.
 
-    Each argument is uniform in its interval, and there are at least two outputs. The number of samples is a power of 2, at
-    least twice SEQUENCES. The seed sets the sequences' scramblings.
+    Each argument is uniform in its interval, and there are at least two outputs. The number of
+    samples is a power of 2, at least twice SEQUENCES. The seed sets the sequences' scramblings.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals.
@@ -221,7 +227,8 @@ def sobol_study(
     values = np.array([found[name] for name in outputs]).reshape(len(outputs), inputs + 2, samples)
 
     def indices(chosen: slice) -> Array:
-        """Return first-order and total indices by some points of each sample, shape (2, outputs, inputs)."""
+        """Return first-order and total indices by some points of each sample, shape (2, outputs,
+        inputs)."""
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
         estimate = sobol_indices(func=func, n=of_mixed.shape[-1])
