@@ -256,7 +256,8 @@ def cross(arm: Vector, direction: Vector) -> float:
 
 
 class Curve:
-    """The polynomial through the angles and rates of two states (cubic) or three states (quintic)."""
+    """The polynomial through the angles and rates of two states (cubic) or three states
+    (quintic)."""
 
     def __init__(self, *states: State) -> None:
         """Compute the coefficients of Newton's form for each link, by divided differences."""

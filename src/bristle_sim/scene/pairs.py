@@ -1,8 +1,10 @@
-"""Pairs of a link and its obstacle: the bar (a circle), the workpart (a half-plane) or another wire's link (a capsule).
+"""Pairs of a link and its obstacle: the bar (a circle), the workpart (a half-plane) or another
+wire's link (a capsule).
 
-A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes of pairs
-are larger than the obstacle by ``SHAPE_MARGIN``, which the engine's slop covers. A sustained contact is thus detected at every
-step, and its position is not corrected. Links are not enlarged, so the lever of friction stays exact.
+A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
+The engine's shapes of the obstacles are larger by ``SHAPE_MARGIN``, which the engine's slop covers:
+the engine detects a sustained contact at every step and does not correct its position. Links are
+not enlarged, so the lever of friction stays exact.
 """
 
 from __future__ import annotations
@@ -18,9 +20,10 @@ import pymunk
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 SHAPE_MARGIN = 0.02
-"""Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
+"""Length by which the engine's obstacle shapes are enlarged, over the link's length."""
 
-SAME_GAP = 1e-9  # two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch
+# largest difference of the gaps of two pieces that both touch, over the link's length
+SAME_GAP = 1e-9
 
 LEAST_REACH = 1e-9
 """Least distance of the wire's centre line from the bar's centre, as a fraction of the link's length: a hundred times the
@@ -36,14 +39,16 @@ class ClosestApproach(NamedTuple):
     """Where and how a link is closest to an obstacle.
 
     Attributes:
-        gap: distance, negative inside.
+        gap: distance, negative inside the obstacle.
         arm: contact point seen from the link's joint, along world axes.
         normal: unit vector out of the obstacle.
         velocity: (normal, tangential) velocity of the link's contact point.
-        kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
-            piece of the centre line for a corner or the end, or comes back.
-        piece: which straight piece of the centre line is closest, from 0 at the joint; of two wires, which of their four ends.
-        partner_arm: contact point seen from the joint of the other wire's link; None on a fixed obstacle.
+        kinks: values that pass through 0 where a sustained contact's motion has a kink: the contact
+            leaves a straight piece of the centre line for a corner or the end, or comes back.
+        piece: number of the closest straight piece of the centre line, from 0 at the joint; of two
+            wires, number of the closest of their four ends.
+        partner_arm: contact point seen from the joint of the other wire's link; None on a fixed
+            obstacle.
     """
 
     gap: float
@@ -56,7 +61,7 @@ class ClosestApproach(NamedTuple):
 
     @property
     def tangent(self) -> Vector:
-        """The normal turned clockwise: +x on the workpart."""
+        """The normal turned clockwise, which is +x on the workpart."""
         return (self.normal[1], -self.normal[0])
 
 
@@ -78,7 +83,7 @@ def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
 
 
 def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
-    """Return the normal and the tangential velocity of a link's point."""
+    """Return the (normal, tangential) velocity of a link's point."""
     x = pose.joint_velocity[0] - rate * arm[1]
     y = pose.joint_velocity[1] + rate * arm[0]
     return (x * normal[0] + y * normal[1], x * normal[1] - y * normal[0])
@@ -86,12 +91,21 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 @dataclass(frozen=True, slots=True)
 class BarPair:
-    """Fixed circle that the wire touches: the wire's centre line keeps ``radius + wire_radius`` from ``centre``.
+    """A fixed circle that the wire touches: the wire's centre line stays at least ``radius +
+    wire_radius`` from ``centre``.
 
-    An obstacle has a ``name`` in events and contact records, the number of its ``link`` (the last one is also -1), the number
-    of the other wire's link as its ``partner``, coefficients, the name of the event of a ``first_touch``,
-    the depth of the ``dent`` by which a contact resolved in time has moved its surface back, and the ``corner`` of the link's
-    centre line that touches, -1 for the tip; None where the contact slides along the link.
+    All pairs have these attributes in common.
+
+    Attributes:
+        friction: Coulomb's mu.
+        restitution: coefficient of restitution e*.
+        name: name of the obstacle in events and contact records.
+        link: number of the link; -1 is the last one.
+        partner: number of the other wire's link; None for a fixed obstacle.
+        first_touch: name of the event of a first touch.
+        dent: depth by which a contact resolved in time has moved the surface back.
+        corner: number of the corner of the link's centre line that touches, -1 for the tip; None
+            where the contact slides along the link.
     """
 
     centre: Vector
@@ -123,9 +137,10 @@ class BarPair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
+        """Return the closest approach of the centre line, which has round ends; the contact is on
+        the wire's surface.
 
-        If two pieces touch, the one that approaches faster is used, unless one is named.
+        If two pieces touch, the piece that approaches faster is used, unless ``piece`` names one.
         """
         pose = poses[self.link]
         rate = rates[self.link]
@@ -161,7 +176,11 @@ class BarPair:
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap to other pieces of the link that form an elbow with this one around the bar; infinite if none does."""
+        """Return the least gap to another piece of the link that touches the bar by itself;
+        infinite if there is none.
+
+        A piece whose closest point is its corner towards the given piece is left out.
+        """
         gaps = [math.inf]
         for index, line in enumerate(itertools.pairwise(pose.corners)):
             along, place = _foot(self.centre, line)
@@ -173,7 +192,11 @@ class BarPair:
         return min(gaps)
 
     def foot(self, pose: Pose) -> tuple[float, float]:
-        """Return the bar's centre along the first piece, past its start, and along the last, past its end, in their lengths."""
+        """Return the position of the bar's centre along the first piece, from its start, and along
+        the last piece, from its end.
+
+        Each position is in lengths of its piece.
+        """
         corners = pose.corners
         return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
 
@@ -193,7 +216,9 @@ class BarPair:
 
 @dataclass(frozen=True, slots=True)
 class WorkpartPair:
-    """Half-plane y <= -depth that a corner of the link's centre line touches: its tip, or a knee by its number."""
+    """The half-plane y <= -depth that a corner of the link's centre line touches: its tip, or a
+    knee by its number.
+    """
 
     depth: float
     friction: float
@@ -209,7 +234,7 @@ class WorkpartPair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the corner above the surface; normal +y, tangent +x."""
+        """Return the closest approach of the corner; the normal is +y, the tangent +x."""
         del piece
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
@@ -234,10 +259,12 @@ class WorkpartPair:
 
 @dataclass(frozen=True, slots=True)
 class WirePair:
-    """A straight piece of a link and one of a link of another wire, ``partner``: the end of one touches the other.
+    """A straight piece of a link and a straight piece of a link of another wire, ``partner``; one's
+    end touches the other.
 
-    Both have the radius ``wire_radius``. The normal points from the partner to the link. The ``piece`` of a touch is the end
-    that touches: 0 and 1 are the start and the end of the link's own piece, 2 and 3 those of the partner's.
+    Both wires have the radius ``wire_radius``. The normal points from the partner to the link. The
+    ``piece`` of a closest approach is the end that touches: 0 and 1 are the start and the end of
+    the link's own piece, 2 and 3 are those of the partner's piece.
     """
 
     link: int
@@ -260,7 +287,9 @@ class WirePair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two pieces, or of one named end and the other piece."""
+        """Return the closest approach of the two pieces, or of the end numbered ``piece`` and the
+        other piece.
+        """
         links = (self.link, self.partner)
         own, other = (
             poses[link].corners[number : number + 2]

@@ -25,7 +25,10 @@ def trajectories_in_si(
     parameters: dict[str, Any],
     cost: tuple[float, float, int],
 ) -> tuple[Trajectory, ...]:
-    """Return a trajectory of each wire in SI units, from a system that has run."""
+    """Return a trajectory of each wire in SI units, from a system that has run.
+
+    ``cost`` is wall time, s, processor time, s, and number of engine steps.
+    """
     recording = system.recording
     scene = system.scene
     estimate = recording.error / motion_scale(scene, recording.states[0])
@@ -65,7 +68,7 @@ def trajectories_in_si(
 
 
 def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, Array, Array]:
-    """Return times, and a wire's own angles and rates, of shapes (n,) and (n, links)."""
+    """Return times, and one wire's angles and rates, of shapes (n,), (n, links) and (n, links)."""
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
     return time, angles[:, own], rates[:, own]
 
@@ -86,10 +89,12 @@ def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: U
 def _events(
     recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
 ) -> tuple[Event, ...]:
-    """Return a wire's events; of the largest retractions only that up to the strike, or of the run, is kept.
+    """Return a wire's events, with at most one largest retraction.
 
-    There is none if the retraction is larger at either end of that time than at every turn in between. The one at which the run
-    stops is kept. Events that never happened are named at the end. ``lags`` are times and retractions of the samples.
+    The largest retraction is the largest one at which the wire turns, up to the strike or in the
+    whole run. There is none if the retraction at either end of that time is larger. A largest
+    retraction at which the run stops is kept in any case. Events that never happened are named at
+    the end. ``lags`` are times and retractions of the samples.
     """
     found = []
     names = set()
@@ -125,7 +130,10 @@ def contacts_in_si(
     wire: int,
     units: Units,
 ) -> tuple[ContactRecord, ...]:
-    """Return a wire's contact records, with its own angles and rates, its link in contact and its partner."""
+    """Return a wire's contact records in SI units, with the wire's own angles and rates.
+
+    Each record names the link in contact and the neighbouring bristle that it touches, if any.
+    """
     found = []
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
@@ -150,7 +158,9 @@ def contacts_in_si(
 def energies(
     mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
-    """Return kinetic energy, and potential energy of belt, hinges and gravity, at times, angles and rates; engine units."""
+    """Return the kinetic energy, and the potential energy of belt, hinges and gravity, at each
+    sample; engine units.
+    """
     time, angles, _ = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
     kinetic = np.zeros(len(time))

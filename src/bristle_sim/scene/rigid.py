@@ -1,6 +1,8 @@
-"""Rigid sustained contacts as a load that sums their forces; the solver of the joints keeps them closed.
+"""Rigid sustained contacts as a load that sums their forces; the solver of the joints keeps them
+closed.
 
-A single link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone.
+A single link has one degree of freedom: one contact at a time fixes its motion, which follows from
+geometry and hub alone.
 """
 
 from __future__ import annotations
@@ -25,26 +27,28 @@ from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 
 LEAST_SLIP = 1e-9
-"""Slip, in the scene's unit, below which it has no sense, however accurate the run is."""
+"""Least slip velocity that has a sense, in the scene's unit, however accurate the run is."""
 
 LEAST_ACCELERATION = 1e-7
-"""Acceleration of slip, in the scene's unit, below which it is rounding of a difference over ``MOMENT``."""
+"""Least acceleration of slip that has a sense, in the scene's unit; a smaller one is rounding of a
+difference over ``MOMENT``."""
 
 
 class RigidContacts:
-    """The rigid contacts of a smooth motion, solved for together with the joints; it ends when the force of one of them vanishes.
+    """The rigid contacts of a smooth motion, which are solved for together with the joints.
 
-    In steps that are symmetric in time (``paired``) odd and even ones have errors in the force that cancel in the mean of two.
+    The motion ends when the force of one of them vanishes. In time-symmetric steps (``paired``) the
+    errors of the force in odd and in even steps cancel in the mean of two steps.
 
     Attributes:
-        scene: of the contacts.
+        scene: the scene.
         pairs: the pairs in contact.
-        pieces: for each contact, the touching straight piece of its link.
-        slips: for each contact, the sense of slip that friction opposes until an event changes it. 0 sticks; None is without
-            friction, or a single link that does not slip.
+        pieces: for each contact, number of the touching straight piece of its link.
+        slips: for each contact, the sense of slip that friction opposes until an event changes it.
+            0 sticks; None is without friction, or a single link that does not slip.
     """
 
-    symmetric = True  # they act alike forwards and backwards in time
+    symmetric = True  # rigid contacts act alike forwards and backwards in time
 
     def __init__(
         self,
@@ -64,7 +68,7 @@ class RigidContacts:
         self._steps: list[list[tuple[float, float, float]]] = []
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return the least compliance in slip."""
+        """Let the contacts act from a state on; return their least compliance in slip."""
         self.pieces = [self._next_piece(each, state) for each in self.pairs]
         self.scene.engine.keep_closed(
             [ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)]
@@ -72,13 +76,15 @@ class RigidContacts:
         return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
-        """Set links back onto the pairs; contacts that stick do not slip either."""
+        """Return the nearest state in which the contacts are closed, and in which those that stick
+        do not slip.
+        """
         if self.scene.mechanism.single_link:
             return turned_back(gaps, self.pairs[0], state, self.pieces[0])
         return set_back(gaps, self.pairs, state, self.pieces, self.slips)
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the record of the impulses; return the callback that notes the previous step's."""
+        """Reset the impulses; return the callback that records the impulses of the step before."""
         solver = self.scene.engine.joint_solver
         steps = list[list[tuple[float, float, float]]]()
         self._step = step
@@ -90,7 +96,11 @@ class RigidContacts:
         return note
 
     def totals(self) -> list[float]:
-        """Return the numbers of each contact; where it has to pull in the interval, the last pull is its force."""
+        """Return the numbers of each contact's ``Sums`` in one list.
+
+        The normal force is that of the last step, or of the last step in which the contact would
+        have had to pull.
+        """
         found = list[float]()
         steps = [*self._steps[1:], self.scene.engine.joint_solver.impulses]
         self._pushes = [min(push for push, _, _ in step) for step in steps]
@@ -105,7 +115,9 @@ class RigidContacts:
         return found
 
     def lasts(self) -> float:
-        """Return the fraction of the last interval after which the first force vanishes, by the pushes in its steps."""
+        """Return the fraction of the last interval after which the first normal force vanishes,
+        from the forces of its steps.
+        """
         pushes = self._pushes
         count = next((index for index, push in enumerate(pushes) if push <= 0.0), len(pushes))
         if count < 2:
@@ -120,23 +132,27 @@ class RigidContacts:
         return totals[: NUMBERS * len(self.pairs) : NUMBERS]
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Whether a contact would have to pull."""
+        """Return whether a contact would have to pull."""
         return min(self.normal(totals)) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
-        """Return the margin of a contact's tangential force to the limit of friction."""
+        """Return the friction limit of a contact less the size of its tangential force."""
         sums = sums_of(totals, index)
         return self.pairs[index].friction * sums.normal - abs(sums.tangential)
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the index of the first sticking contact whose force exceeds the friction limit, or None."""
+        """Return the index of the first sticking contact whose tangential force exceeds the
+        friction limit, or None.
+        """
         stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
     def compliance_in_slip(self, gaps: Gaps, state: State, index: int = 0) -> float:
-        """Return the gain of v_n per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt, over that of a free link.
+        """Return the gain of v_n per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt, over
+        that of a free link.
 
-        Where it is not positive, friction or geometry locks the link: no force keeps it there.
+        Where the compliance is not positive, friction or geometry locks the link: no force keeps
+        the contact closed.
         """
         pair = self.pairs[index]
         mechanism = self.scene.mechanism
@@ -195,10 +211,12 @@ def _means(numbers: Sequence[float]) -> Sequence[float]:
 
 
 def sense_of_slip(gaps: Gaps, pair: ContactPair, state: State, error: float) -> int | None:
-    """Return the sense of slip that friction opposes in a new contact; 0 sticks, None is at rest.
+    """Return the sense of slip that friction opposes in a new contact; 0 if it sticks, None if it
+    is at rest.
 
-    The sense of a slip velocity within the run's error is unknown. Several links then stick until friction no longer suffices.
-    A single link slips in the direction of its contact point's acceleration; if that is zero too, it is at rest.
+    The sense of a slip velocity within the run's error is unknown. Several links then stick until
+    friction no longer suffices. A single link slips in the direction of its contact point's
+    acceleration; if the acceleration is zero too, it is at rest.
     """
     slip = gaps.closest(pair, state).velocity[1]
     least = max(LEAST_SLIP, error)

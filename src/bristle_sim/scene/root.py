@@ -1,16 +1,18 @@
-"""The root of a function of time between two instants at which its signs differ."""
+"""The root of a function of time between two instants at which the function has opposite signs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-# time, and fraction of the searched interval, of an instant
+# shortest bracket, in time and over the searched interval: the smaller one counts
 SHORTEST_BRACKET = 1e-15
 SHORTEST_BRACKET_FRACTION = 1e-12
 MOST_TRIALS = 110
-"""Most evaluations; a smooth function takes three to six, and a jump is halved down to the last digit of a double."""
+"""Most evaluations. A smooth function takes three to six; a jump is halved down to the last digit
+of a double."""
 
-LEAST_PART = 1e-10  # fraction of the bracket: closest to its ends that the root is looked for
+# least distance of a trial from the ends of the bracket, over the bracket's length
+LEAST_PART = 1e-10
 
 
 def locate(
@@ -22,13 +24,16 @@ def locate(
     tolerance: float,
     guess: float | None = None,
 ) -> float:
-    """Return the root of a function between two durations at which its signs differ: Chandrupatla's method.
+    """Return the root of a function between two times at which it has opposite signs, by
+    Chandrupatla's method.
 
-    For a jump the method ends in bisection. The value is within ``tolerance`` at the result, or it is the first duration past the
-    root. The first evaluation is at ``guess`` or, without one, at the root of a straight line.
+    The value at the result is within ``tolerance``, or the result is the first time past the root.
+    The first evaluation is at ``guess`` or, without one, at the root of a straight line. For a jump
+    the method becomes bisection.
 
-    T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm*, Adv. Eng. Softw. 28 (1997) 145-149: the root of the
-    inverse quadratic through the last three points if that is monotonic between them, else the middle.
+    T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm*, Adv. Eng. Softw. 28 (1997)
+    145-149: the next trial is the root of the inverse quadratic through the last three points if
+    that is monotonic between them, else the middle.
     """
     last = right
     at_last = at_right
@@ -54,7 +59,8 @@ def locate(
             at_other = at_last
         last = trial
         at_last = found
-        # Seen from the other end, the root's place in units of the point before.
+        # Position and value of the last point from the other end, in units of those of the point
+        # before it.
         place = (last - other) / (before - other)
         height = (at_last - at_other) / (at_before - at_other)
         if height * height < place and (1.0 - height) ** 2 < 1.0 - place:

@@ -1,8 +1,10 @@
-"""The run of a scene: one smooth motion after another, and a decision after each event between them.
+"""The run of a scene: one smooth motion after another, and a decision after each event between
+them.
 
-In flight nothing touches. Where a gap closes, its instant is located and the contact law resolves the impact. If the link then
-rests against the obstacle and is pressed on it, the contact is sustained, with Coulomb friction, until its force has fallen to
-zero; the instant of release is located too. Several contacts may be sustained at a time.
+In flight nothing touches. Where a gap closes, its instant is located and the contact law resolves
+the impact. If the link is then pressed on the obstacle, the contact is sustained, with Coulomb
+friction, until its force has fallen to zero; the instant of release is located too. Several
+contacts may be sustained at a time.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ log = logging.getLogger(__name__)
 
 
 def run(system: System) -> Recording:
-    """Run a system from its present state to the plan's end."""
+    """Run a system from its present state to the plan's end, and return the recording."""
     for _ in run_by_intervals(system):
         pass
     return system.recording
@@ -50,7 +52,7 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
         interval, event = integrate(system, motion)
         if interval is not None:
             interval, event = up_to_first_event(system, motion, interval)
-        log.debug("%.4f", system.state.time / plan.end)  # the fraction of the run that is done
+        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
         if interval is not None:
             if interval.length > 0.0:
                 accept(system, motion, interval)

@@ -32,22 +32,25 @@ from bristle_sim.units import Declared, quantity, shown
 # names in a trajectory's parameters
 METHOD = "pymunk"
 ROW_METHOD = "pymunk, a row of bristles"
-REST_PERIODS = 3.0  # length of a run on a hub at rest, in the scene's periods
+REST_PERIODS = 3.0  # length of a run on a hub at rest, in periods of the bristle
 RETRACTION_LIMIT = (
     math.pi / 2.0
 )  # angle from the radial direction at which a bristle lies on the hub, rad
 OVERLAP_ROUNDING = 1e-11
-"""Fraction of the bristle's length by which it may overlap an obstacle at the start."""
+"""Largest overlap of bristle and obstacle that is accepted at the start, over the bristle's
+length."""
 
 PLACE_KEYS = {
     "bar": ("bar_horizontal", "bar_vertical"),
     "workpart": ("penetration",),
-}  # where they stand
+}  # parameters that place the bar and the workpart
 
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """A start at which every wire has the same angle and rate relative to its root; the numbers are checked."""
+    """A start at which every wire has the same angle and rate relative to its root; every number is
+    checked.
+    """
 
     hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad [requested]")
     relative_angle: float = quantity(
@@ -100,22 +103,27 @@ def simulate_row(
     start_hub_angle: float | None = None,
     stop_after: str | None = None,
 ) -> tuple[Trajectory, ...]:
-    """Simulate in pymunk a row of bristles in one plane; they can touch each other, the bar and the workpart.
+    """Simulate a row of bristles in one plane in pymunk; they can touch each other, the bar and the
+    workpart.
 
-    All start at the same instant, radial and turning with the hub.
+    All bristles start at the same instant, radial and turning with the hub.
 
     Args:
-        tool: each bristle is like the others.
-        settings: numerical settings; ``hub_turn`` is the last bristle's, measured from the start of the foremost one.
-        bristles: number of them.
-        pitch: angle from each root to the one that follows it, rad.
-        neighbour_friction, neighbour_restitution: Coulomb's mu and the energetic coefficient e* between two wires.
-        start_hub_angle: of the foremost root from the direction of the workpart, rad; by default ``tool.start_hub_angle``.
-        stop_after: name of an event; the run ends when every bristle has had it.
+        tool: the tool; every bristle has its parameters.
+        settings: numerical settings; ``hub_turn`` is that of the last bristle, measured from the
+            start of the foremost one.
+        bristles: number of bristles.
+        pitch: angle from each root to the next one behind it, rad.
+        neighbour_friction: Coulomb's mu between two wires.
+        neighbour_restitution: energetic coefficient e* between two wires.
+        start_hub_angle: angle of the foremost root from the direction of the workpart, rad; by
+            default ``tool.start_hub_angle``.
+        stop_after: name of an event; the run ends when every bristle has had this event.
 
     Returns:
-        One trajectory for each bristle, the foremost first, at common instants. The touch of two wires is the event
-        ``wire touch`` of both; the obstacle of its contact records, in which each has its own normal, is ``wire``.
+        One trajectory for each bristle, the foremost first, at common instants. The touch of two
+        wires is the event ``wire touch`` of both. The obstacle of its two contact records is
+        ``wire``; each record has its own normal.
 
     Raises:
         ValueError: as for ``simulate``, and if bristles overlap at the start.
@@ -128,7 +136,7 @@ def simulate_row(
 def run_in_si(
     tool: Tool, system: System, units: Units, parameters: dict[str, Any]
 ) -> tuple[Trajectory, ...]:
-    """Run a prepared system; return the trajectory of each wire in SI units."""
+    """Run a prepared system and return the trajectory of each wire in SI units."""
     engine = system.scene.engine
     wall = clock.perf_counter()
     cpu = clock.process_time()
@@ -147,9 +155,12 @@ def prepare(
     *,
     stop_after: str | None,
 ) -> tuple[System, Units, dict[str, Any]]:
-    """Check the input of a run; return its system, its units, and its description in plain numbers and strings.
+    """Check the input of a run and prepare its system.
 
-    ``begin`` are the hub's angle, and the angle and rate of every wire relative to its root.
+    ``begin`` is the hub's angle, and the angle and rate of every wire relative to its root.
+
+    Returns:
+        The system, its units, and a description of the run in plain numbers and strings.
     """
     tool = checked_tool(tool)
     if not isinstance(settings, Settings | None):
@@ -183,7 +194,7 @@ def prepare(
 
 
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
-    """Return the plan of a run, at whose end the last wire has turned as far as requested."""
+    """Return the plan of a run that ends when the last wire has turned as far as requested."""
     mechanism = scene.mechanism
     turn = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch
     speed = mechanism.hub_speed
@@ -199,19 +210,23 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
     )
 
 
-DAMPED_STEPS = 27  # in the longest damped interval: the least number from which repetitions differ by the error of rates
+# least number of steps in the longest damped interval at which repetitions differ by the error of
+# the rates
+DAMPED_STEPS = 27
 
 LOCAL_FRACTION = 0.05
+"""Error permitted in one interval, over the run's accuracy: enough for twenty intervals."""
+
 SOME_INTERVALS = 50.0
-"""Each interval may use this fraction of the accuracy, enough for some twenty intervals. If damping forces more than the latter
-within the time in which the belt forgets an error, c/k, the fraction shrinks in proportion."""
+"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion. Counted are the
+intervals that damping forces within the time in which the belt forgets an error, c/k."""
 
 
 def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
-    """Return extrapolation to the accuracy.
+    """Return the integrator that keeps a run within the settings' accuracy.
 
     Raises:
-        ValueError: if rounding would hide the accuracy of so small a motion.
+        ValueError: if the motion is so small that rounding would hide errors of the accuracy.
     """
     scale = motion_scale(scene, start)
     fraction = LOCAL_FRACTION

@@ -1,4 +1,6 @@
-"""A run interval by interval: the state, the contacts, the event that ended the interval, and the decision that followed."""
+"""A run interval by interval: the state, the contacts, the event that ended the interval, and the
+decision after it.
+"""
 
 from __future__ import annotations
 
@@ -18,19 +20,23 @@ from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 
 SLIDING = {0: "stick", 1: "slip +", -1: "slip -"}
-"""Words for the senses of slip."""
+"""Names of the senses of slip."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactState:
-    """The state of a contact that lasts, at an instant.
+    """The state of a lasting contact at an instant.
 
     Attributes:
         obstacle: ``bar`` or ``workpart``.
         link: number of the link in contact, from 1 at the root.
-        mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity), ``at rest``, or ``frictionless``; of a
-            contact resolved in time after ``loading,``, ``unloading,`` or ``at rest,``, the phase of its spring.
-        normal_force, tangential_force: on the wire, N; None where the contact begins at this instant without a spring.
+        mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity), ``at
+            rest``, or ``frictionless``. For a contact resolved in time the phase of its spring
+            comes first: ``loading,``,
+                ``unloading,`` or ``at rest,``.
+        normal_force: normal force on the wire, N; None where a contact without a spring begins at
+            this instant.
+        tangential_force: tangential force on the wire, N; None likewise.
     """
 
     obstacle: str
@@ -40,26 +46,32 @@ class ContactState:
     tangential_force: float | None
 
     def __str__(self) -> str:
-        """Return obstacle, mode and normal force in a few words."""
+        """Return obstacle, mode and normal force, for example ``bar (slip + 12.3 N)``."""
         force = "" if self.normal_force is None else f" {self.normal_force:.3g} N"
         return f"{self.obstacle} ({self.mode}{force})"
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The end of one interval of a run, and the decision after the event that ended it; SI units and radians.
+    """The end of one interval of a run, and the decision after the event that ended it; SI units
+    and radians.
 
     Attributes:
-        time: of the end, s.
-        interval: length of the interval, s; 0 of the run's start and of an event at the interval's beginning.
-        angles, rates: absolute angle and rate of each link after the decision, rad and rad/s.
-        rates_before: the rates before the decision; an impact changes them.
+        time: time of the interval's end, s.
+        interval: length of the interval, s; 0 at the run's start, and for an event at the
+            interval's beginning.
+        angles: absolute angle of each link after the decision, rad.
+        rates: absolute rate of each link after the decision, rad/s.
+        rates_before: rates before the decision, rad/s; an impact changes them.
         contacts: the contacts that were active during the interval, with their forces at its end.
-        event: the kind of event that ended the interval, in words; empty without one.
-        subject: the obstacle of the contact that had the event, or ``wire`` for an event of the motion; empty without one.
+        event: the kind of event that ended the interval, in words; empty without an event.
+        subject: the obstacle of the contact that had the event, or ``wire`` for an event of the
+            motion; empty without an event.
         events: names of the events that the trajectory records at this instant.
-        began, ended, changed: the contacts that the decision began, ended, and left in another mode.
-        impacts: records of the impacts that happened at this instant, and of the contacts that ended.
+        began: the contacts that the decision began.
+        ended: the contacts that the decision ended.
+        changed: the contacts whose mode the decision changed.
+        impacts: records of the impacts at this instant, and of the contacts that ended.
         stop_reason: why the run stops here; None while it goes on.
     """
 
@@ -102,16 +114,19 @@ def snapshots(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Iterator[Snapshot]:
-    """Yield the run of one bristle interval by interval; :func:`bristle_sim.simulate` goes through the same ones.
+    """Yield the run of one bristle interval by interval; :func:`bristle_sim.simulate` goes through
+    the same intervals.
 
-    The first snapshot is the start of the run, the last one its end. Each is computed when it is requested, so the caller may stop
-    anywhere.
+    The first snapshot is the start of the run, the last one its end. Each snapshot is computed when
+    it is requested, so the caller may stop anywhere.
 
     Args:
-        tool, settings, start_hub_angle, start_relative_angle, start_relative_rate, stop_after: as for ``simulate``.
+        tool, settings, start_hub_angle, start_relative_angle, start_relative_rate, stop_after: as
+            for ``simulate``.
 
     Raises:
-        ValueError: as ``simulate``; bad input is refused at once, a contact that cannot be resolved when the run comes to it.
+        ValueError: as for ``simulate``: at once for bad input, and during the run for a contact
+            that cannot be resolved.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)
@@ -163,7 +178,7 @@ def _rates_in_si(state: State, units: Units) -> tuple[float, ...]:
 
 
 def contact_state(contact: ActiveContact, units: Units) -> ContactState:
-    """Return the state of a contact in SI, with the forces last computed."""
+    """Return the state of a contact in SI units, with the forces computed last."""
     pair = contact.pair
     spring = contact.spring
     normal, tangential = contact.force, None if contact.force is None else contact.tangential
@@ -179,7 +194,7 @@ def contact_state(contact: ActiveContact, units: Units) -> ContactState:
 
 
 def _mode(contact: ActiveContact) -> str:
-    """Return the mode of a contact in words, as in ``ContactState``."""
+    """Return the mode of a contact, as in ``ContactState``."""
     spring = contact.spring
     if spring is not None:
         phase = "at rest" if spring.at_rest else "loading" if spring.loading else "unloading"

@@ -1,19 +1,25 @@
-"""The velocities of several links that obey their joints and sustained contacts, by one linear solve a step.
+"""The velocities of several links that obey their joints and sustained contacts, by one linear
+solve a step.
 
-The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations. Whatever it has done adds
-M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic energy, are the same
-without them. So one iteration is enough, and the nearest velocities are
+The engine corrects one joint after the other, which takes a chain of n links about 16 n^2
+iterations. Its corrections add M^-1 J^T times impulses to the velocities. The nearest velocities
+that obey the joints, in the norm of the kinetic energy, are the same with or without these
+corrections, so one iteration is enough. The nearest velocities are
 
-    v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 hub speed,
+    v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0
+    hub speed,
 
-E_j = e^{i angle_j}, g_kj from the joint of link j to the next one (j < k) or to its centre (j = k), B their derivatives by
-the rates, and C the hinges' damping, implicit over the time s. In a plain step v are the engine's velocities and s is the
-step. In a symmetric one v is the mean of old and new velocities and s half a step: constraint and damping hold at midpoint.
-With positions half a step ahead the error of an even number of such steps has even powers of the step alone (Hairer, Lubich
-and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
+with E_j = e^{i angle_j}; g_kj from the joint of link j to the next joint (j < k) or to the link's
+centre (j = k); B the derivatives of the velocities by the rates; and C the hinges' damping,
+implicit over the time s. In a plain step v are the engine's velocities and s is the step. In a
+symmetric step v is the mean of old and new velocities and s half a step: joints and damping are
+then satisfied at the midpoint. With positions half a step ahead, the error of an even number of
+such steps has only even powers of the step (Hairer, Lubich and Wanner, *Geometric Numerical
+Integration*, sec. II.4 and V.1).
 
-Active contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
-Q those of the directions in which the impulses act, friction included,
+Active contacts add the impulses p that keep their points in touch. Let R be the rows of the
+velocities that vanish and Q the rows of the directions in which the impulses act, friction
+included. Then
 
     (R M^-1 Q^T) p = -R rates - drift,    rates change by M^-1 Q^T p.
 """
@@ -33,14 +39,21 @@ from bristle_sim.scene.gaps import contact_row
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
-DEPENDENT = 1e-12  # singular value over the largest below which a contact repeats joints or others
+# least singular value, over the largest: below it a contact repeats joints or other contacts
+DEPENDENT = 1e-12
 
 
 class _Chains:
-    """The links of all wires, one wire after the other: their bodies' numbers, and the velocities that obey the joints.
+    """The links of all wires, one wire after the other, and the velocities that obey their joints.
 
-    ``_damping`` is C, and ``_belt`` the part of it that turns with the hub; ``_roots`` are those at the hub's angle 0.
-    ``matrix``, with damping, and ``turn``, e^{i angle} of each link, are those of the last solution.
+    Attributes:
+        solve: solves a linear system with the mass matrix.
+        mechanism: the chains of links.
+        constants: constants of the wires.
+        velocities: velocities of the links' centres, as complex numbers.
+        rates: rates of the links.
+        turn: e^{i angle} of each link in the last solution.
+        matrix: mass matrix of the last solution, with damping.
     """
 
     def __init__(
@@ -70,7 +83,9 @@ class _Chains:
         self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
 
     def close(self, time: float) -> None:
-        """Set the velocities to the nearest ones that obey the joints, with the damping acting for a time."""
+        """Set the velocities to the nearest ones that obey the joints, with damping that acts for
+        ``time``.
+        """
         constants = self.constants
         self.turn = turn = np.exp(1j * self._angles)
         places = self._roots * cmath.exp(1j * self._hub[2])
@@ -89,7 +104,9 @@ class _Chains:
         return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
 
     def closest(self, pair: ContactPair, piece: int | None) -> ClosestApproach:
-        """Return the pair's closest approach for the bodies as they are, including their drift off the joints."""
+        """Return a pair's closest approach from the bodies in the engine, with their drift off the
+        joints.
+        """
         poses: Any = {}
         rates: Any = {}
         for link in (pair.link, pair.partner):
@@ -106,7 +123,7 @@ class _Chains:
                 start, moving, *knees, tip = [
                     (each.real, each.imag) for each in (joint, carried, *corners)
                 ]
-                # The velocities of centre and tip are not looked at.
+                # The velocities of centre and tip are not used.
                 rates[link], poses[link] = (
                     rate,
                     Pose(start, start, tip, moving, moving, moving, tuple(knees)),
@@ -115,14 +132,15 @@ class _Chains:
 
 
 class WireVelocities:
-    """The velocities of all links of a mechanism after an engine step.
+    """Sets the velocities of all links of a mechanism after an engine step.
 
     Attributes:
-        symmetric: whether steps are symmetric in time.
-        impulses: normal and tangential impulse of each of them in the last step, and its slip.
+        symmetric: whether the steps are symmetric in time.
+        impulses: for each contact, its normal and tangential impulse in the last step, and its slip
+            velocity.
     """
 
-    reversible = True  # its steps can be symmetric in time
+    reversible = True  # steps with this solver can be symmetric in time
 
     def __init__(
         self,
@@ -144,17 +162,19 @@ class WireVelocities:
         )
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """From now on keep these sustained contacts closed."""
+        """Keep these sustained contacts closed from now on."""
         self._contacts = contacts
 
     def begin_symmetric(self) -> None:
-        """From now on make the steps symmetric in time, beginning with the bodies' present velocities."""
+        """Make the steps symmetric in time from now on, beginning with the bodies' present
+        velocities.
+        """
         self._bodies.keep()
         self._old[:] = self._velocities
         self.symmetric = True
 
     def solve(self, step: float) -> None:
-        """Make the bodies' velocities after an engine step obey joints and contacts."""
+        """Change the bodies' velocities after an engine step so that they obey joints and contacts."""
         self._bodies.keep()
         velocities = self._velocities
         old = self._old
@@ -171,7 +191,7 @@ class WireVelocities:
         self._bodies(None)
 
     def _push(self) -> None:
-        """Add the impulses of the contacts."""
+        """Add the contacts' impulses to the velocities."""
         chains = self._chains
         mechanism = chains.mechanism
         contacts = self._contacts
@@ -198,14 +218,14 @@ class WireVelocities:
         stopped = -np.array(
             [touch.velocity[0] for touch in touches] + [touches[at].velocity[1] for at in stuck]
         )
-        if len(stopped) == 1:  # a contact without lever bears nothing
+        if len(stopped) == 1:  # a contact without lever bears no force
             impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
         else:
             impulses = np.linalg.lstsq(rigid, stopped, rcond=DEPENDENT)[0]
         change = response @ impulses
         chains.rates += change
         chains.velocities += chains.each(1j * chains.turn * change, chains.constants.arms)
-        # A mean of old and new velocities takes half of an impulse.
+        # The mean of old and new velocities changes by half of an impulse.
         whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
         rubs = dict(zip(stuck, whole[len(across) :], strict=True))
         self.impulses = []

@@ -1,10 +1,10 @@
-"""The springs of a contact resolved in time, their record, and their force and friction as a load on the scene.
+"""The springs of a contact resolved in time, their record, and their force and friction as a load
+on the scene.
 
-The law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the surface has no tangential spring: in
-stick its force stops the point within each engine step, -(K_nt N + v_t/h)/K_tt.
-
-As the contact gets shorter its outcome tends to that of the impact
-law with the same eta^2 (:mod:`bristle_sim.theory.impact_compliance`).
+The law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
+surface has no tangential spring: in stick its tangential force, -(K_nt N + v_t/h)/K_tt, stops the
+contact point within each engine step h. The shorter the contact, the closer its outcome is to that
+of the impact law with the same eta^2 (:mod:`bristle_sim.theory.impact_compliance`).
 """
 
 from __future__ import annotations
@@ -28,22 +28,33 @@ from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory
 
 LEAST_PHASE = 1e-6
-"""A phase of less than this fraction of the normal impulse is not named. Close to separation the force is too small to keep a
-point from moving with its bodies, so stick always ends in slip; this has no effect in the limit of short contacts."""
+"""Least normal impulse of a phase that is named, over the contact's normal impulse. Close to
+separation the force is too small to keep the contact point from moving with its bodies, so stick
+always ends in slip; the shorter the contact, the shorter this slip."""
 
 NO_SLIP_TO_STOP = 1e-14
-"""Ratio K_tt/K_nn below which K_tt is only rounding: the tip moves along the normal and has no slip to stop."""
+"""Least ratio K_tt/K_nn. A smaller K_tt is rounding: the tip moves along the normal and has no slip
+to stop."""
 
-EDGE_ROUNDING = 1e-9  # fraction of friction's limit within which a tangential spring's force is at the cone's edge
+# largest distance of a force from the friction cone's edge, over the friction limit, at which it is
+# on the edge
+EDGE_ROUNDING = 1e-9
 
 SHORTEST_SWING = 1e-3
-"""Time in which a tangential spring swings from the friction of compression to that of restitution, as a fraction of the contact,
-below which the motion to and fro at the deepest point is replaced by its mean, slip at rest. The deepest point grows meanwhile
-by less than a tenth of this fraction, which the mean leaves out; a thousand swings cost some 300,000 engine steps."""
+"""Shortest swing of a tangential spring that is resolved, over the contact's duration. In a swing
+at the deepest point the force goes from the friction of compression to that of restitution. Faster
+swings are replaced by their mean, slip at rest. The mean leaves out growth of the deepest point by
+less than a tenth of this fraction; a thousand swings would cost some 300,000 engine steps."""
 
 
 class SpringPhase(NamedTuple):
-    """A phase of the contact: whether the spring loads, the sense of slip, and the normal impulse before the phase."""
+    """A phase of the contact.
+
+    Attributes:
+        loading: whether the spring loads.
+        slip: sense of slip; 0 sticks.
+        impulse: normal impulse before the phase.
+    """
 
     loading: bool
     slip: int
@@ -55,10 +66,12 @@ class ContactCourse:
     """The record of one contact while it lasts.
 
     Attributes:
-        rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
-            time are the end of a phase and the start of the next.
+        phases: the phases so far.
+        rows: time, normal and tangential force, penetration, normal and tangential velocity at each
+            sample; two samples at one time are the end of a phase and the start of the next.
         compression: impulse and work up to the end of compression; None before.
-        stopped: the state, impulse and work, and the numbers of rows and phases where the rigid-body law jams.
+        stopped: state, impulse, work, number of rows and number of phases at the instant when the
+            rigid-body law jams; None before.
     """
 
     phases: list[SpringPhase] = field(default_factory=list)
@@ -72,12 +85,14 @@ class ContactCourse:
         return abs(self.rows[0][4])
 
     def release(self) -> None:
-        """Set the last force to zero: a spring does not pull, and a separated point is not pushed."""
+        """Set the last force to zero: a spring does not pull, and does not push a separated point."""
         time, _, _, *motion = self.rows[-1]
         self.rows[-1] = (time, 0.0, 0.0, *motion)
 
     def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, without those too short to matter; a jam's last phase always counts."""
+        """Return the names of the phases in order, without phases too short to matter; the last
+        phase of a jam is always named.
+        """
         ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
         names: list[str] = []
         first = 0
@@ -91,15 +106,20 @@ class ContactCourse:
         return tuple(name for name, _ in itertools.groupby(names))
 
     def history(self) -> ContactHistory:
-        """Return the samples."""
+        """Return the samples as a contact history."""
         return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
 
 
 class Expectation(NamedTuple):
-    """The impact law's prediction of a contact (duration, outcome), and its integration (longest interval, stepper).
+    """The contact that the impact law predicts, and how it is integrated.
 
-    In a contact of ``finite_duration``, a given one, the bodies move noticeably. Any other contact is short enough for the
-    rigid-body limit.
+    Attributes:
+        duration: predicted duration.
+        longest: longest interval of its integration.
+        outcome: predicted outcome.
+        finite_duration: whether the duration is given, so that the bodies move noticeably in the
+            contact. Otherwise the contact is short enough for the rigid-body limit.
+        stepper: integrator.
     """
 
     duration: float
@@ -111,19 +131,24 @@ class Expectation(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Spring:
-    """Normal spring with energetic restitution, Coulomb friction, and a tangential spring if the contact has one.
+    """Normal spring with energetic restitution, Coulomb friction, and a tangential spring if the
+    contact has one.
 
     Attributes:
         law: constitutive law, in engine units.
         pair: the touched pair.
+        expected: prediction of the contact.
         surface: gap at the first touch, from which the penetration is measured.
-        inverse_mass: K at the first touch or of the interval.
-        deepest: penetration at which unloading began; None while the spring loads, unloading is steeper.
+        inverse_mass: K at the first touch, or at the last update from the bodies.
+        deepest: penetration at which unloading, which is steeper, began; None while the spring
+            loads.
         slip: sense of slip, or 0 in stick.
-        at_rest: whether friction between the two coefficients keeps the normal velocity at zero in slip ("slip at rest").
-        pressed_on: whether it loads again, from rest at its deepest point.
+        at_rest: whether friction between the two coefficients keeps the normal velocity at zero in
+            slip ("slip at rest").
+        pressed_on: whether the spring loads again, from rest at its deepest point.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
-        foot: place of the tangential spring's foot along the surface.
+        foot: position of the tangential spring's foot along the surface.
+        course: record of the contact.
     """
 
     law: ContactSpring
@@ -141,7 +166,7 @@ class Spring:
 
     @property
     def loading(self) -> bool:
-        """Whether the penetration is the largest so far."""
+        """Whether the spring loads, not unloads."""
         return self.deepest is None
 
     @property
@@ -151,27 +176,27 @@ class Spring:
 
     @property
     def friction(self) -> float:
-        """Coulomb's mu, of compression or of restitution."""
+        """Coulomb's mu of the present phase, compression or restitution."""
         return self.law.coefficient(loading=self.loading)
 
     @property
     def residual(self) -> float:
-        """Penetration at which the force is back at zero."""
+        """Penetration at which the force is back at zero in unloading."""
         return 0.0 if self.deepest is None else self.law.residual(self.deepest)
 
     @property
     def compliance_in_stick(self) -> float:
-        """K_tt; 0 where there is no slip to stop."""
+        """K_tt; 0 where the tip has no slip to stop."""
         normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
         return tangential if tangential > NO_SLIP_TO_STOP * normal else 0.0
 
     @property
     def present_stiffness(self) -> float:
-        """Stiffness in the present phase; 0 in unloading without restitution."""
+        """Normal stiffness in the present phase; 0 in unloading without restitution."""
         return self.law.stiffness * self.law.steepness(loading=self.loading)
 
     def forces(self, penetration: float) -> Vector:
-        """Return (normal, tangential) force at a penetration, within the friction cone."""
+        """Return the (normal, tangential) force at a penetration, within the friction cone."""
         normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
         if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
@@ -183,11 +208,15 @@ class Spring:
         )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return the margin of the force in stick to the limit of friction."""
+        """Return the friction limit at a penetration less the size of the force in stick."""
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
-        """Return the margins of friction in slip at rest: to that of restitution, which parts the point, and of compression."""
+        """Return the two margins of the tangential force in slip at rest.
+
+        The first is the margin to the friction of restitution, which parts the contact point, the
+        second that to the friction of compression, which presses it on.
+        """
         normal = self.law.normal_force(penetration, self.deepest)
         friction = -self.slip * force
         sense = math.copysign(1.0, self.law.restitution_friction - self.law.friction)
@@ -197,21 +226,29 @@ class Spring:
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Slip velocity at rest below which a tangential spring's swings are resolved; 0 where there is none."""
+        """Slip velocity below which a tangential spring's swings at the deepest point are resolved;
+        0 without a tangential spring.
+        """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
         return rise / (SHORTEST_SWING * self.expected.duration)
 
     def foot_speed(self, velocity: Vector) -> float:
-        """Return the velocity of the point that slips on the surface, for slip in the present sense."""
+        """Return the velocity at which the tangential spring's foot slides; without such a spring,
+        that of the contact point.
+        """
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def elastic_force(self, place: float) -> float:
-        """Return the tangential spring's force at a place along the surface while its foot stands."""
+        """Return the tangential spring's force at a position of the contact point, while the
+        spring's foot stands.
+        """
         return self.law.tangential_force(place, self.foot)
 
     def set_foot(self, penetration: float, place: float) -> bool:
-        """Set the foot so that the force, limited to the friction cone, does not jump; return whether it is at the cone's edge."""
+        """Set the foot so that the force, limited to the friction cone, does not jump; return
+        whether the force is on the cone's edge.
+        """
         limit = max(self.spare_friction(penetration, 0.0), 0.0)
         force = min(max(self.stick_force, -limit), limit)
         self.stick_force = force
@@ -220,12 +257,13 @@ class Spring:
 
 
 class SpringForce:
-    """The force of a contact's springs on a corner of a link in one phase of the contact, and its sums.
+    """The force of a contact's springs on a corner of a link in one phase of the contact, and its
+    sums.
 
-    In each step the force of stick cancels the motion along the surface left from the step before, whether due to the spring or to
-    inertia; that of slip at rest cancels the motion along the normal, T = -(K_nn N + v_n/h)/K_nt.
-    So the second step has the force at the interval's beginning, and one more step would have the force at its end, both up
-    to powers of the step.
+    In each step the force of stick cancels the velocity along the surface that the step before has
+    left. The force of slip at rest cancels the velocity along the normal, T = -(K_nn N +
+    v_n/h)/K_nt. So the second step has the force at the interval's beginning, and one step past the
+    last would have the force at its end, both up to powers of the step.
 
     Attributes:
         totals: returns the numbers of the contact's ``Sums``; the forces in stick are 0 in slip.
@@ -248,7 +286,9 @@ class SpringForce:
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return a callback that applies the force of the spring's present phase for a step."""
+        """Reset the sums; return the callback that applies the force of the spring's present phase
+        before each step.
+        """
         spring = self._spring
         push = self._push
         place_of = self._place
@@ -306,9 +346,11 @@ class SpringForce:
 
 
 class ContactLoad:
-    """Springs, and rigid contacts that act together with them; the totals of the rigid contacts come first."""
+    """The load of springs, and of rigid contacts that act together with them; the totals of the
+    rigid contacts come first.
+    """
 
-    symmetric = False  # springs do not act alike forwards and backwards in time
+    symmetric = False  # springs act differently forwards and backwards in time
 
     def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[Spring]) -> None:
         self._rigid = rigid
@@ -316,7 +358,7 @@ class ContactLoad:
         self._parts += [SpringForce(scene, spring) for spring in springs]
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return a callback to run before each step."""
+        """Reset the sums; return the callback to run before each step."""
         if len(self._parts) == 1:
             return self._parts[0].begin(step)
         calls = [each.begin(step) for each in self._parts]
@@ -329,7 +371,7 @@ class ContactLoad:
         return act
 
     def totals(self) -> list[float]:
-        """Return the sums, with the last step."""
+        """Return the sums of all contacts, after the last step."""
         if len(self._parts) == 1:
             return self._parts[0].totals()
         return [number for each in self._parts for number in each.totals()]

@@ -17,33 +17,39 @@ from bristle_sim.scene.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
-"""Fraction of the approach with which slip and compression of one freedom stop together."""
+"""Speed of approach, over that at the first touch, below which compression and slip stop together:
+a link with one degree of freedom stops both at once, up to its motion during the contact."""
 
 LEAST_UNLOADING = 1e-5
-"""Where slip starts or stops, a contact ends if less than this fraction of its spring's unloading is left. Only 1e-10 of its
-impulse is left, and the force is so small that rounding of the tip's place would start and stop slip endlessly."""
+"""Least part of the spring's unloading with which a contact goes on where slip starts or stops.
+With less, only 1e-10 of its impulse is left, and the force is so small that rounding of the tip's
+place would start and stop slip endlessly."""
 
 PROBED_FRACTION = 0.02
-"""Fraction of a contact after which the force of stick is extrapolated back to where slip stops."""
+"""Length of the interval that gives the force of stick where slip stops, over the contact's
+duration."""
 
 CONE_ROUNDING = 1e-9
-"""Fraction of friction's limit by which rounding may lead the force in stick beyond it."""
+"""Largest excess of the force in stick over the friction limit, over this limit, that counts as
+rounding."""
 
 
 def begin_spring(
     system: System, motion: Motion, pair: ContactPair, spring: Spring
 ) -> ActiveContact:
-    """Return a contact that begins at the present state."""
+    """Return a contact with a spring that begins at the present state."""
     contact = ActiveContact(pair, spring, system.state)
     look_up_slip(system, motion, contact, spring)
     return contact
 
 
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveContact | None:
-    """Return the contact that follows at once where the last one has left a single link's tip at rest; None if it is not pressed.
+    """Return the next contact of a single link's tip that the last contact has left at rest; None
+    if no force presses the tip on.
 
-    A spring at rest is pressed in by its load over its stiffness, which is more than the accuracy where the load is that of a
-    belt and the contact is not very short; without restitution it is pressed in again and again.
+    A spring at rest is compressed by its load over its stiffness. This is more than the accuracy
+    where the load is a belt's and the contact is not very short. Without restitution the spring is
+    compressed again and again.
     """
     if not system.mechanism.single_link or motion.contacts or system.had_last_event:
         return None
@@ -57,7 +63,9 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveConta
 
 
 def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
-    """Return a motion's contacts with springs after an impact elsewhere, which changes the sense of their motion."""
+    """Return the contacts with springs after an impact at another contact, which changes the sense
+    of their motion.
+    """
     contacts = []
     for contact, spring in motion.springs:
         if spring.at_rest and system.approach(contact.pair) < 0.0:
@@ -71,7 +79,7 @@ def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
 
 
 def look_up_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let a point slip in the sense of its motion, or stick, and record the new phase."""
+    """Let the contact point slip in the sense of its motion, or stick, and record the new phase."""
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
     if abs(slip) > _slip_error(system, contact) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
@@ -87,13 +95,13 @@ def _note_phase(contact: ActiveContact, spring: Spring) -> None:
 def change_spring(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
 ) -> Outcome | None:
-    """Pass a contact into its next phase; return its outcome if it is over."""
+    """Change a contact to its next phase; return its outcome if it is over, else None."""
     before = (spring.loading, spring.slip)
     penetration = _penetration(system, contact, spring)
     if spring.elastic:
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, contact, spring, kind)
-    # Bodies that vibrate meanwhile may press the point on again.
+    # Vibrating bodies may press the contact point on again.
     quiet = not spring.loading and (
         system.mechanism.single_link or not spring.expected.finite_duration
     )
@@ -113,7 +121,7 @@ def change_spring(
         if not spring.expected.finite_duration:
             return Outcome.JAM
         if course.stopped is None:
-            # Bodies that move meanwhile may still get out.
+            # The bodies move during the contact and may still leave it.
             course.stopped = (
                 system.state,
                 contact.impulse,
@@ -127,7 +135,7 @@ def change_spring(
 def _change(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
 ) -> Outcome | None:
-    """Apply an event; return the contact's outcome if it is over."""
+    """Apply an event; return the contact's outcome if it is over, else None."""
     expected = spring.expected
     course = spring.course
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
@@ -155,7 +163,8 @@ def _change(
         case Kind.FOOT_STOPS if spring.elastic:
             sense = spring.slip
             _settle_foot(system, motion, contact, spring)
-            # Its velocity falls through zero: the force turns back from the cone's edge. Without friction the point swings.
+            # The foot's velocity falls through zero: the force turns back from the cone's edge.
+            # Without friction the point swings.
             spring.slip = 0 if spring.friction else -sense
         case Kind.FOOT_STOPS:
             _settle_slip(system, motion, contact, spring)
@@ -170,7 +179,11 @@ def _change(
 def _end_compression(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring
 ) -> Outcome | None:
-    """Begin unloading, and decide on slip that has stopped; without restitution the contact is over."""
+    """Begin unloading, and decide whether slip that has stopped starts again; return the outcome if
+    the contact is over.
+
+    Without restitution the contact is over.
+    """
     _unload(system, contact, spring)
     if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
@@ -183,12 +196,15 @@ def _end_compression(
 
 
 def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> bool:
-    """Return whether friction holds the normal velocity at zero at the deepest point, where slip goes on.
+    """Return whether friction holds the normal velocity at zero at the deepest point, where slip
+    goes on.
 
-    The friction of restitution would press the point on, and that of compression would part it. Neither unloading nor further
-    loading is then consistent: the normal velocity stays zero under a friction between the two. That of restitution is the
-    larger one where friction presses the point on, and the smaller one where the other bodies press it on against friction. A
-    tangential spring makes the force swing between the two; where that is fast, its mean does the same.
+    This happens where the friction of restitution would press the contact point on and the friction
+    of compression would part it. Neither unloading nor further loading is then consistent: the
+    normal velocity stays zero under a friction between the two. The friction of restitution is the
+    larger one where friction presses the point on, and the smaller one where the other bodies press
+    it on against friction. A tangential spring makes the force swing between the two; fast swings
+    have the same mean.
     """
     coupling = float(spring.inverse_mass[0, 1])
     law = spring.law
@@ -207,7 +223,9 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
 
 
 def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """End slip at rest: unload; a tangential spring's force begins its next swing with the friction of compression."""
+    """End slip at rest and unload; a tangential spring's force begins its next swing with the
+    friction of compression.
+    """
     spring.at_rest = False
     spring.deepest = _penetration(system, contact, spring)
     spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * spring.deepest
@@ -223,7 +241,10 @@ def _penetration(system: System, contact: ActiveContact, spring: Spring) -> floa
 
 
 def _ends_in_stiction(system: System, spring: Spring) -> bool:
-    """Return whether a rigid-body limit ends where that law stops, if only a single link's single contact is of interest."""
+    """Return whether a contact ends where the rigid-body law predicts stiction.
+
+    It ends there in the rigid-body limit, and in a single contact of a single link.
+    """
     halts = not spring.expected.finite_duration or (
         system.plan.single_contact and system.mechanism.single_link
     )
@@ -231,12 +252,16 @@ def _ends_in_stiction(system: System, spring: Spring) -> bool:
 
 
 def _slip_error(system: System, contact: ActiveContact) -> float:
-    """Return the error of a slip velocity, from the speed at the first touch: a single rod comes to rest where slip stops."""
+    """Return the error of a slip velocity, from the speeds at the first touch: a single rod is at
+    rest where slip stops.
+    """
     return system.slip_error(contact.start or system.state)
 
 
 def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
+    """Let the contact point stick where slip has stopped if friction suffices, else slip in the
+    sense in which it is driven.
+    """
     if spring.elastic:
         _settle_foot(system, motion, contact, spring)
         return
@@ -255,10 +280,12 @@ def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring:
 
 
 def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let the foot slip if the force is at the edge of the friction cone and would leave it, else stand.
+    """Let the foot slip if the force is on the edge of the friction cone and would leave the cone;
+    else let the foot stand.
 
-    It would leave the cone where the foot's velocity has the sense s against the force. A velocity within its error is zero; the
-    bodies' motion under all forces, its own edge force among them, then decides in which sense it begins.
+    The force would leave the cone where the foot's velocity has the sense of slip that the force
+    opposes. A velocity within its error counts as zero. The bodies' motion under all forces, the
+    edge force of this contact among them, then shows how the velocity begins.
     """
     pair = contact.pair
     gaps = system.gaps
@@ -281,7 +308,9 @@ def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring:
 def _probe(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring
 ) -> tuple[IntervalResult, Sums]:
-    """Integrate over a short part of a contact in its present phase; return the result, and the contact's forces."""
+    """Integrate over a short part of a contact in its present phase; return the result, and the
+    contact's forces and sums.
+    """
     others = [other for known, other in motion.springs if known is not contact]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.

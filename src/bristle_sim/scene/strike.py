@@ -1,4 +1,6 @@
-"""Simulate a single contact, of a chain of rods or of a wire that bends, by the run's loop; and the wire's frequencies."""
+"""A single contact of a chain of rods or of a wire that bends, simulated by the run's loop; and the
+wire's frequencies.
+"""
 
 from __future__ import annotations
 
@@ -59,11 +61,12 @@ _RATIO = Range(
 class Chain:
     """Rods in order from the root, at the instant of impact; SI units.
 
-    Angles are measured from the direction that points at the surface, rates are absolute, both positive in the hub's
-    sense of rotation; a root on a hub stands at ``hub_angle``.
+    Angles are measured from the direction that points at the surface. Rates are absolute. Both are
+    positive in the hub's sense of rotation. A root on a hub stands at ``hub_angle``.
 
     Raises:
-        ValueError: for numbers out of range, or masses, lengths, angles and rates of different numbers.
+        ValueError: for numbers out of range, or unequal numbers of masses, lengths, angles and
+            rates.
     """
 
     masses: tuple[float, ...]
@@ -75,7 +78,7 @@ class Chain:
     hub_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check every number: an invalid mass aborts the process inside the engine."""
+        """Check every number, because an invalid mass would abort the process inside the engine."""
         columns = {name: getattr(self, name) for name in ("masses", "lengths", "angles", "rates")}
         for name, column in columns.items():
             if not isinstance(column, tuple | list):
@@ -94,9 +97,16 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """An impact and the kinetic energies before and after it, J.
+    """An impact of a chain, and its cost.
 
-    ``centre_line`` is root, hinges and tip at the first touch, (x, y) from the hub's centre, shape (corners, 2), m.
+    Attributes:
+        contact: the contact record.
+        centre_line: root, hinges and tip at the first touch, (x, y) from the hub's centre, m, shape
+            (corners, 2).
+        kinetic_energy_before: kinetic energy before the impact, J.
+        kinetic_energy_after: kinetic energy after the impact, J.
+        steps: number of engine steps.
+        wall_s: wall time, s.
     """
 
     contact: ContactRecord
@@ -108,7 +118,7 @@ class ChainStrike:
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """Kinetic energy after over before; None for a chain at rest."""
+        """Kinetic energy after the impact over that before it; None for a chain at rest."""
         return (
             self.kinetic_energy_after / self.kinetic_energy_before
             if self.kinetic_energy_before
@@ -144,11 +154,16 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     )
 
 
-SLOWEST_RATE = 1e-300  # rad/s; smaller ones have no reciprocal to serve as a unit of time
+SLOWEST_RATE = 1e-300  # least rate, rad/s, whose reciprocal can serve as the unit of time
 
 
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartPair, Units]:
-    """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
+    """Build the scene of a chain whose tip is on the surface.
+
+    Returns:
+        The scene, the state at the instant of the impact, the pair of tip and surface, and the
+        scene's units.
+    """
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
     units = Units(
         chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0
@@ -180,7 +195,10 @@ UNSOLVED = {
 def struck(
     scene: Scene, start: State, pair: WorkpartPair, settings: Settings, law: ContactLaw
 ) -> tuple[State, ContactRecord, list[State]]:
-    """Simulate a contact that begins now, by its law; return the state after it, its record, and its samples.
+    """Simulate a contact that begins now, by its law.
+
+    Returns:
+        The state after the contact, its record, and the samples of the motion.
 
     Raises:
         ValueError: if a contact with a spring does not end.
@@ -206,10 +224,17 @@ def struck(
 
 @dataclass(frozen=True, slots=True)
 class WireStrike:
-    """A contact of a wire that bends, with its history, and samples of the motion from the first touch on; SI units.
+    """A contact of a wire that bends, with samples of the motion from the first touch on; SI units.
 
-    Each link has a column of ``angles`` and ``rates``. ``centre_line`` is root, knee, joints and tip from the hub's centre,
-    shape (samples, corners, 2).
+    Attributes:
+        contact: the contact record, with its history.
+        time: times of the samples, s.
+        angles: absolute angles of the links, rad, shape (samples, links).
+        rates: absolute rates of the links, rad/s, shape (samples, links).
+        centre_line: root, knee, joints and tip from the hub's centre, m, shape (samples, corners,
+            2).
+        steps: number of engine steps.
+        wall_s: wall time, s.
     """
 
     contact: ContactRecord
@@ -234,20 +259,23 @@ def strike_wire(
 ) -> WireStrike:
     """Let the end of a wire strike a workpart of finite contact stiffness, which it touches.
 
-    The contact is a spring of stiffness k while the penetration grows and k/e*^2 otherwise. Belt and hinges act meanwhile.
+    The contact is a spring of stiffness k while the penetration grows, and of stiffness k/e*^2
+    otherwise. Belt and hinges act during the contact.
 
     Args:
-        tool: with a workpart, whose surface passes through the wire's end; its bar is left out.
-        hub_angle, angles, rates: psi at the first touch, and absolute angles and rates of the links then, rad and rad/s.
-        stiffness: of the contact in compression, N/m.
-        settings: of the scene.
-        duration: expected duration of the contact, s. Samples are at most a 24th of it apart, and the contact of a rigid bristle
-            is ended after ten times that long.
+        tool: tool with a workpart, whose surface is moved to the wire's end; its bar is left out.
+        hub_angle: angle psi of the hub at the first touch, rad.
+        angles: absolute angles of the links at the first touch, rad.
+        rates: absolute rates of the links at the first touch, rad/s.
+        stiffness: stiffness of the contact in compression, N/m.
+        settings: numerical settings.
+        duration: expected duration of the contact, s. Samples are at most a 24th of it apart. The
+            contact of a rigid bristle is ended after ten times this duration.
         flight: time of free motion after the release, s.
 
     Raises:
-        ValueError: if the wire's end does not approach the workpart, there is not one angle and rate for each link, or the
-            contact does not end.
+        ValueError: if the wire's end does not approach the workpart, the number of angles or rates
+            is not that of the links, or the contact does not end.
     """
     begin = clock.perf_counter()
     scene, units, pair = build_wire(tool, hub_angle, angles, rates)
@@ -267,7 +295,8 @@ def strike_wire(
     after, record, states = struck(scene, start, pair, settings, law)
     del states[0]
     if flight > 0.0:
-        # Samples of the free motion are as far apart as in the contact, while a tenth of the budget of steps lasts.
+        # Samples of the free motion are as far apart as in the contact. The motion may take a tenth
+        # of the step budget.
         longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
         stepper = Extrapolation(
             0.1 * settings.accuracy, max(1.0, *map(abs, after.rates)), WIDE, longest
@@ -291,7 +320,9 @@ def strike_wire(
 def build_wire(
     tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
 ) -> tuple[Scene, Units, WorkpartPair]:
-    """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
+    """Return the scene of a tool's wire, the scene's units, and the pair of the wire's end and the
+    workpart below it.
+    """
     links = tool.bristle.links
     part = tool.workpart
     if part is None:
@@ -304,16 +335,21 @@ def build_wire(
     return scene, units, _below(scene.mechanism, State(0.0, tuple(angles), (0.0,) * links), part)
 
 
-SMALL_ANGLE = 1e-8  # rad; the mass matrix differs from that of the straight wire by 5e-17 of itself
+# angle of one link, rad, at which the mass matrix differs from the straight wire's by 5e-17 of
+# itself
+SMALL_ANGLE = 1e-8
 SHORT_STEP = 1e-8
-"""Length of a step from rest, in the scene's time units; the rates that it gives are in proportion to it."""
+"""Length of a step from rest, in the scene's time units; the rates after it are proportional to
+it."""
 
 
 def wire_frequencies(tool: Tool) -> Array:
-    """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest, Hz, ascending,
+    shape (links,).
 
-    One engine step from rest with one link turned by a small angle gives every link a rate; these rates are a column of -M^-1 K
-    times angle and step, as nothing moves before the rates change.
+    Each link in turn is set at a small angle, and one engine step is taken from rest. The links'
+    rates after it, over angle and step, are a column of -M^-1 K, because no link moves before the
+    rates change.
     """
     straight = (0.0,) * tool.bristle.links
     undamped = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)

@@ -1,4 +1,4 @@
-"""The system that a run moves: the scene, the plan of the run, its present state and its record so far."""
+"""The system of a run: the scene, the plan, the present state and the record so far."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
-MOST_GROWTH = 16.0  # of an interval after a contact, so that a polynomial through the samples of both is accurate
+# most growth of an interval after a contact, as a factor: a polynomial through the samples of both
+# intervals is then accurate
+MOST_GROWTH = 16.0
 
 SLOW_FRACTION = 1e-8
-"""Fraction of the fastest point's speed below which an impact gets no restitution: otherwise infinitely many ever smaller
-bounces would follow each other in a finite time."""
+"""Least approach of an impact with restitution, over the speed of the fastest point. Without this
+bound infinitely many ever smaller bounces would follow each other in a finite time."""
 
-LEAST_VALUE = 1e-10  # rates, accelerations and forces of a scene's units below this have no sign
+LEAST_VALUE = 1e-10  # least rate, acceleration or force that has a sign, in the scene's units
 
 
 @dataclass(slots=True)
@@ -31,15 +33,21 @@ class Plan:
     """A run's end conditions, accuracy and density of samples; engine units.
 
     Attributes:
-        longest_interval, damped_interval: longest between samples, and in which damping is resolved.
-        stop_after: name of an event that ends the run.
-        maximum_steps: budget after which the run gives up, in engine steps of few iterations.
+        end: time at which the run ends.
+        accuracy: requested relative accuracy.
+        stop_after: name of an event that ends the run; None without one.
+        longest_interval: longest interval between samples.
+        damped_interval: longest interval in which engine steps resolve damping.
+        maximum_steps: step budget, in engine steps with few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
-        time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
+        time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
+            hinges vibrate.
         single_contact: whether only one contact is of interest, without the extremes of the motion.
-        instant: shortest time resolved, within which no force moves a link by more than the accuracy.
-        shortest: interval below which a force that vanishes within it counts as vanished at its start.
-        first_interval: longest one right after a contact begins, and the least length from which later ones grow.
+        instant: shortest time resolved; within it no force moves a link by more than the accuracy.
+        shortest: longest interval in which a force that vanishes counts as vanished at the
+            interval's start.
+        first_interval: longest interval at the beginning of a contact, and least bound of the
+            intervals after it.
     """
 
     end: float
@@ -56,7 +64,7 @@ class Plan:
     first_interval: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """Compute the shortest times from the accuracy."""
+        """Compute the short times from the accuracy."""
         self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
         self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
         longest = max(self.instant, self.longest_interval / MOST_GROWTH)
@@ -67,11 +75,19 @@ class Plan:
 class Recording:
     """The record of a run, in engine units.
 
-    ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that a
-    sustained contact's geometry gives. Two of ``states`` at one time are the end of one smooth motion and the start of the
-    next. ``events`` come with the numbers of their wires, ``contacts`` with those of their links. ``summed`` are the intervals'
-    error estimates. ``error`` is that of the last state; it is unknown after an impact whose approach is no larger than the
-    error.
+    Attributes:
+        states: samples of the motion; two at one time are the end of one smooth motion and the
+            start of the next.
+        forces: sum of the normal contact forces on each wire at each of ``states``.
+        inner: states between ``states``, which a sustained contact's geometry gives.
+        events: events, each with the numbers of its wires.
+        contacts: contact records, each with the numbers of its links.
+        summed: sum of the intervals' error estimates.
+        error: estimated error of the last state.
+        lost: time from which the error is unknown, after an impact over which it does not grow
+            linearly; None before.
+        stop_reason: why the run has stopped; None while it goes on.
+        stop_detail: the contact law's explanation of the stop reason; empty without one.
     """
 
     states: list[State] = field(default_factory=list)
@@ -90,13 +106,17 @@ class System:
     """A scene on its way through a run.
 
     Attributes:
-        scene, mechanism, plan: of the run.
-        pairs: the pairs that can touch, each with its present surface: a tip in a dent touches the bottom of the dent.
+        scene: the scene.
+        mechanism: the scene's mechanism.
+        plan: plan of the run.
+        pairs: the pairs that can touch, each with its present surface: a tip in a dent touches the
+            bottom of the dent.
         law: the impact law of the workpart; all other pairs have the energetic law.
-        gaps: the gaps of the pairs in any state.
-        state: the last state that was reached.
-        flight, stepper: the integrators of motion without springs and of the present motion.
-        noise: rates and accelerations below this have no sign.
+        gaps: gives the gaps of the pairs in any state.
+        state: the last state reached.
+        flight: integrator of motion without springs.
+        stepper: integrator of the present motion.
+        noise: least size of a rate or an acceleration that has a sign.
         recording: the record so far.
     """
 
@@ -113,10 +133,10 @@ class System:
 
         Args:
             scene: the scene.
-            start: its state at the start.
+            start: state at the start.
             flight: integrator of motion without springs.
-            plan: of the run.
-            pairs: the pairs that can touch, those of the scene by default.
+            plan: plan of the run.
+            pairs: the pairs that can touch; by default those of the scene.
             law: impact law of the workpart.
         """
         self.scene = scene
@@ -136,7 +156,7 @@ class System:
 
     @property
     def slow(self) -> float:
-        """Speed below which the rest of an approach or of a rebound is not followed."""
+        """Speed below which the rest of an approach or of a rebound is ignored."""
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
     def law_of(self, pair: ContactPair) -> ContactLaw:
@@ -144,11 +164,13 @@ class System:
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
 
     def slip_error(self, fastest: State) -> float:
-        """Return the possible error of a slip velocity in a motion with this fastest state; a slower slip has no known sense."""
+        """Return the possible error of a slip velocity in a motion whose fastest state is given; a
+        smaller slip has no known sense.
+        """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
     def approach(self, pair: ContactPair) -> float:
-        """Return the normal velocity of a pair's contact point, negative where it approaches."""
+        """Return the normal velocity of a pair's contact point, which is negative in approach."""
         return self.gaps.closest(pair, self.state).velocity[0]
 
     def touches(self, pair: ContactPair) -> bool:
@@ -162,9 +184,10 @@ class System:
         again: bool = False,
         state: State | None = None,
     ) -> None:
-        """Record the present state or another one, with the normal contact forces summed for each wire.
+        """Record a state, by default the present one, with the sum of the normal contact forces on
+        each wire.
 
-        With ``again``, only replace the forces of the last sample.
+        With ``again``, only the forces of the last sample are replaced.
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
@@ -186,9 +209,10 @@ class System:
         return tuple([link // self.mechanism.wire_links for link in self.links_of(pair)])
 
     def event(self, name: str, wires: Sequence[int], *, lasts: bool = False) -> None:
-        """Record an event of some wires; the run ends once every wire has had the event ``stop_after``.
+        """Record an event of some wires; the run ends once every wire has had the event
+        ``stop_after``.
 
-        If the event is a touch that ``lasts``, the run ends when that contact is over.
+        If this event is a touch whose contact ``lasts``, the run ends when that contact is over.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
         if name == self.plan.stop_after and not lasts and self.had_last_event:
@@ -208,13 +232,15 @@ class System:
         self.recording.contacts.append((record, self.links_of(pair)))
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
-        """End the run for a reason, with the law's detail of it; only the first reason is kept."""
+        """End the run for a reason, with a law's explanation of it; only the first reason is kept."""
         if self.recording.stop_reason is None:
             self.recording.stop_reason = reason
             self.recording.stop_detail = detail
 
     def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
-        """Return the pair of the same bar and the next link of the wire towards the tip (1) or the root (-1)."""
+        """Return the pair of the same bar with the next link of the wire, towards the tip (1) or
+        the root (-1), or None.
+        """
         link = pair.link + step
         size = self.mechanism.wire_links
         if pair.link < 0 or not isinstance(pair, BarPair) or link // size != pair.link // size:
@@ -225,9 +251,12 @@ class System:
         )
 
     def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
-        """Return whether, up to a state, the link's point closest to a touching neighbour's bar is the joint they share.
+        """Return whether a link can touch the bar only at the joint that it shares with a neighbour
+        already in contact.
 
-        A link that is clear of the bar and ends elsewhere may touch it by itself.
+        This holds if the link's point closest to the bar is that joint, now and at ``end``. If the
+        link is clear of the bar now, and another point of it is closest at ``end``, the link may
+        touch the bar by itself.
         """
         if not isinstance(pair, BarPair):
             return False
@@ -245,7 +274,9 @@ class System:
         return False
 
     def at_joint(self, pair: ContactPair) -> ContactPair:
-        """Return the pair that a touch belongs to: at a joint, that of the link before it, whose round end is there."""
+        """Return the pair to which a touch belongs: at a joint, the pair of the link before the
+        joint, whose round end is there.
+        """
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):
             return pair

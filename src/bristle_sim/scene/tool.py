@@ -1,7 +1,8 @@
 """The bristle-blasting tool as a scene: from SI parameters to engine units.
 
-The engine's tolerances are absolute and its biases are per time unit, so results would depend on a scene's units. A scene
-therefore runs in units of its own size; near an impact every number is then near 1.
+The engine's tolerances are absolute and its biases are per time unit, so results would depend on a
+scene's units. A scene therefore runs in units of its own size; every number of an impact is then
+near 1.
 """
 
 from __future__ import annotations
@@ -19,14 +20,17 @@ from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 from bristle_sim.units import Declared, count, quantity
 
 SLOWEST_MOTION = 1e-100
-"""Slowest rate that counts as motion, rad/s; the energy of a slower one would be too small a number in its own units."""
+"""Slowest rate that counts as motion, rad/s; the unit of energy that follows from a slower rate
+would be too small a number."""
 
 SHORTEST_PIECE = 1e-12
-"""Fraction of the wire's length; on a shorter piece of a link the knee is at the joint."""
+"""Shortest piece of a link, over the wire's length: a knee closer to a joint is at the joint."""
 
 
 class Units:
-    """SI size of one engine unit: length in m, mass in kg, time in s, and the units derived from these."""
+    """SI size of one engine unit: length in m, mass in kg, time in s, and the units that follow
+    from these.
+    """
 
     def __init__(self, length: float, mass: float, time: float) -> None:
         """Compute the units of a scene."""
@@ -43,7 +47,9 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class Row(Declared):
-    """Bristles in one plane on one hub, each a pitch behind the one before it; their mutual friction and restitution."""
+    """Bristles in one plane on one hub, each one pitch behind the one before it, and their mutual
+    friction and restitution.
+    """
 
     bristles: int = count(1, "1 <= bristles <= 100: number of bristles [requested]")
     pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad [requested]")
@@ -51,11 +57,13 @@ class Row(Declared):
     restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1 [requested]")
 
 
-ONE_BRISTLE = Row()  # one bristle
+ONE_BRISTLE = Row()  # no row: a single bristle
 
 
 def tool_units(tool: Tool) -> Units:
-    """Return bristle length, bristle mass, and the fastest of belt, hub and gravity as units of the tool's scene."""
+    """Return the units of the tool's scene: length and mass of the bristle, and the time of the
+    fastest of belt, hub and gravity.
+    """
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2
         + tool.gravity * tool.bristle.length
@@ -69,7 +77,9 @@ def tool_units(tool: Tool) -> Units:
 def build_tool(
     tool: Tool, *, hub_start: float = START, row: Row = ONE_BRISTLE
 ) -> tuple[Scene, Units]:
-    """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
+    """Return the tool's scene, with exactly the effects that its parameters ask for, and the
+    scene's units.
+    """
     units = tool_units(tool)
     bristle = tool.bristle
     hub = tool.hub
@@ -97,7 +107,11 @@ def build_tool(
 
 
 def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
-    """Yield the pairs of a wire's links, from the first link on: the bar for all of them, the workpart for tip and knee."""
+    """Yield the pairs of a wire's links: every link with the bar, and tip and knee with the
+    workpart.
+
+    ``first`` is the number of the wire's first link.
+    """
     bristle = tool.bristle
     size = units.length
     bar = tool.bar
@@ -114,7 +128,7 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
             part.friction_in_restitution,
             part.restitution,
         )
-        # Link and corner of each; the tip of a link is its corner -1.
+        # Link and corner of the wire's tip and knee; corner -1 is the tip of a link.
         corners = [(first + bristle.links - 1, -1)]
         joint = bristle.knee_position * bristle.links
         if len(bristle.path) > 1:
@@ -127,9 +141,11 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
 
 
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:
-    """Return the links of a wire, of equal length along it, in units of the bristle's length and mass.
+    """Return the links of a wire, of equal length along it, in units of the bristle's length and
+    mass.
 
-    In the unstressed wire, whose shank is along (0, -1), all have the same angle. The link that contains the knee is bent.
+    In the unstressed wire, whose shank is along (0, -1), all links have the same angle. The link
+    that contains the knee is bent.
     """
     size = bristle.length
     if bristle.links == 1:
@@ -152,7 +168,11 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
 def wire_hinges(
     bristle: Bristle, root_stiffness: float, units: Units
 ) -> tuple[tuple[float, float], ...]:
-    """Return stiffness and damping of the torsion spring in each joint between two links, for a belt's stiffness, N m/rad."""
+    """Return (stiffness, damping) of the torsion spring in each joint between two links, in engine
+    units.
+
+    ``root_stiffness`` is the belt's stiffness, N m/rad.
+    """
     if bristle.links == 1:
         return ()
     diameter = bristle.wire_diameter

@@ -1,7 +1,7 @@
-"""Find where within an interval a link touches a pair, for the first time or again, without missing a touch.
+"""Find the first touch of a link and a pair within an interval, without missing one.
 
-Gaps are searched on the interval's polynomial by conservative advancement (Mirtich 1996): from a gap g no contact can happen
-before g / (largest speed), so nothing is jumped over.
+Gaps are searched on the interval's polynomial by conservative advancement (Mirtich 1996): from a
+gap g no contact can happen before g / (largest speed), so no touch is stepped over.
 """
 
 from __future__ import annotations
@@ -19,31 +19,42 @@ from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import System
 
 CUBIC_ERROR = 0.01
-QUINTIC_ERROR = 1.3e-5
-"""Bounds of the polynomials' errors of the gap, per fourth and sixth power of the interval h (scene units): h^4/384 and
-3.2e-6 h^6 with a safety factor. Likewise h^4 w^3/384 bounds the cubic's for a rate of amplitude 1 that vibrates with the fastest
-rate w."""
+"""Bound of the cubic's error of the gap, over the fourth power of the interval h (scene units):
+h^4/384 with a safety factor. For a rate of amplitude 1 that vibrates with the fastest frequency w,
+h^4 w^3/384 is bounded by the same factor."""
 
-NEAR_START = 16.0  # a polynomial's error near the start, over its bound and the square of the fraction passed
+QUINTIC_ERROR = 1.3e-5
+"""Bound of the quintic's error of the gap, over the sixth power of the interval: 3.2e-6 h^6 with a
+safety factor."""
+
+# largest error of a polynomial near the start, over the error's bound times the square of the
+# fraction of the interval
+NEAR_START = 16.0
 SHORTEST_ADVANCE = 1e-9
-"""Shortest time and length after which a least gap is another one than that at which the interval begins."""
+"""Least distance in time, and least length of the way, between the interval's start and a least gap
+that is not the one at the start."""
 
 LEAST_ADVANCE = (
     1.0 / 8.0
 )  # fraction of the interval; least values of the gap in between show in its slopes
-GAP_TOLERANCE = 1e-13  # least gap to which a touch is located: rounding of an extrapolated interval
+# least tolerance of the gap at a located touch: rounding of an extrapolated interval
+GAP_TOLERANCE = 1e-13
 LOCATED_GAP = 1e-6
-"""Gap to which a touch is located, over the accuracy; a slow approach makes a larger error of the time from it."""
+"""Tolerance of the gap at a located touch, over the accuracy; the slower the approach, the larger
+the error of the time."""
 
-SHORTEST_INTERVAL = 1e-13  # in the scene's time units; none shorter is accurate. A motion of that length is an instant
+# shortest interval, in the scene's time units: no shorter one is accurate, and a motion of this
+# length is an instant
+SHORTEST_INTERVAL = 1e-13
 OPENING = (
     1.0 / 16.0
 )  # fraction of an interval between samples in which the gap of a released pair opens, or it hops
-LEAST_HOP = 1e-6  # fraction of an interval; a shorter rebound counts as none
-MOST_HALVINGS = 40  # of a fraction of an interval, down to rounding
+LEAST_HOP = 1e-6  # shortest rebound that is followed, over the interval
+MOST_HALVINGS = 40  # most halvings of a fraction of an interval, down to rounding
 
 Found = tuple[Interval, Happening | None]
-"""The interval up to a touch, and the touch; or up to the least gap to a pair that is not touched, and None."""
+"""The interval up to a touch, and the touch; or the interval up to a least gap without a touch, and
+None."""
 
 
 def first_touch_of_all(
@@ -52,7 +63,10 @@ def first_touch_of_all(
     sustained: Sequence[ContactPair],
     separating: Sequence[ContactPair],
 ) -> Found:
-    """Return the interval up to its first touch or least gap; pairs in contact or separating are treated as such."""
+    """Return the interval up to its first touch or least gap, and the touch or None.
+
+    Pairs in ``sustained`` contact are left out; a pair in ``separating`` must first open its gap.
+    """
     first: Happening | None = None
     several = system.mechanism.wire_links > 1
     for pair in system.pairs:
@@ -73,7 +87,7 @@ def first_touch_of_all(
 
 
 def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
-    """Whether a gap is closed and stays so."""
+    """Return whether a gap is closed and stays closed."""
     start = interval.start
     end = interval.end.state
     gap = system.gaps.gap
@@ -83,7 +97,9 @@ def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
 
 
 def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for a touch of a pair that the link has just left: the gap opens first, or the link comes back at once."""
+    """Search for a touch of a pair that the link has just left: either the gap opens first, or the
+    link comes back at once.
+    """
     soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     if interval.length > soon:
         gap, rate = system.gaps.gap_and_rate(pair, interval.at(soon))
@@ -95,10 +111,11 @@ def _search_return(system: System, interval: Interval, pair: ContactPair) -> Fou
 
 
 def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for the end of a hop: the link must come back within a short interval.
+    """Search for the end of a hop, a rebound from which the link comes back within a short
+    interval.
 
-    An interval that ends deep inside a pair is cut at the hop before, or where the link is still above. A rebound that is
-    over within the shortest interval is too low to follow.
+    An interval that ends deep inside a pair is cut at the end of the hop, or where the link is
+    still above. A rebound that is over within the shortest interval is too low to follow.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
@@ -113,7 +130,8 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
 
     if instant < length and (gap := gap_at(instant)) <= 0.0:
         gap = gaps.gap(pair, integrate_to(instant).state)
-    # Whether a single rigid link hops is of no consequence; of several, one may hop while another is pressed on.
+    # A hop of a single rigid link has no effect. Of several links, one may hop while another is
+    # pressed on.
     low = (
         system.mechanism.single_link
         and system.law_of(pair).instantaneous
@@ -131,7 +149,7 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
     if time < length and above > 0.0:
         near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
         closed = settle(system, partial(gaps.gap, pair), interval, near, GAP_TOLERANCE)
-        # A zero at the interval's start does not count.
+        # A zero at the interval's start is no touch.
         if closed is not None and gaps.gap_and_rate(pair, closed.state)[1] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     while (gap := gaps.gap(pair, integrate_to(time).state)) < -GAP_ROUNDING and time > shortest:
@@ -144,9 +162,10 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
 def find_touch(
     system: System, interval: Interval, pair: ContactPair, begin: float = 0.0
 ) -> Found | None:
-    """Return the interval up to its first touch, or up to where a link nearly touched; else None.
+    """Return the interval up to its first touch, or up to a least gap where the link nearly
+    touches; None without either.
 
-    The search begins at a fraction of the interval at which the gap is open.
+    The search begins at the fraction ``begin`` of the interval, where the gap is open.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
@@ -161,13 +180,13 @@ def find_touch(
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
     closed = None if near is None else settle(system, gap_of, interval, near, tolerance)
     if closed is not None and gap_and_rate(closed.state)[1] <= 0.0:
-        # Where the gap opens, another zero is before.
+        # If the gap opened there, there would be another zero before.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     reached = interval.end if fraction == 1.0 else integrate_to(last)
     begin = begin * length
     at_end, rate = gap_and_rate(reached.state)
     if at_end > 0.0 and rate > 0.0:
-        # The gap opens again: it is closed, or least, before.
+        # The gap opens again, so it is closed or least before.
         fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
 
         def at_instant(span: float, gap: float) -> bool:
@@ -193,7 +212,7 @@ def find_touch(
 
 
 def _error(system: System, interval: Interval) -> float:
-    """Return a bound of the gap's deviation from that of the interval's polynomial."""
+    """Return a bound of the gap's deviation from its value on the interval's polynomial."""
     start = interval.start
     end = interval.end
     length = interval.length
@@ -215,10 +234,13 @@ def first_touch(
     interpolation_error: float = 0.0,
     begin: float = 0.0,
 ) -> float | None:
-    """Return the fraction of the interval at which the gap is closed or nearly so, on the polynomial; None if it stays open.
+    """Return the fraction of the interval at which the gap is closed or nearly so, on the
+    polynomial; None if it stays open.
 
-    The fraction may be later than the touch but never past a second one. ``interpolation_error`` bounds the gap's deviation from
-    that of the polynomial; at a fraction f it is at most 16 f^2 (1 - f)^2 times that, as angles and rates at the ends are exact.
+    The fraction may be later than the touch, but never later than a second touch.
+    ``interpolation_error`` bounds the gap's deviation from its value on the polynomial. At a
+    fraction f the deviation is at most 16 f^2 (1 - f)^2 times this bound, because angles and rates
+    at the ends are exact.
     """
     length = interval.length
     end = interval.end
@@ -256,9 +278,11 @@ def _least(
     at_right: float,
     enough: Callable[[float, float], bool],
 ) -> tuple[float, float]:
-    """Minimise a gap that falls at the left end and rises at the right; return the place and the gap, at once where it is closed.
+    """Return the place of a least gap, and the gap there, by bisection on the rate; a closed gap
+    ends the search at once.
 
-    By bisection on the rate, until the length of the bracket and the gap are ``enough``.
+    The gap falls at the left end and rises at the right end. ``enough`` takes the length of the
+    bracket and the gap, and ends the search.
     """
     value = at_right
     while not enough(right - left, value):
