@@ -168,6 +168,12 @@ def test_limits_and_a_design_over_the_keys_of_the_map(client: Any) -> None:
     assert ", radial, " in run["answer"]
 
 
+def test_the_surface_of_the_present_tool_is_drawn(client: Any) -> None:
+    found = client.get("/surface?hub_speed=280").json
+    assert base64.b64decode(found["picture"]).startswith(b"\x89PNG")
+    assert "must strike the workpart" in client.get("/surface?penetration=-1 mm").json["error"]
+
+
 @pytest.mark.parametrize("name", bench.PRESETS)
 def test_the_tools_of_the_list_strike(client: Any, name: str) -> None:
     """Their names state length and speed; all but the dissertation's strike radially, with bars to a hundredth of a millimetre."""

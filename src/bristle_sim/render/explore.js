@@ -168,8 +168,19 @@ function show(run) {
   el("changed").replaceChildren(...(rows.length ? rows : [row(["nothing", ""])]));
   for (const link of document.querySelectorAll("#downloads a")) link.href = `download/${link.dataset.kind}?${run.query}`;
   document.body.dataset.shown = run.query;
-  redraw(false);
+  redraw(false); clearTimeout(surfaceTimer); surfaceTimer = setTimeout(showSurface, 200);
 }
+let surfaceTimer = 0;
+async function showSurface() { // of the present tool, when the knobs rest
+  const asked = shown?.query, picture = el("surface");
+  if (!el("surface-box").open || asked === undefined || picture.dataset.asked === asked) return;
+  picture.classList.add("outdated");
+  const found = await get("surface?" + asked, "-surface").catch(() => ({ error: "the server does not answer" }));
+  if (asked !== shown.query) return;
+  picture.dataset.asked = asked; picture.hidden = !found.picture; el("surface-note").textContent = found.error ?? "";
+  if (found.picture) { picture.src = "data:image/png;base64," + found.picture; picture.classList.remove("outdated"); }
+}
+el("surface-box").addEventListener("toggle", showSurface);
 const row = (cells, tag = "td") => { const node = make("tr"); cells.forEach((cell) => node.append(make(tag, cell))); return node; };
 function table(run) {
   const [head, ...rows] = run.table;

@@ -7,6 +7,8 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -25,6 +27,7 @@ from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
 from bristle_sim.studies.design import design
 from bristle_sim.studies.limits import limits
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
+from bristle_sim.studies.surface import surface
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import Range
 
@@ -170,10 +173,22 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}
 
 
+def surface_of(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
+    """Return the picture of a piece of the surface that the tool makes, in base64."""
+    from bristle_sim.render.style import save_figure
+    from bristle_sim.render.surface_pictures import surface_figure
+
+    made = surface(build_parameters(Tool, pass_of.values_of(assignments)))
+    with TemporaryDirectory() as folder:
+        path = save_figure(surface_figure(made), Path(folder) / "surface.png")
+        return {"picture": base64.b64encode(path.read_bytes()).decode("ascii")}
+
+
 KINDS: dict[str, Callable[..., dict[str, Any]]] = {
     "map": map_of,
     "limits": limits_of,
     "design": design_of,
     "radial": radial_bar,
+    "surface": surface_of,
 }
 """The searches, by the names of their requests."""

@@ -88,7 +88,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     def progress() -> Response:
         return jsonify(done=workers.progress(client()))
 
-    @app.get("/<any(radial, map, limits, design):kind>")
+    @app.get("/<any(radial, map, limits, design, surface):kind>")
     def searched(kind: str) -> Response:
         options = [request.args[each] for each in ("on", "fine") if each in request.args]
         return jsonify(workers.answer(client(), kind, [*start, *typed()], *options))
