@@ -161,7 +161,7 @@ def least_pitch(
     steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
     if open_gap <= 0.0:
         raise ValueError(
-            f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
+            f"largest = {largest:g}: must be a pitch in rad at which wires do not touch; here they overlap by {-1e3 * open_gap:.3g} mm"
         )
     while True:  # ends at the latest at a pitch at which the two wires would overlap
         narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
