@@ -127,8 +127,10 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
     acceleration = ROUNDING * system.size * system.fastest**2
 
     def pressing(at: Instant) -> float:
-        """Return normal force times response, m/s^2; the product stays bounded where friction locks
-        the contact."""
+        """Return the normal force times the contact's normal response to it, m/s^2.
+
+        The product stays bounded where friction locks the contact.
+        """
         acting = at.contacts[number]
         response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
         # Beyond zero by rounding, so that the decision that follows finds the contact open.

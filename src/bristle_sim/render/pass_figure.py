@@ -110,7 +110,10 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
 
 
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
-    """Return the panels over time by label; a panel has values and look of each line, by name."""
+    """Return the panels over time by their labels.
+
+    A panel contains its lines by name; a line has values and plot options.
+    """
     potential = (
         "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
     )

@@ -203,9 +203,9 @@ class EngineSteps:
 def bare_space(space: pymunk.Space) -> Any:
     """Return the engine's pointer to a space, valid only while the pymunk space exists.
 
-    ``space._space`` owns the engine's space. If it outlived the pymunk.Space, it would free the
-    engine's space after its bodies, shapes and constraints had become garbage, which the collector
-    in another thread could be removing from it at that time.
+    ``space._space`` owns the engine's space and frees it. It must not be kept beyond the
+    pymunk.Space: by then bodies, shapes and constraints may be garbage too, and the garbage
+    collector, in another thread, may remove them from the space while it is freed.
     """
     return ffi.cast("cpSpace *", space._space)
 

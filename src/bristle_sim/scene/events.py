@@ -147,6 +147,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         return at.accelerations[link]
 
     def left(link: int, at: IntervalResult) -> float:
+        """Return the angle left until a wire's first link lies on the hub, rad."""
         return plan.retraction_limit - abs(
             at.state.angles[link] - mechanism.root_angle(link, at.state.time)
         )
@@ -287,6 +288,7 @@ def _spring_events(
         return -beyond(spring.deepest or 0.0, at)
 
     def rest_margin(which: int, at: IntervalResult) -> float:
+        """Return one of the two margins of friction in slip at rest, scaled to a velocity."""
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
@@ -294,6 +296,7 @@ def _spring_events(
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
+        """Return the margin of the tangential force to the friction limit, scaled to a velocity."""
         if spring.elastic:
             force = spring.elastic_force(gaps.along(pair, at.state))
         elif at.totals:

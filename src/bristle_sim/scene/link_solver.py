@@ -130,6 +130,7 @@ def _corner(corner: Vector) -> Touch:
     def touch(
         joint_x: float, joint_y: float, cosine: float, sine: float
     ) -> tuple[float, float, float, float]:
+        """Return arm and normal of the corner's contact."""
         del joint_x, joint_y
         return cosine * x - sine * y, sine * x + cosine * y, 0.0, 1.0
 
@@ -150,6 +151,7 @@ def _flank(bar: BarPair, start: Vector, end: Vector) -> Touch:
     def touch(
         joint_x: float, joint_y: float, cosine: float, sine: float
     ) -> tuple[float, float, float, float]:
+        """Return arm and normal of the closest point of the piece."""
         x = cosine * start_x - sine * start_y
         y = sine * start_x + cosine * start_y
         u = cosine * along_x - sine * along_y

@@ -218,8 +218,9 @@ LOCAL_FRACTION = 0.05
 """Error permitted in one interval, over the run's accuracy: enough for twenty intervals."""
 
 SOME_INTERVALS = 50.0
-"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion. Counted are the
-intervals that damping forces within the time in which the belt forgets an error, c/k."""
+"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion. For a single link,
+the intervals that damping forces within the time in which the belt forgets an error, c/k, are
+counted; for several links, those that damping or vibration forces in the whole run."""
 
 
 def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:

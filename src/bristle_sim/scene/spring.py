@@ -143,8 +143,8 @@ class Spring:
         deepest: penetration at which unloading, which is steeper, began; None while the spring
             loads.
         slip: sense of slip, or 0 in stick.
-        at_rest: whether friction between the two coefficients keeps the normal velocity at zero in
-            slip ("slip at rest").
+        at_rest: whether the normal velocity stays at zero in slip, under a friction between that of
+        compression and that of restitution ("slip at rest").
         pressed_on: whether the spring loads again, from rest at its deepest point.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
         foot: position of the tangential spring's foot along the surface.
@@ -311,6 +311,7 @@ class SpringForce:
         in_stick: list[float] = []
 
         def act() -> None:
+            """Apply the force of this step, and add it to the sums."""
             nonlocal pushes, rubs, loss, heat
             place = place_of()
             velocity = velocity_of()
@@ -330,6 +331,7 @@ class SpringForce:
                 in_stick.append(along)
 
         def read() -> list[float]:
+            """Return the numbers of the contact's ``Sums``."""
             first = last = 0.0
             if rigidity:
                 last = -rigidity * (place_of().x - foot)

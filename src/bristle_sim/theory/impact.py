@@ -75,40 +75,48 @@ def energetic_impact(
     stick_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
-    """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang 2020, eq. 2.46).
+    """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang
+    2020, eq. 2.46).
 
     The impact never gains energy, for any K, slip and friction.
 
     Args:
-        inverse_mass: K, symmetric and positive semidefinite, order (normal, tangential), shape (..., 2, 2), 1/kg.
-        velocity: (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s; v_n < 0 approaches.
+        inverse_mass: K, symmetric and positive semidefinite, order (normal, tangential), shape
+            (..., 2, 2), 1/kg.
+        velocity: (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s; v_n < 0
+            approaches.
         friction: Coulomb's mu, shape (...); only in compression if restitution_friction is given.
         restitution: e*, in [0, 1], shape (...).
         restitution_friction: mu in restitution; equal to ``friction`` by default.
-        stick_compliance: gain of v_n per unit normal impulse while the point does not slip, K_nn - K_nt^2/K_tt, 1/kg,
-            if known more accurately than from the rounded K: at a mass ratio of 1e12 the difference keeps only four digits.
-        tangential_compliance: eta^2, the contact's normal over its tangential stiffness, from 0 (rigid along the
-            surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
-            (``impact_compliance``). Below 1e-4 the impact is a mean of the rigid one and that at 1e-4, weighted
-            linearly in eta, so that it is continuous. In 20,000 random K, of a correlation up to 0.95 and a ratio of the
-            entries up to 100, with mu <= 2, the impulse at 1e-4 differs from the rigid one by less than 30 eta of its
-            largest component, and the mean by less than 15 eta from the springs' own. Half of them differ by less than
-            0.001 eta.
+        stick_compliance: gain of v_n per unit normal impulse while the point does not slip, K_nn -
+            K_nt^2/K_tt, 1/kg, if known more accurately than from the rounded K: at a mass ratio of
+            1e12 the difference keeps only four digits.
+        tangential_compliance: eta^2, the contact's normal over its tangential stiffness, from 0
+            (rigid along the surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of
+            one elastic material (``impact_compliance``). Below 1e-4 the impact is a mean of the
+            rigid impact and the impact at 1e-4, weighted linearly in eta, so that it is continuous.
+            Measured for 20,000 random K (correlation up to 0.95, ratio of the entries up to 100, mu
+            <= 2): the impulse at 1e-4 differs from the rigid impulse by less than 30 eta times its
+            largest component; the mean differs from the impulse of the springs by less than 15 eta.
+            In half of the cases the differences are below 0.001 eta.
 
     Returns:
         The impact; floats for a single one, arrays of the broadcast shape otherwise.
 
     Raises:
-        ValueError: for non-finite values, a K that is not symmetric positive semidefinite, mu < 0, e* outside [0, 1], a
-            stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works too large for a float.
+        ValueError: for non-finite values, a K that is not symmetric positive semidefinite, mu < 0,
+            e* outside [0, 1], a stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works
+            too large for a float.
 
-    A body of 1 kg that slips throughout: p_c = 1, and W_r = 0.25 W_c with p_r = 0.5; friction takes 0.2 of 1.5 N s.
+    A body of 1 kg that slips throughout: p_c = 1, and W_r = 0.25 W_c with p_r = 0.5; friction takes
+    0.2 of 1.5 N s.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 0.2, 0.5)
     >>> impact.velocity_normal, round(impact.velocity_tangential, 12), impact.impulse_normal
     (0.5, 0.2, 1.5)
 
-    Springs of equal stiffness that stick, e* = 1: both swing through half a period, and both velocities are reversed.
+    Springs of equal stiffness that stick, e* = 1: both swing through half a period, and both
+    velocities are reversed.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 9.0, 1.0, tangential_compliance=1.0)
     >>> round(impact.velocity_normal, 12), round(impact.velocity_tangential, 12)

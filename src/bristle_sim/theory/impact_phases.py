@@ -241,7 +241,7 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 
 def _settled(mass: InverseMass, mu: Number) -> Number:
     """Return the direction of slip after slip has stopped: 0 if friction holds the point, otherwise
-    that of K_nt.
+    the sign of K_nt.
     """
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))

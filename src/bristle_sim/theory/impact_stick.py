@@ -37,7 +37,8 @@ STEEPEST_CONE = 1e150
 
 
 class Contact(NamedTuple):
-    """Contacts in their present state: constants first, and from ``normal`` on the motion.
+    """The present state of contacts: constants up to ``approach``, motion and forces from
+    ``normal`` on.
 
     Attributes:
         k_nn, k_nt, k_tt: entries of K.
@@ -47,7 +48,7 @@ class Contact(NamedTuple):
         restitution: e*.
         eta: root of the tangential compliance.
         approach: normal speed before the impact.
-        normal, tangential: velocity of the point.
+        normal, tangential: velocity of the contact point.
         push, rub: normal and tangential force.
         peak: largest normal force.
         loading: 1 in loading, 0 in unloading.

@@ -82,11 +82,11 @@ def write(run: RecordedRun, path: str | Path) -> None:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the arguments of a Trajectory from a file.
+    """Read a trajectory file; return the arguments of ``Trajectory``.
 
     Raises:
         OSError: if the file does not exist or cannot be read.
-        ValueError: for a file of any other kind; the message names the fault.
+        ValueError: if the file is no trajectory file of this format; the message names the fault.
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:

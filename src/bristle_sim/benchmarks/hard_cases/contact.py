@@ -211,7 +211,8 @@ def starting_at(obstacle: str, *, gap: float = 0.0) -> tuple[Tool, Start, float]
 
 
 def _jams(tool: Tool) -> Finding:
-    """Compare the end of a run with the instant of the jam, in units of the scene's time.
+    """Return the finding whether the run of a wedged wire ends with a jam, at the instant of the
+    jam.
 
     The wire jams when its flank meets the bar while the tip is on the workpart.
     """

@@ -154,11 +154,11 @@ def _typed(declared: Range | Choice, value: Any) -> str:
 
 
 def series(run: Trajectory) -> dict[str, Any]:
-    """Return the curves of the panels, in ms, degrees, rad/s, m/s and N.
+    """Return the curves of the panels, and what the panels need besides.
 
-    They are time, retraction, rate relative to the hub, tip speed and normal force. ``marks`` are
-    instants and names of events. ``drawn`` states the number of samples in the curves; other
-    samples would not change a panel by a pixel.
+    The curves are time, ms, retraction, degrees, rate relative to the hub, rad/s, tip speed, m/s,
+    and normal force, N. They contain only the samples that change a panel by at least a pixel;
+    ``drawn`` states the number of samples. ``marks`` are instants, ms, and names of events.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
