@@ -46,7 +46,7 @@ function addKnob(key, group) {
     } else text.placeholder = "none";
   }
   text.addEventListener("change", () => { // a bare number is in the unit that the field shows
-    const own = text.value.trim();
+    const own = key.optional && text.value.trim() === "none" ? "" : text.value.trim(); // the word that an empty field shows
     text.value = key.unit && NUMBER.test(own) ? `${own} ${key.unit}` : own;
     place(key, text); changed(); commit();
   });
