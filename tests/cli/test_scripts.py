@@ -204,7 +204,7 @@ PROMISES = {
         keys=f"{PASS} {RUBBING} samples "
         + " ".join(f"spread_{key}" for key in f"{RIGID_TOOL} {BELT} {BAR}".split()),
         lists={"rows": "output mean std low high indices"},
-        quick="samples=2 accuracy=1e-2",
+        quick="samples=32 accuracy=1e-2",
         slow=True,
         strikes=False,
     ),

@@ -174,11 +174,11 @@ class TestCompliantRefusals:
             ),
             (
                 lambda: resolved(PAIR, Surface(0.3, None, 0.25), CompliantLaw(3e-7, 1e-6)),
-                "^contact_duration: must be at least 2 times ",
+                "^contact_duration = 3e-07: must be at least 6e-07, ",
             ),
             (
                 lambda: resolved(PAIR, Surface(0.3, None, 0.0), CompliantLaw(1.5e-7, 1e-6)),
-                "^contact_duration: must be at least 2 times ",
+                "^contact_duration = 1.5e-07: must be at least 3e-07, ",
             ),
             (
                 lambda: resolved(

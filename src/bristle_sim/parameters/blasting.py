@@ -127,7 +127,8 @@ class Blasting(Declared):
         cells = self.ground_length * self.ground_width / self.cell**2
         if cells > MOST_CELLS:
             raise ValueError(
-                f"cell = {self.cell:g}: must be larger, {cells:.3g} cells are more than {MOST_CELLS:g} (in m)"
+                f"cell = {self.cell:g}: must be larger (in m); ground_length = {self.ground_length:g} by"
+                f" ground_width = {self.ground_width:g} has {cells:.3g} cells, more than {MOST_CELLS:g}"
             )
         for key in ("crater_length", "crater_width"):
             if (size := getattr(self, key)) is not None:
