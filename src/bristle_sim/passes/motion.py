@@ -84,15 +84,15 @@ class Course(NamedTuple):
         return Course(*(each[..., chosen] for each in self))
 
     def angle_at(self, step: Array) -> Array:
-        """Return alpha after steps."""
+        """Return alpha after the hub has turned by ``step``, rad."""
         return _horner(self.angle, step)
 
     def rate_at(self, step: Array) -> Array:
-        """Return alpha' after steps."""
+        """Return alpha' after the hub has turned by ``step``, rad."""
         return _horner(self.rate[1:], step)
 
     def pose_at(self, step: Array) -> Pose:
-        """Return the pose after steps."""
+        """Return the pose after the hub has turned by ``step``, rad."""
         turned = (np.sin(step), np.cos(step))
         bent = (_horner(self.sine, step), _horner(self.cosine, step))
         return self._pose(*turned, *bent, self.rate_at(step))

@@ -115,7 +115,8 @@ def _sign_changes(
 def _root(function: Function, left: float, right: float, already: float) -> float:
     """Return the root of a function between two times, s.
 
-    If the value ``already`` at the left time has the right one's sign, return the left time.
+    ``already`` is the function's value at ``left`` times the sign of its value at ``right``. If it
+    is not negative, the root is ``left``.
     """
     if already >= 0.0:  # by rounding, at the start of the search
         return float(left)

@@ -73,7 +73,7 @@ class ContactMotion:
     touch_end: float
 
     def largest(self, *names: str) -> float:
-        """Return the largest magnitude of the vector of the named samples."""
+        """Return the largest length of the vector whose components are these samples."""
         return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
 
     @property

@@ -175,7 +175,7 @@ def _question(
     minimize: str,
     maximize: str,
 ) -> Question:
-    """Return the question after a check of all arguments."""
+    """Check all arguments of a design; return the question that they state."""
     if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if minimize and maximize:

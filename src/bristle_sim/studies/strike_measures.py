@@ -100,7 +100,9 @@ def outcome_of(contact: ContactRecord | None) -> str:
 
 
 def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
-    """Return the outcome of a contact, in JSON's words and in those of sentences, and its phases, as fields of a report."""
+    """Return the outcome of a contact as fields of a report: its name, the words for it in
+    sentences, and the contact's phases.
+    """
     return {
         "outcome": outcome_of(contact),
         "outcome_in_words": "does not strike" if contact is None else contact.outcome_in_words,
@@ -109,7 +111,8 @@ def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
 
 
 LARGEST_MAGNIFICATION = 10.0
-"""Magnification of the impulse by friction from which a change of friction by 1 % changes the impulse by some 10 %."""
+"""Largest magnification of the impulse by friction without a warning: there 1 % more friction
+changes the impulse by about 10 %."""
 
 
 def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:

@@ -25,7 +25,7 @@ Vector = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class ContactSpring:
-    """A contact's springs and friction; SI units, or those of a scene.
+    """A contact's springs and friction; SI units, or the units of a scene.
 
     Attributes:
         stiffness: k in loading.

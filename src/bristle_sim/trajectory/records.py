@@ -247,9 +247,11 @@ class ContactRecord:
 
     @property
     def outcome_in_words(self) -> str:
-        """The outcome as sentences and ``ensemble`` write it: *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays*, *jams*.
+        """The outcome in the words of sentences and of ``ensemble``.
 
-        A tip that reverses its slip, or sticks, does so in a phase with an impulse. A sustained contact keeps its own word.
+        The words are *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays* and *jams*. A
+        tip reverses its slip, or sticks, in a phase that has an impulse. A sustained contact keeps
+        the name of its own outcome.
         """
         if self.outcome != "rebound":
             ends = {"jam": "jams", "stiction": "stays", "no rebound": "stays"}
@@ -261,10 +263,12 @@ class ContactRecord:
 
     @property
     def friction_magnification(self) -> float:
-        """Normal impulse over that which would change the normal velocity as much without friction; large near the jam.
+        """Normal impulse over the impulse that would change the normal velocity as much without
+        friction; large near the jam.
 
-        With dv = K p the impulse without friction is dv_n/K_nn. For a rod of one degree of freedom, whose K has rank one, the
-        ratio is p_n dv_n/(p . dv); 1 without friction, infinite where the impulse along the wire's own line moves nothing.
+        With dv = K p the impulse without friction is dv_n/K_nn. For a rod of one degree of freedom,
+        whose K has rank one, the ratio is p_n dv_n/(p . dv). It is 1 without friction, and infinite
+        where the impulse along the wire's own line moves nothing.
         """
         normal, tangential = (
             after - before

@@ -111,7 +111,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Return the run for typed assignments in addition to those of the first tool."""
+    """Return the run of the first tool with the typed assignments."""
     values = pass_of.values_of([*start, *typed])
     report = pass_of.answer(values)
     run = report.subject.trajectory
@@ -154,11 +154,11 @@ def _typed(declared: Range | Choice, value: Any) -> str:
 
 
 def series(run: Trajectory) -> dict[str, Any]:
-    """Return the curves of the panels, and what the panels need besides.
+    """Return the curves of the panels, the marked instants, and the number of samples drawn.
 
     The curves are time, ms, retraction, degrees, rate relative to the hub, rad/s, tip speed, m/s,
-    and normal force, N. They contain only the samples that change a panel by at least a pixel;
-    ``drawn`` states the number of samples. ``marks`` are instants, ms, and names of events.
+    and normal force, N. They contain only the samples that change a panel by at least a pixel.
+    ``marks`` are instants, ms, and names of events.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
