@@ -74,7 +74,7 @@ def ensemble(
 
     Raises:
         ValueError: in one line, for an unknown key, a text that is no value of its key, or shapes
-        that do not broadcast.
+            that do not broadcast.
     """
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)

@@ -268,8 +268,11 @@ def _covering(piece: Callable[[float], Blasted], wanted: float, unit: float) -> 
 
 
 def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float) -> Blasted:
-    """Return the ground after so many strikes, or random ones up to the wanted coverage; their
-    places and depths, and the course.
+    """Return the ground after random strikes, with their places and depths and the course of the
+    ground.
+
+    The number of strikes is ``strikes``. If a coverage is wanted and the places are random, the
+    strikes end when it is reached.
     """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(

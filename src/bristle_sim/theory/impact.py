@@ -256,7 +256,7 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
 def _row(end: End, values: list[Number], squared: Number | None) -> Impact:
     """Resolve a row of impacts, rigid or with tangential springs.
 
-    Below ``LEAST_COMPLIANCE`` an impact is a mean of the rigid impact and that on springs.
+    Below ``LEAST_COMPLIANCE`` an impact is a mean of the rigid impact and the impact on springs.
     """
     if squared is None:
         return _rigid_row(end, values)
