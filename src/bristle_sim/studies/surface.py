@@ -268,7 +268,7 @@ def _covering(piece: Callable[[float], Blasted], wanted: float, unit: float) -> 
 
 
 def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float) -> Blasted:
-    """Return the ground after random strikes, with their places and depths and the course of the
+    """Return the ground after the strikes, with their places and depths and the course of the
     ground.
 
     The number of strikes is ``strikes``. If a coverage is wanted and the places are random, the
