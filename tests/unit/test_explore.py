@@ -154,6 +154,17 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     assert (unpacked(found, "shades")[::5, ::5] == unpacked(coarse, "shades")).mean() > 0.99
 
 
+def test_a_map_without_a_change_has_nothing_to_compute_finely(client: Any) -> None:
+    """The outcome is the same everywhere; where no pass can be computed, the line says why."""
+    on = {"x": ["hub_speed", "2490 rpm", "2500 rpm"], "y": ["friction", "0.3", "0.31"]}
+    query = {"on": json.dumps(on | {"of": "outcome"}), "fine": "1"}
+    found = client.get("/map", query_string=query).json
+    assert "1681 computed" in found["note"]
+    assert {found["names"][each] for each in found["present"]} == {"reverses its slip"}
+    refused = client.get("/map", query_string=query | {"wire_links": "2"}).json
+    assert "wire_links" in refused["error"]
+
+
 def test_limits_and_a_design_over_the_keys_of_the_map(client: Any) -> None:
     on = {"x": ["friction", "0.1", "0.6"], "y": ["hub_speed", "2000 rpm", "3000 rpm"]}
     found = client.get("/limits", query_string={"on": json.dumps(on)}).json

@@ -108,9 +108,9 @@ async function restore() { // the state in the address
   const query = new URLSearchParams(location.search), pin = query.get("pin");
   query.delete("pin");
   const unknown = [...query.keys()].filter((name) => !knobs.has(name));
-  setKnobs(query);
+  setKnobs(query); document.body.dataset.state = "asking";
   if ((pinned?.query ?? null) !== pin) {
-    const found = pin === null ? null : await get("run?" + pin);
+    const found = pin === null ? null : await get("run?" + pin, "-pin");
     pinned = found && !found.error ? { ...found, query: pin } : null;
     el("pin").textContent = pinned ? "unpin" : "pin";
   }

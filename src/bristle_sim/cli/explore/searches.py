@@ -57,22 +57,23 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     ends = [_ends(pass_of, *asked[axis]) for axis in "xy"]
 
-    def passes(*fractions: Array) -> tuple[Array, NDArray[Any]]:
-        """Return values and outcome codes at fractions of the ranges of x and y."""
+    def passes(*fractions: Array) -> tuple[Array, NDArray[Any], NDArray[Any]]:
+        """Return values, outcome codes and reasons at fractions of the ranges of x and y."""
         places = {
             key: low + (high - low) * each
             for (key, low, high), each in zip(ends, fractions, strict=True)
         }
         found = pass_quantities(tool, SETTINGS, **places)
         codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
-        if (codes == REFUSED).all():
-            raise ValueError(f"no map: {found[REASON].flat[0]}")
-        return found[asked["of"]] if asked["of"] in QUANTITIES else np.full(
-            codes.shape, np.nan
-        ), codes
+        values = np.full(codes.shape, np.nan)
+        if asked["of"] in QUANTITIES:
+            values = found[asked["of"]]
+        return values, codes, found[REASON]
 
     rows, columns = np.indices((CELLS + 1, CELLS + 1)) / CELLS
-    values, codes = passes(columns, rows)
+    values, codes, reasons = passes(columns, rows)
+    if (codes == REFUSED).all():
+        raise ValueError(f"no map: {reasons[0, 0]}")
     computed = values.size
     numbers = values[np.isfinite(values)]
     low, high = np.percentile(numbers, EXTREMES) if numbers.size else (0.0, 0.0)
@@ -81,7 +82,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
         rows, columns = np.nonzero(_rough(values, codes, low, high)[np.ix_(within, within)])
         values, codes = _interpolated(values, codes)
         fractions = (columns / (CELLS * PARTS), rows / (CELLS * PARTS))
-        values[rows, columns], codes[rows, columns] = passes(*fractions)
+        values[rows, columns], codes[rows, columns], _ = passes(*fractions)
         computed += rows.size
     shades = np.clip(np.rint(SHADES * (values - low) / (high - low or 1.0)), 0, SHADES)
     label, unit = QUANTITIES.get(asked["of"], ("outcome", "1"))
