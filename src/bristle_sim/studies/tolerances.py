@@ -180,12 +180,17 @@ def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
 
 def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     lines = [
-        "theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"
+        "theory: first-order error propagation; the inputs that matter most, by their total Sobol index with its 95 % interval:"
     ]
     for row in rows:
-        first = ", ".join(f"{key} {row['indices'][key]['total']:.2f}" for key in _ranked(row)[:3])
+        first = ", ".join(_index_in_words(key, row["indices"][key]) for key in _ranked(row)[:3])
         lines.append(f"{row['output']:<26} {first}")
     return tuple(lines)
+
+
+def _index_in_words(key: str, indices: Mapping[str, Any]) -> str:
+    low, high = indices["total_interval"]
+    return f"{key} {indices['total']:.2f}±{0.5 * (high - low):.2f}"
 
 
 def _ranked(row: Mapping[str, Any]) -> list[str]:
