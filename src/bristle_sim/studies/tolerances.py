@@ -184,7 +184,7 @@ def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     ]
     for row in rows:
         first = ", ".join(_index_in_words(key, row["indices"][key]) for key in _ranked(row)[:3])
-        lines.append(f"{row['output']:<26} {first}")
+        lines.append(f"{row['output'].removesuffix('_at_contact'):<20} {first}")
     return tuple(lines)
 
 
