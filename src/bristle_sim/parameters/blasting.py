@@ -9,7 +9,7 @@ from typing import Any
 
 from bristle_sim.units import ANY, Declared, choice, count, quantity
 
-MOST_CELLS = 2e7  # cells of a ground: 160 MB a copy
+MOST_CELLS = 1e7  # cells across times along of a ground; twice as many are kept, 160 MB a copy
 LEAST_CELLS = 2.0  # cells of a crater along and across, below which its shape is lost
 SECTIONS = 5.0  # section lengths of a profile along the slide
 

@@ -46,7 +46,7 @@ Blasted = tuple[
 ]  # with places and depths of the strikes, and the course
 
 INSTANTS = 12  # at which roughness and coverage are recorded while the surface forms
-MOST_STRIKES = 10**6  # of a surface; some minutes
+MOST_STRIKES = 200_000  # of a surface; some minutes
 COVERAGE_ROUNDS = 8  # of the search for the feed that gives a coverage; two to four are usual
 # Distance of the coverage from the wanted one that ends the search, and the largest one that is
 # accepted after its last round
@@ -400,7 +400,8 @@ def surface_study(
     Raises ValueError for parameters that do not fit together, or a strike that does not cut.
     """
     started = clock.perf_counter()
-    made = blasted_surface(Tool(hub=hub, bristle=bristle, bar=None), crater, blasting, settings)
+    tool = Tool(hub=hub, bristle=bristle, bar=None, workpart=None)
+    made = blasted_surface(tool, crater, blasting, settings)
     theory = dict[str, float]()
     if blasting.places == "random":
         theory["coverage"] = -math.expm1(-made.strikes_per_crater_area)
