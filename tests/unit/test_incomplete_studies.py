@@ -139,7 +139,7 @@ REFUSALS = [
     ),
     (
         partial(least_pitch, simulate(Tool()), 7e-4, largest=0.1),
-        "^largest = 0.1: must be a pitch at which wires do not",
+        "^largest = 0.1: must be a pitch in rad at which wires do not",
     ),
     *(
         (
