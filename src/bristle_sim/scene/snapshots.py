@@ -30,10 +30,9 @@ class ContactState:
     Attributes:
         obstacle: ``bar`` or ``workpart``.
         link: number of the link in contact, from 1 at the root.
-        mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity), ``at
-            rest``, or ``frictionless``. For a contact resolved in time the phase of its spring
-            comes first: ``loading,``,
-                ``unloading,`` or ``at rest,``.
+        mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity),
+            ``at rest``, or ``frictionless``. For a contact resolved in time the phase of its spring
+            comes first: ``loading,``, ``unloading,`` or ``at rest,``.
         normal_force: normal force on the wire, N; None where a contact without a spring begins at
             this instant.
         tangential_force: tangential force on the wire, N; None likewise.
