@@ -52,6 +52,22 @@ def test_a_whole_pass(
     assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
 
 
+@pytest.mark.parametrize("restitution", [0.42, 0.0])
+def test_a_run_that_ends_with_its_strike(restitution: float) -> None:
+    """Both end when the contact of the strike is over, and record it."""
+    tool = timed(5e-5, restitution=restitution)
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY), stop_after="strike")
+    exact = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
+    strike, expected = (each.first_contact("workpart") for each in (run, exact))
+    assert strike is not None
+    assert expected is not None
+    assert exact.stop_reason is run.stop_reason is bs.StopReason.EVENT
+    assert expected.outcome == strike.outcome == ("rebound" if restitution else "no rebound")
+    assert strike.duration == pytest.approx(expected.duration, rel=10.0 * ACCURACY)
+    assert strike.impulse == pytest.approx(expected.impulse, rel=10.0 * ACCURACY)
+    assert exact.time[-1] == pytest.approx(expected.time + expected.duration, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("duration", "friction", "followed", "hub_turn"),
     [(1e-4, 0.6, 7, 1.575), (1e-5, 0.31, 9, 1.878)],

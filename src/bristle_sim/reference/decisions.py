@@ -84,11 +84,11 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     for each in ending:
         system.sustained.remove(each)
         record(system, log, state, each, "release" if new is None else new.obstacle)
-    log.check_stop(state)
+    log.check_stop(state, staying)
     system.sustained = staying
     for each in [*ending, *(each for each in begun if each not in staying)]:
         log.released(each.point, state.time)
-    log.check_stop(state)
+    log.check_stop(state, staying)
     return system.closed(state)
 
 
@@ -212,10 +212,11 @@ def change_phase(system: System, each: Sustained, spring: Spring, state: State) 
 
 def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
     """Record a compliant contact whose force has fallen to zero, and remove it."""
-    record(system, log, state, each, "rebound")
+    rebounds = each.spring is not None and each.spring.law.restitution > 0.0
+    record(system, log, state, each, "rebound" if rebounds else "no rebound")
     system.sustained.remove(each)
     log.released(each.point, state.time)
-    log.check_stop(state)
+    log.check_stop(state, system.sustained)
     return state
 
 

@@ -19,6 +19,7 @@ from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 STRIKE = "strike"
 PEAK = "highest relative speed"
 LARGEST_RETRACTION = "largest retraction"
+TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 
 
 class Finished(Exception):
@@ -231,12 +232,17 @@ class Log:
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
 
-    def check_stop(self, state: State) -> None:
-        """Raise Finished once every wire has had the event that ends the run."""
-        if self.stop_after is not None and all(
-            record.seen(self.stop_after) for record in self.records
-        ):
-            raise Finished(StopReason.EVENT, state)
+    def check_stop(self, state: State, sustained: Sequence[Sustained]) -> None:
+        """Raise Finished once every wire has had the event that ends the run.
+
+        If this event is a touch, contacts with springs end first.
+        """
+        last = self.stop_after
+        if last is None or not all(record.seen(last) for record in self.records):
+            return
+        if last in TOUCHES and any(each.spring is not None for each in sustained):
+            return
+        raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:
         """Record a jam, and return the exception that ends the run.

@@ -86,7 +86,7 @@ def simulate_reference(
         accuracy: relative accuracy of the motion; the integrator's tolerance is a hundredth of it,
         but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just
-        after the impact.
+        after the impact, or with a contact that is resolved in time.
         sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
         turn, whichever is shorter.
         contact_stiffness: stiffness of the contact with the workpart, a spring with energetic
