@@ -133,11 +133,11 @@ def test_verdicts_on_numbers(computed, allowance, status):
 
 
 def test_verdicts_on_statements():
-    grows = Printed("place", statement="grows", why="by {0:.1f}")
-    assert audit_row(grows, Figure(0.1, 2.0, holds=True)).status == REPRODUCED
-    assert audit_row(grows, Figure(-0.1, -2.0, holds=False)).why == "by -2.0"
-    assert audit_row(grows, Figure(-0.1, -2.0)).status == DIFFERS
-    assert audit_row(grows, Figure(None, 0.0)).status == NOT_COMPUTABLE
+    grows = Printed("place", statement="grows")
+    assert audit_row(grows, Figure(0.1, holds=True)).status == REPRODUCED
+    assert audit_row(grows, Figure(-0.1, "by -2", holds=False)).why == "by -2"
+    assert audit_row(grows, Figure(-0.1)).status == DIFFERS
+    assert audit_row(grows, Figure(None)).status == NOT_COMPUTABLE
     with pytest.raises(ArithmeticError, match="place"):
         audit_row(grows, Figure(math.nan))
 

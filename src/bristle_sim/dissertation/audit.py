@@ -1,7 +1,8 @@
 """The audit: every printed number and decidable statement of chapters 2 to 4, recomputed.
 
-Three rows are from chapters 1 and 5, which print the same quantities. The rows are those of
-``printed.toml``; the modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures.
+Three rows are from chapters 1 and 5, which print the same quantities. ``printed.toml`` holds what
+is printed. The modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute the figures, each
+with the reason of its difference.
 
 A number counts as reproduced if the computed value lies within half a unit of the last printed
 digit. A printed number may itself come from rounded ones; an allowance then adds the effect of
@@ -79,14 +80,17 @@ def audit_rows() -> tuple[AuditRow, ...]:
     from bristle_sim.dissertation import audit_chapter_2 as impact
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 
-    figures = impact.cue_figures() | impact.compression_figures() | impact.restitution_figures()
-    figures |= impact.pendulum_figures()
-    figures |= (
-        force.force_history_figures()
-        | force.motion_figures()
-        | force.plies_figures()
-        | force.energy_figures()
-    )
+    figures = {
+        **impact.cue_figures(),
+        **impact.pass_figures(),
+        **impact.compression_figures(),
+        **impact.restitution_figures(),
+        **impact.pendulum_figures(),
+        **force.force_history_figures(),
+        **force.motion_figures(),
+        **force.plies_figures(),
+        **force.energy_figures(),
+    }
     return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 
 
@@ -97,27 +101,19 @@ def audit_row(row: Printed, figure: Figure) -> AuditRow:
     Raises:
         ArithmeticError: if the figure is not finite.
     """
-    computed = figure.value
+    printed = float(row.printed) if row.printed else row.statement
+    if figure.value is None:
+        return AuditRow(row.where, printed, row.unit, None, NOT_COMPUTABLE, figure.why)
+    computed = float(figure.value)
+    if not math.isfinite(computed):
+        raise ArithmeticError(f"{row.where}: computed {computed:g}")
     tolerance = None
     same = figure.holds
-    if computed is not None and not math.isfinite(computed):
-        raise ArithmeticError(f"{row.where}: computed {computed:g}")
-    if row.printed:
+    if isinstance(printed, float):
         tolerance = half_unit(row.printed) + figure.allowance
-        number = float(row.printed)
-        same = computed is not None and abs(computed - number) <= tolerance + SLACK * abs(number)
-    status = NOT_COMPUTABLE if computed is None else REPRODUCED if same else DIFFERS
-    printed = float(row.printed) if row.printed else row.statement
-    within = None if computed is None else tolerance
-    return AuditRow(
-        row.where,
-        printed,
-        row.unit,
-        computed,
-        status,
-        row.why.format(*figure.further, figure=computed),
-        within,
-    )
+        same = abs(computed - printed) <= tolerance + SLACK * abs(printed)
+    status = REPRODUCED if same else DIFFERS
+    return AuditRow(row.where, printed, row.unit, computed, status, figure.why, tolerance)
 
 
 def half_unit(printed: str) -> float:
@@ -132,16 +128,13 @@ def audit_report(view: AuditView) -> Report:
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)
-    names = {
-        REPRODUCED: "rows_reproduced",
-        DIFFERS: "rows_that_differ",
-        NOT_COMPUTABLE: "rows_not_computable",
-    }
     shown = [row for row in rows if view.show in ("all", row.status)]
     return Report(
         outcome=None,
-        quantities=tuple(
-            Quantity(name, "rows", float(counts[status])) for status, name in names.items()
+        quantities=(
+            Quantity("rows_reproduced", "rows", float(counts[REPRODUCED])),
+            Quantity("rows_that_differ", "rows", float(counts[DIFFERS])),
+            Quantity("rows_not_computable", "rows", float(counts[NOT_COMPUTABLE])),
         ),
         wall_s=clock.perf_counter() - begin,
         remarks=("", terminal_table(shown)),
@@ -155,20 +148,19 @@ def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
     """Return the sentence with the counts of rows and the number that differs most from its print,
     relatively.
     """
-    _, where, printed, computed = max(
+    _, where, numbers = max(
         (
             abs(row.computed / row.printed - 1.0),
             row.where,
-            amount(row.printed, row.unit),
-            amount(row.computed, row.unit),
+            f"printed {amount(row.printed, row.unit)}, computed {amount(row.computed, row.unit)}",
         )
         for row in rows
         if row.status == DIFFERS and isinstance(row.printed, float) and row.computed
     )
     return (
-        f"{counts[REPRODUCED]} of {len(rows)} printed numbers and statements are reproduced, {counts[DIFFERS]} differ and"
-        f" {counts[NOT_COMPUTABLE]} cannot be computed; farthest off is {where}, printed {printed},"
-        f" computed {computed}."
+        f"{counts[REPRODUCED]} of {len(rows)} printed numbers and statements are reproduced,"
+        f" {counts[DIFFERS]} differ and {counts[NOT_COMPUTABLE]} cannot be computed; farthest off is"
+        f" {where}, {numbers}."
     )
 
 

@@ -36,6 +36,7 @@ from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific
 BALL_TIME = printed_number("eq. 3.6: time of the largest force")
 BRISTLE_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
 IMPULSE_ROUNDING = 0.5e-6 / BRISTLE_IMPULSE  # rounding of the printed p_c, as a fraction of it
+NO_POINTS = "the measured points of Yu et al. are not in the text"
 
 exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
@@ -47,8 +48,15 @@ def force_history_figures() -> Figures:
     # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
     middles = step * (np.arange(10) + 0.5)
     known = {"duration": BRISTLE.duration, "peak_force": 2.0 * BRISTLE.swing}
-    table_fit = fit_force_history(middles, 1e-4 * printed / step, start=0.0, **known)
+    amplitude, decay = fit_force_history(middles, 1e-4 * printed / step, start=0.0, **known).values
+    not_fitted = (
+        "found by a least-squares fit whose points are not given. The forces of table 3.1 at mid-segment"
+        f" fit with c = {amplitude:.3f} and lambda = {decay:.0f} /s, so it was not fitted to them: 5.5 /s"
+        " is no decay at all over 50 us"
+    )
+    ball_impulse = BALL.impulse(BALL_TIME)
     segments = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME)
+    roundings = segments * IMPULSE_ROUNDING
     total = printed.sum()
     rescaled = BALL.rescaled(BRISTLE_IMPULSE, COMPRESSION_TIME)
     fitted = BRISTLE.impulse(COMPRESSION_TIME)
@@ -60,45 +68,66 @@ def force_history_figures() -> Figures:
     return {
         "eq. 3.5: constant part of the bracket": Figure(ball),
         "eq. 3.5: t_o from T = 0.006 s": Figure(0.006 / 12),
-        "eq. 3.5: amplitude c": Figure(None),
-        "eq. 3.5: decay lambda": Figure(None),
+        "eq. 3.5: amplitude c": Figure(None, NO_POINTS),
+        "eq. 3.5: decay lambda": Figure(None, NO_POINTS),
         "eq. 3.6: time of the largest force": Figure(BALL.peak_time()),
-        "eq. 3.7: compressive impulse of the ball": Figure(BALL.impulse(BALL_TIME)),
-        "eq. 3.17: compressive impulse of the ball": Figure(BALL.impulse(BALL_TIME)),
+        "eq. 3.7: compressive impulse of the ball": Figure(
+            ball_impulse,
+            f"the curve gives {ball_impulse:.4f} N s: two digits changed places, and the unit is that of an"
+            " impulse; (3.17) divides by 0.4629 and table 3.1 needs it",
+        ),
+        "eq. 3.17: compressive impulse of the ball": Figure(ball_impulse),
         "sec. 3.1: peak force within 5 % of the measured one": within(
-            BALL.peak_force() / (2 * BALL.swing) - 1, 0.05
+            BALL.peak_force() / (2 * BALL.swing) - 1,
+            0.05,
+            "measured against F* = 335 N, twice the printed 167.5; the measured impulse is not in the text",
         ),
         "sec. 3.1: inflection point within 5 % of the raw data": Figure(
-            None, 1e3 * BALL.inflection_time()
+            None, f"{NO_POINTS}; that of (3.5) lies at {1e3 * BALL.inflection_time():.3f} ms"
         ),
         "eq. 3.9: compressive impulse of the bristle": Figure(
             resultant_impulse(0.31),
-            1 / math.tan(IMPACT_ANGLE + upright),
-            1e3 * resultant_impulse(0.5),
+            f"the friction is not stated; 1.619e-3 needs mu = {1 / math.tan(IMPACT_ANGLE + upright):.4f}"
+            " where chapter 2 has 0.31 and chapter 4 has 0.5, which gives"
+            f" {1e3 * resultant_impulse(0.5):.4f}e-3",
         ),
         **{
             f"table 3.1: impulse of segment {number}": Figure(
-                part, part * IMPULSE_ROUNDING, allowance=part * IMPULSE_ROUNDING
+                part,
+                f"p_c is rounded to 1.619e-3, which moves this by {rounded:.4f}"
+                if number == 8
+                else "",
+                allowance=rounded,
             )
-            for number, part in enumerate(segments, 1)
+            for number, (part, rounded) in enumerate(zip(segments, roundings, strict=True), 1)
         },
         "eq. 3.17: impulse of segment 1": Figure(0.0001 * segments[0]),
-        "eq. 3.18: fourth summand": Figure(segments[3], total),
+        "eq. 3.18: fourth summand": Figure(
+            segments[3],
+            f"a digit is lost: 1.18 as in table 3.1; only with it the sum is {total:.2f}e-4 N s",
+        ),
         "eq. 3.18: sum of the segments": Figure(0.0001 * total),
         "eq. 3.18: the normalized impulses add up to 1": Figure(
             total / (1e4 * BRISTLE_IMPULSE), holds=abs(total / (1e4 * BRISTLE_IMPULSE) - 1) < 0.005
         ),
         "eq. 3.19: constant part of the bracket": Figure(bristle),
         "eq. 3.19: t_o from T = 0.00012 s": Figure(0.00012 / 12),
-        "eq. 3.19: amplitude c": Figure(None, *table_fit.values),
-        "eq. 3.19: decay lambda": Figure(None, *table_fit.values),
+        "eq. 3.19: amplitude c": Figure(None, not_fitted),
+        "eq. 3.19: decay lambda": Figure(None, not_fitted),
         "eq. 3.20: compression time": Figure(BRISTLE.peak_time()),
         "eq. 3.21: largest force": Figure(BRISTLE.peak_force()),
         "eqs. 3.9, 3.19: impulse of the fitted curve": Figure(
-            fitted, 1 - fitted / BRISTLE_IMPULSE, BRISTLE.amplitude * BRISTLE_IMPULSE / fitted
+            fitted,
+            f"the fit loses {1 - fitted / BRISTLE_IMPULSE:.2%} of the impulse it started from; c ="
+            f" {BRISTLE.amplitude * BRISTLE_IMPULSE / fitted:.4f} would carry it",
         ),
         "sec. 3.3: the two impacts are aligned in normalized time": within(
-            aligned, 0.001, rescaled.peak_force(), 1e6 * rescaled.duration
+            aligned,
+            0.001,
+            "(3.19) has a negligible decay, so it is not the ball's shape: fractions of the impulse differ"
+            f" by up to {aligned:.4f}. The ball's curve rescaled exactly peaks at"
+            f" {rescaled.peak_force():.2f} N instead of 57 and lasts {1e6 * rescaled.duration:.1f} us"
+            " instead of 100",
         ),
     }
 
@@ -110,23 +139,45 @@ def motion_figures() -> Figures:
     reached = 1e6 * float(drawn.tip_displacement(COMPRESSION_TIME))
     rake_face = 90 - 23.4 - 11.5
     return {
-        "eq. 4.2: cutting excursion c_1": Figure(None),
-        "eq. 4.4: decay lambda": Figure(exact.decay, 30 / drawn.excursion, allowance=49.5),
-        "fig. 4.3: excursion at 50 us": Figure(reached),
-        "fig. 4.3: excursion against 325 um": Figure(
-            100 * abs(320 / 325 - 1), reached, 100 * (1 - reached / 325)
+        "eq. 4.2: cutting excursion c_1": Figure(None, "measured on a micrograph"),
+        "eq. 4.4: decay lambda": Figure(
+            exact.decay,
+            f"30.03/3.25e-4; the 30 m/s of (4.3) would give {30 / drawn.excursion:.0f}",
+            allowance=49.5,
         ),
-        "eq. 4.6: amplitude of the rate": Figure(30 / 0.027, exact.rate),
+        "fig. 4.3: excursion at 50 us": Figure(
+            reached, f"(4.4a) gives {reached:.1f}; printed to two digits"
+        ),
+        "fig. 4.3: excursion against 325 um": Figure(
+            100 * abs(320 / 325 - 1),
+            f"from the printed 320; with {reached:.1f} it is {100 * (1 - reached / 325):.2f} %",
+        ),
+        "eq. 4.6: amplitude of the rate": Figure(
+            30 / 0.027, f"30/0.027; with the unrounded speed {exact.rate:.1f}"
+        ),
         "eq. 4.6: rate at rest": Figure(exact.final_rate),
-        "eq. 4.6: initial rate": Figure(drawn.bristle_rate(0), exact.bristle_rate(0)),
+        "eq. 4.6: initial rate": Figure(
+            drawn.bristle_rate(0),
+            "(4.6) starts from a speed rounded to 30 m/s; from 30.03 it is"
+            f" {exact.bristle_rate(0):.1f}",
+        ),
         "eq. 4.7: amplitude of v_G": Figure(0.5 * 0.027 * 1111),
-        "eq. 4.7: v_G at rest": Figure(exact.final_centre_speed, exact.centre_velocity(0)),
+        "eq. 4.7: v_G at rest": Figure(
+            exact.final_centre_speed,
+            f"half the rim's speed; 3.615 is the initial v_G = {exact.centre_velocity(0):.3f} less the"
+            " rounded 15, so the rounding of one constant went into the other",
+        ),
         "eq. 4.8: depth": Figure(drawn.excursion * math.sin(IMPACT_ANGLE)),
         "eq. 4.10: angle of the face": Figure(
-            None, rake_face, 1e4 * drawn.depth / math.sin(math.radians(rake_face))
+            None,
+            f"read off a figure; the rake angle of (4.36) puts the face at {rake_face:.1f} deg to the path,"
+            " where the trace of the depth is"
+            f" {1e4 * drawn.depth / math.sin(math.radians(rake_face)):.2f}e-4 m. It is 39.5 deg less 11.5"
+            " deg",
         ),
         "eq. 4.10: depth on the face": Figure(
-            drawn.depth / math.sin(face.face_angle), 1e4 * exact.face_depth
+            drawn.depth / math.sin(face.face_angle),
+            f"from the rounded 1.3e-4; unrounded {1e4 * exact.face_depth:.2f}e-4",
         ),
         "eq. 4.12: long axis of the tip": Figure(face.long_axis),
         "eq. 4.13: half the short axis": Figure(0.5 * face.short_axis),
@@ -136,7 +187,8 @@ def motion_figures() -> Figures:
         "eq. 4.15: second constant": Figure(0.00028 * 0.000355 / 0.00046),
         "fig. 4.6: width at 50 us": Figure(
             1e6 * CuttingWidth.of_face(face, drawn)(COMPRESSION_TIME),
-            1e6 * PRINTED_WIDTH(COMPRESSION_TIME),
+            "with unrounded constants; (4.16) as printed gives"
+            f" {1e6 * PRINTED_WIDTH(COMPRESSION_TIME):.2f}",
         ),
         "fig. 4.6: width against 651 um": Figure(100 * abs(652 / 651 - 1)),
     }
@@ -161,11 +213,11 @@ def plies_figures() -> Figures:
     constant_depth = crater.friction_for_crater_depth(0.00014, np.radians(np.linspace(5, 23, 19)))
     by_stress = 1e6 * crater.merchant_crater_depth(shear_yield_stress=np.linspace(0.8e8, 2.4e8, 17))
     return {
-        "eq. 4.36: rake angle less impact angle": Figure(None),
+        "eq. 4.36: rake angle less impact angle": Figure(None, "measured on the tip"),
         "fig. 4.13: rake angle": Figure(rake),
         "eq. 4.52: friction angle": Figure(beta),
         "eq. 4.52: shear angle": Figure(eta),
-        "eq. 4.53: shear yield stress of API 5L": Figure(None),
+        "eq. 4.53: shear yield stress of API 5L": Figure(None, "taken from a data sheet"),
         "eq. 4.55: amplitude of the cutting force": Figure(
             BRISTLE.amplitude * math.cos(angles.resultant_angle)
         ),
@@ -173,18 +225,21 @@ def plies_figures() -> Figures:
         "eq. 4.56: angle of the resultant to the path": Figure(beta - rake),
         "eq. 4.56: 2/cos(gamma)": Figure(2 / math.cos(IMPACT_ANGLE)),
         "sec. 4.2.2: chip and rebound contradict each other": Figure(
-            23.4 - under, under, holds=under > 0
+            23.4 - under,
+            f"with the friction 0.31 of chapter 2 the shear plane stays {under:.2f} deg under the surface;"
+            " measured to the inclined surface instead, its angle of least work comes out for every mu",
+            holds=under > 0,
         ),
         "fig. 4.13: crater depth with 300 plies": Figure(
-            rounded, 1e6 * crater.merchant_crater_depth()
+            rounded,
+            "with the rounded angles of (4.52); exact ones give"
+            f" {1e6 * crater.merchant_crater_depth():.2f}",
         ),
         "sec. 4.2.2: the depth is converged at n = 300": Figure(
             limit,
-            *(
-                math.log10(gaps[0] / gaps[1]),
-                limit - rounded,
-                1e6 * crater.merchant_crater_depth_limit(),
-            ),
+            f"b(0) = 0 makes the sum converge like n^-{math.log10(gaps[0] / gaps[1]):.2f}: at n = 300"
+            f" {limit - rounded:.2f} um are missing, and a tenth of that takes 30000 plies. The limit is"
+            f" {1e6 * crater.merchant_crater_depth_limit():.2f} um with exact angles",
             holds=abs(limit - 140) < 0.5,
         ),
         "sec. 4.2.2: the depth is close to the measured 130 um": within(
@@ -208,7 +263,6 @@ def energy_figures() -> Figures:
     initial = kinetic_energy(0, unrounded)
     lost = 1e3 * float(kinetic_energy(0.0) - kinetic_energy(COMPRESSION_TIME))
     few, many = (float(crater.energy_crater_depth(plies)) for plies in (300, 3000))
-    ratios = (1e6 * crater.energy_crater_depth_ratio(plies) for plies in (5, 300))
     work = 1e3 * crater.work_along_path()
     braking = path_force(0)
     cut = depth_from_energy(unrounded[0], specific_cutting_energy(0.5))
@@ -216,23 +270,46 @@ def energy_figures() -> Figures:
     return {
         "eq. 4.59: coefficient of exp(-2 lambda t)": Figure(printed[0]),
         "eq. 4.59: coefficient of exp(-lambda t)": Figure(
-            printed[1], unrounded[1], initial, initial - 0.0126 - 0.000725
+            printed[1],
+            f"what the printed (4.6) and (4.7) give; unrounded ones give {unrounded[1]:.5f}. 0.00303 is the"
+            f" initial energy {initial:.5f} less the two other printed coefficients,"
+            f" {initial - 0.0126 - 0.000725:.5f}",
         ),
-        "eq. 4.59: constant": Figure(printed[2], 1e4 * unrounded[2]),
+        "eq. 4.59: constant": Figure(
+            printed[2],
+            f"with the 3.615 m/s of (4.7); the unrounded 3.59975 gives {1e4 * unrounded[2]:.2f}e-4, so the"
+            " dissertation had it",
+        ),
         "eq. 4.66: amplitude over cos(gamma)": Figure(1.016 / math.cos(IMPACT_ANGLE)),
-        "fig. 4.19: crater depth by work and energy": Figure(few, 1e3 * few, *ratios),
+        "fig. 4.19: crater depth by work and energy": Figure(
+            few,
+            f"the quotients as derived add up to {1e3 * few:.2f} mm, since the force begins near zero; the"
+            f" ratio of two sums of (4.66) gives {1e6 * crater.energy_crater_depth_ratio(5):.2f} um with 5"
+            f" plies and {1e6 * crater.energy_crater_depth_ratio(300):.2f} um with 300",
+        ),
         "sec. 4.3: the energy estimate converges": Figure(
-            many / few, BRISTLE(0), holds=abs(many / few - 1) < 0.01
+            many / few,
+            f"ten times the plies make it {many / few:.2f} times as deep; it ends at 14 mm only because"
+            f" rounding left F(0) = {BRISTLE(0):.4f} N. As a ratio of sums it falls like 1/n",
+            holds=abs(many / few - 1) < 0.01,
         ),
         "eqs. 4.54, 4.59: the work of the force is the energy given up": Figure(
-            work, lost, 1e3 * unrounded[0], holds=abs(work / lost - 1) < 0.05
+            work,
+            f"over the printed path the force does {work:.2f} mJ, the kinetic energy falls by {lost:.1f} mJ;"
+            f" of these {1e3 * unrounded[0]:.1f} mJ are the tip's, the rest is taken by the root's bearing",
+            holds=abs(work / lost - 1) < 0.05,
         ),
         "eqs. 4.4, 4.54: the force brakes the motion": Figure(
             braking,
-            *(path_force(COMPRESSION_TIME), BRISTLE(0), BRISTLE(COMPRESSION_TIME)),
+            f"the motion requires {braking:.1f} N at first touch and {path_force(COMPRESSION_TIME):.2f} N at"
+            f" 50 us, the force history has {BRISTLE(0):.2f} and {BRISTLE(COMPRESSION_TIME):.1f} N",
             holds=abs(braking - BRISTLE(0)) < 1,
         ),
         "sec. 4.3: energy is not suitable for the crater's depth": Figure(
-            1e6 * cut, 1e3 * unrounded[0], 1e6 * inclined, holds=not 6.5e-5 < cut < 2.6e-4
+            1e6 * cut,
+            f"the tip's {1e3 * unrounded[0]:.1f} mJ over the specific cutting energy give {1e6 * cut:.0f} um"
+            f" ({1e6 * inclined:.0f} um with the shear plane measured to the inclined surface), either side"
+            " of the measured 130",
+            holds=not 6.5e-5 < cut < 2.6e-4,
         ),
     }

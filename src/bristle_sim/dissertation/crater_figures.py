@@ -8,6 +8,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,11 +16,10 @@ from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
-from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
+from bristle_sim.dissertation.redrawn import Axis, Level, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Crater
 from bristle_sim.studies.crater_study import (
     MEASURED,
-    cut_of,
     energy_depth_course,
     merchant_depth_course,
 )
@@ -30,50 +30,49 @@ from bristle_sim.theory.crater import (
     merchant_crater_depth,
     merchant_crater_depth_limit,
 )
-from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEMATICS, PRINTED_WIDTH
+from bristle_sim.theory.crater_kinematics import (
+    COMPRESSION_TIME,
+    IMPACT_ANGLE,
+    PRINTED_KINEMATICS,
+    PRINTED_WIDTH,
+)
 from bristle_sim.theory.force_history import BRISTLE
-from bristle_sim.theory.merchant import PRINTED_ANGLES, CuttingAngles
+from bristle_sim.theory.merchant import PRINTED_ANGLES
 
 DEPTH = Axis("crater depth", "µm", 1e6)
 PATH = Axis("tip's path", "µm", 1e6)
 PLIES = Axis("number of plies $n$", log=True)
-FRICTION = Axis("friction coefficient while cutting $\\mu$")
-ANGLE = Axis("impact angle $\\gamma$", "°")
-STRESS = Axis("shear yield stress", "MPa", 1e-6)
+AXES = {
+    "friction": Axis("friction coefficient while cutting $\\mu$"),
+    "impact_angle": Axis("impact angle $\\gamma$", "°", math.degrees(1.0)),
+    "shear_yield_stress": Axis("shear yield stress", "MPa", 1e-6),
+}
 
 WHOLE_PLIES = np.unique(np.geomspace(1, 1e5, 81).astype(int))
 FEW_PLIES = np.array([1, 3, 10, 30, 100, 300, 1000, 10000, 100000])
-ANGLES = (10.0, 15.0, 20.0, 23.4)
-"""Impact angles of the families of curves, deg."""
-
 MEASURED_LEVEL = Level(MEASURED, "measured")
 OWN = Crater()
+OPERATING_POINT = {
+    "friction": OWN.friction,
+    "impact_angle": IMPACT_ANGLE,
+    "shear_yield_stress": OWN.shear_yield_stress,
+}
 
-Family = tuple[str, Axis, str, tuple[float, float], str, tuple[float, ...]]
-
-FAMILIES: dict[str, Family] = {
-    "4.14": ("friction", FRICTION, "friction", (0.45, 4.0), "impact_angle_deg", ANGLES),
+ANGLES = ("impact_angle", tuple(np.radians([10.0, 15.0, 20.0, 23.4]).tolist()))
+FAMILIES: dict[str, tuple[str, str, tuple[float, float], tuple[str, tuple[float, ...]]]] = {
+    "4.14": ("friction", "friction", (0.45, 4.0), ANGLES),
     "4.15": (
         "the impact angle",
-        ANGLE,
-        "impact_angle_deg",
-        (0.5, 23.4),
-        "friction",
-        (0.5, 1.0, 2.0, 4.0),
+        "impact_angle",
+        (math.radians(0.5), math.radians(23.4)),
+        ("friction", (0.5, 1.0, 2.0, 4.0)),
     ),
-    "4.17": (
-        "the shear yield stress",
-        STRESS,
-        "shear_yield_stress",
-        (0.8e8, 2.4e8),
-        "impact_angle_deg",
-        ANGLES,
-    ),
+    "4.17": ("the shear yield stress", "shear_yield_stress", (0.8e8, 2.4e8), ANGLES),
 }
 """Families of crater depths, by figure.
 
-An entry has the varied quantity in words, its axis, its field of ``Crater`` and its range; then the
-field of ``Crater`` that varies from curve to curve and its values."""
+An entry has the quantity that varies on a curve in words, its name and its range; then the name and
+the values of the quantity that varies from curve to curve."""
 
 
 def map_figure() -> Redrawn:
@@ -131,25 +130,20 @@ def width_figure() -> Redrawn:
 
 def plies_figure() -> Redrawn:
     """Return figure 4.13: crater depth over the number of plies, by exact and by rounded angles."""
-    exact, rounded = (partial(_depths, angles) for angles in (None, PRINTED_ANGLES))
-    course = [
-        float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
-    ]
+    rounded = partial(_depth, "plies", {"angles": PRINTED_ANGLES})
+    printed = [_printed_sum(plies=int(n)) for n in FEW_PLIES]
+    points = {"printed": (FEW_PLIES, printed)}
     curves = (
-        curve_of("exact angles", exact, WHOLE_PLIES, {"printed": (FEW_PLIES, course)}),
+        curve_of("exact angles", partial(_depth, "plies", {}), WHOLE_PLIES, points),
         curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
     )
     limit = float(merchant_crater_depth_limit())
-    depth = float(rounded(np.array(300)))
+    depth = float(rounded(300))
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
     mark = Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140")
     panel = Panel(PLIES, DEPTH, curves, marks=(mark,), levels=levels)
     note = "300 plies are called converged; the error falls like 1/√n, a tenth of it takes 30000"
     return Redrawn("4.13", "crater depth over the number of plies", (panel,), note)
-
-
-def _depths(angles: CuttingAngles | None, plies: Array) -> Array:
-    return np.asarray(merchant_crater_depth(plies=plies, angles=angles))
 
 
 def depth_figure(number: str) -> Redrawn:
@@ -158,28 +152,32 @@ def depth_figure(number: str) -> Redrawn:
 
     The points are values of the printed sum.
     """
-    words, axis, along, ends, family, values = FAMILIES[number]
-    bases = (dataclasses.replace(OWN, **{family: value}) for value in values)  # type: ignore[arg-type]
-    curves = tuple(_depth_curve(base, family, along, np.linspace(*ends, 101)) for base in bases)
-    mark = Mark(getattr(OWN, along), float(merchant_crater_depth()))
+    words, along, ends, (family, values) = FAMILIES[number]
+    at = np.linspace(*ends, 8)
+    curves = []
+    for value in values:
+        printed = [_printed_sum(**{family: value, along: x}) for x in at.tolist()]
+        formula = partial(_depth, along, {family: value})
+        points = {"printed": (at, printed)}
+        curves.append(curve_of(AXES[family].shown(value), formula, np.linspace(*ends, 101), points))
+    mark = Mark(OPERATING_POINT[along], float(merchant_crater_depth()))
     symbol = "$\\mu$" if family == "friction" else "$\\gamma$"
-    panel = Panel(axis, DEPTH, curves, symbol, (mark,), (MEASURED_LEVEL,))
+    panel = Panel(AXES[along], DEPTH, tuple(curves), symbol, (mark,), (MEASURED_LEVEL,))
     return Redrawn(number, f"crater depth over {words}", (panel,))
 
 
 def constant_depth_figure() -> Redrawn:
     """Return figure 4.16: friction over the impact angle at constant crater depth."""
+    grid = np.radians(np.linspace(5.0, 23.4, 101))
     curves = []
     for depth in (1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4):
-        angles = np.array(
-            [each for each in np.linspace(5.0, 23.4, 101) if math.isfinite(_friction(depth, each))]
-        )
-        at = angles[:: max(len(angles) // 8, 1)]
-        found = [_friction_of_printed_sum(depth, float(angle)) for angle in at]
         formula = np.vectorize(partial(_friction, depth))
-        curves.append(curve_of(f"{1e6 * depth:.0f} µm", formula, angles, {"printed": (at, found)}))
-    mark = Mark(OWN.impact_angle_deg, OWN.friction)
-    panel = Panel(ANGLE, FRICTION, tuple(curves), family="depth", marks=(mark,))
+        angles = grid[np.isfinite(formula(grid))]
+        at = angles[:: max(len(angles) // 8, 1)]
+        printed = [_friction_of_printed_sum(depth, angle) for angle in at.tolist()]
+        curves.append(curve_of(DEPTH.shown(depth), formula, angles, {"printed": (at, printed)}))
+    mark = Mark(OPERATING_POINT["impact_angle"], OPERATING_POINT["friction"])
+    panel = Panel(AXES["impact_angle"], AXES["friction"], tuple(curves), "depth", (mark,))
     return Redrawn("4.16", "friction over the impact angle at constant crater depth", (panel,))
 
 
@@ -237,44 +235,35 @@ def _over_time(
     )
 
 
-def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
-    """Return one crater depth curve of a family, with points by the printed sum."""
-    at = np.linspace(float(x[0]), float(x[-1]), 8)
-    course = [
-        merchant_depth_course(dataclasses.replace(base, **{along: each}))[-1]
-        for each in at.tolist()
-    ]
-    name = f"{getattr(base, family):g}{'' if family == 'friction' else '°'}"
-
-    def formula(grid: Array) -> Array:
-        given = {
-            along.removesuffix("_deg"): np.radians(grid) if along == "impact_angle_deg" else grid
-        }
-        return np.asarray(merchant_crater_depth(**cut_of(base) | given))
-
-    return curve_of(name, formula, x, {"printed": (at, course)})
+def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
+    """Return the crater depth over one argument of the formula, m."""
+    return merchant_crater_depth(**given, **{along: x})
 
 
-def _friction(depth: float, angle_deg: float) -> float:
+def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
+    """Return the crater depth by the printed sum (4.57), m."""
+    crater = dataclasses.replace(OWN, impact_angle_deg=math.degrees(impact_angle), **changes)
+    return float(merchant_depth_course(crater)[-1])
+
+
+def _friction(depth: float, impact_angle: float) -> float:
     """Return the friction of at least tan(gamma) that gives a crater depth (m); NaN if there is
     none.
     """
     try:
-        return float(friction_for_crater_depth(depth, math.radians(angle_deg)))
+        return float(friction_for_crater_depth(depth, impact_angle))
     except ValueError:
         return math.nan
 
 
-def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
+def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
     """Return the friction at which the printed sum (4.57) gives a crater depth, m.
 
     The sum grows with friction, so there is one root.
     """
 
     def excess(logarithm: float) -> float:
-        crater = dataclasses.replace(OWN, friction=math.exp(logarithm), impact_angle_deg=angle_deg)
-        return float(merchant_depth_course(crater)[-1]) / depth - 1.0
+        friction = math.exp(logarithm)
+        return _printed_sum(friction=friction, impact_angle=impact_angle) / depth - 1.0
 
-    return math.exp(
-        brentq(excess, math.log(math.tan(math.radians(angle_deg))), math.log(1e6), xtol=1e-15)
-    )
+    return math.exp(brentq(excess, math.log(math.tan(impact_angle)), math.log(1e6), xtol=1e-15))

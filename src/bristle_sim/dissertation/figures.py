@@ -16,9 +16,8 @@ from bristle_sim.units import Declared, choice
 
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},
-    "2.26": impact_figures.single_pendulum_figure,
-    "2.28": partial(pendulum_figures.double_pendulum_figure, "2.28"),
-    "2.29": partial(pendulum_figures.double_pendulum_figure, "2.29"),
+    "2.28": partial(pendulum_figures.rate_figure, "2.28", "rod BC", 2),
+    "2.29": partial(pendulum_figures.rate_figure, "2.29", "rod OB", 1),
     "2.30": pendulum_figures.heavy_rod_figure,
     "3.1": force_figures.points_figure,
     "3.2": force_figures.fit_figure,
@@ -57,15 +56,15 @@ def figures_report(selection: Selection) -> Report:
 
     def report() -> Report:
         """Return the report of the distances between the points and their curves."""
-        apart = [
-            (each, law, value)
+        quantities = tuple(
+            _quantity(each, source, distance)
             for each in figures
-            for law, value in largest_differences(each).items()
-        ]
+            for source, distance in largest_differences(each).items()
+        )
         words = "largest distance of the points from their curve, divided by the curve's largest value at a point, in"
         return Report(
             outcome=None,
-            quantities=(quantities := tuple(_quantity(*each) for each in apart)),
+            quantities=quantities,
             wall_s=clock.perf_counter() - begin,
             remarks=(words, *(f"{each.name}: {each.title}" for each in figures)),
             subject=tuple(figures),
@@ -103,13 +102,13 @@ def _answer(quantities: Sequence[Quantity]) -> str:
     missed = [each.label for each in judged if not each.ok]
     if missed:
         return f"No: {len(missed)} of {len(judged)} sets of points are off their curves: {'; '.join(missed)}."
-    findings = [each for each in quantities if each.ok is None and each.simulated is not None]
-    found = (
+    verdict = (
         f"Yes: all {len(judged)} sets of points that must lie on a curve do."
         if judged
         else "No points must lie on these curves."
     )
+    findings = [each for each in quantities if each.ok is None]
     if not findings:
-        return found
-    farthest = max(findings, key=lambda each: each.simulated or 0.0)
-    return f"{found} Farthest off, as a finding, is {farthest.label}: {farthest.simulated or 0.0:.2g} of the largest value."
+        return verdict
+    distance, label = max((each.simulated or 0.0, each.label) for each in findings)
+    return f"{verdict} Farthest off, as a finding, is {label}: {distance:.2g} of the largest value."

@@ -17,17 +17,21 @@ from bristle_sim.arrays import Array
 from bristle_sim.dissertation.impact_figures import (
     AXES,
     FINAL,
-    OPERATING_POINT,
+    NEAREST,
     Impact,
     closed_form,
     impact_curve,
 )
+from bristle_sim.dissertation.operating_point import OPERATING_POINT
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
-from bristle_sim.parameters import DoublePendulum, Hub, Surface
+from bristle_sim.parameters import DoublePendulum, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impacts import double_chain
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord
+
+STRONGE = double_chain(DoublePendulum())
+"""Double pendulum of figures 2.28 and 2.29."""
 
 HEAVY_ROD = Chain(
     (700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6)
@@ -35,26 +39,23 @@ HEAVY_ROD = Chain(
 """Double pendulum of figure 2.30 (Zhang 2020): the bristle on a rod 700 times as heavy."""
 
 
-def double_pendulum_figure(number: str) -> Redrawn:
+def rate_figure(number: str, name: str, rod: int) -> Redrawn:
     """Return figure 2.28 or 2.29: rate of a rod after the impact over the mass ratio.
 
     At some frictions the tip's slip reverses, at others the tip sticks.
+
+    Args:
+        number: number of the figure.
+        name: name of the rod.
+        rod: number of the rod, 1 or 2.
     """
-    rod, name = {"2.28": (2, "rod BC"), "2.29": (1, "rod OB")}[number]
-    chain = double_chain(DoublePendulum())
-    surface = Surface(0.5, None, 0.5)
+    ratios = np.geomspace(1.0, 1e4, 121)
     places = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(1.0, 1e4, 9)[1::2]}
     curves = tuple(
-        _curve(
-            f"{mu:g}",
-            f"final_rate_{rod}",
-            partial(_impact, chain, surface, friction=mu),
-            np.geomspace(1.0, 1e4, 121),
-            places,
-        )
+        _curve(f"{mu:g}", f"final_rate_{rod}", partial(_impact, STRONGE, 0.5, mu), ratios, places)
         for mu in (0.3, 0.5, 0.7)
     )
-    levels = (Level(-chain.rates[0], "before the impact"),) if rod == 1 else ()
+    levels = (Level(-STRONGE.rates[0], "before the impact"),) if rod == 1 else ()
     axes = Axis("mass ratio $n$", log=True), Axis(f"rate after impact, {name}", "rad/s")
     note = "slip stops and reverses for $\\mu$ = 0.3 and 0.5; with 0.7 the tip sticks"
     panel = Panel(*axes, curves, family="$\\mu$", levels=levels)
@@ -67,26 +68,26 @@ def heavy_rod_figure() -> Redrawn:
     The closed form of the monofilament is drawn for comparison.
     """
     stiction = math.tan(-HEAVY_ROD.angles[1])
-    at = OPERATING_POINT.friction
-    surface = Surface(restitution=0.42)
     frictions = 0.9999 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
-    last = 0.9 * stiction  # largest friction of simulated impacts
+    last = NEAREST * stiction
     places = {"energetic": np.linspace(0.0, last, 6), "compliant": np.linspace(0.1, 0.9, 5) * last}
+
+    def impact(mass_ratio: float, friction: float) -> tuple[Chain, Surface]:
+        return _impact(HEAVY_ROD, 0.42, friction, mass_ratio)
+
     curves = [
-        _curve(f"$n$ = {n:g}", FINAL, partial(_impact, HEAVY_ROD, surface, n), frictions, places)
+        _curve(f"$n$ = {n:g}", FINAL, partial(impact, n), frictions, places)
         for n in (1.0, 10.0, 700.0)
     ]
-    bristle = dataclasses.replace(OPERATING_POINT, speed_ratio=HEAVY_ROD.rates[1] / Hub().speed)
-    curves.append(
-        curve_of("bristle on its hub", closed_form(FINAL, bristle, "friction"), frictions)
-    )
+    ratio = HEAVY_ROD.rates[1] / OPERATING_POINT["hub_speed"]
+    on_hub = closed_form(FINAL, OPERATING_POINT | {"speed_ratio": ratio}, "friction")
+    curves.append(curve_of("bristle on its hub", on_hub, frictions))
+    at = OPERATING_POINT["friction"]
     panel = Panel(
         AXES["friction"],
         AXES[FINAL],
         tuple(curves),
-        marks=(
-            Mark(at, _closed_form(*_impact(HEAVY_ROD, surface, 700.0, at)).normal_final_impulse),
-        ),
+        marks=(Mark(at, _closed_form(*impact(700.0, at)).normal_final_impulse),),
         levels=(Level(stiction, "stiction, $\\mu$ = tan $\\gamma$", upright=True),),
         top=3.0 * float(curves[-1].theory[0]),
     )
@@ -97,16 +98,15 @@ def heavy_rod_figure() -> Redrawn:
 
 
 def _impact(
-    chain: Chain, surface: Surface, mass_ratio: float, friction: float
+    chain: Chain, restitution: float, friction: float, mass_ratio: float
 ) -> tuple[Chain, Surface]:
-    """Return a double pendulum with another mass ratio, and the surface with another friction.
+    """Return a double pendulum with another mass ratio, and the surface that it strikes.
 
     The mass ratio is that of the first rod to the second.
     """
-    masses = (mass_ratio * chain.masses[1], chain.masses[1])
-    return dataclasses.replace(chain, masses=masses), dataclasses.replace(
-        surface, friction=friction
-    )
+    mass = chain.masses[1]
+    rods = dataclasses.replace(chain, masses=(mass_ratio * mass, mass))
+    return rods, Surface(friction, None, restitution)
 
 
 @cache
@@ -116,7 +116,7 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     """
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]
-    coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
+    coefficients = (surface.friction, surface.restitution)
     return double_pendulum_impact(
         *(second, first / second, chain.lengths[1], *state, *coefficients)
     )

@@ -24,24 +24,19 @@ class Printed:
         printed: the number with its printed digits; empty for a statement.
         statement: the statement; empty for a number.
         unit: unit of the number.
-        why: why a computed figure may differ. It has places for the figure, as ``{figure:.2f}``,
-            and for further figures, as ``{0:.2f}``.
     """
 
     where: str
     printed: str = ""
     statement: str = ""
     unit: str = "1"
-    why: str = ""
 
 
 @cache
 def printed_rows() -> dict[str, Printed]:
     """Return all rows by their places, in the order of the file."""
-    rows = tomllib.loads(Path(__file__).with_name("printed.toml").read_text(encoding="utf-8"))[
-        "row"
-    ]
-    return {row["where"]: Printed(**row) for row in rows}
+    text = Path(__file__).with_name("printed.toml").read_text(encoding="utf-8")
+    return {row["where"]: Printed(**row) for row in tomllib.loads(text)["row"]}
 
 
 def printed_number(where: str) -> float:
@@ -56,9 +51,8 @@ def printed_cue() -> dict[str, float]:
         ``speed`` of the bristle relative to the hub, rad/s; ``direction`` of the bar, deg; and its
         coordinates ``horizontal`` and ``vertical``, m.
     """
-    horizontal, vertical = (
-        1e-3 * printed_number(f"eq. 2.3: bar position {name}") for name in ("S_H", "S_V")
-    )
+    horizontal = 1e-3 * printed_number("eq. 2.3: bar position S_H")
+    vertical = 1e-3 * printed_number("eq. 2.3: bar position S_V")
     return {
         "speed": printed_number("fig. 4.2: rate before the impact"),
         "direction": math.degrees(math.atan2(horizontal, vertical)),
@@ -75,41 +69,37 @@ def printed_segments() -> tuple[str, ...]:
     )
 
 
+@dataclass(frozen=True, slots=True)
 class Figure:
     """The figure that the equations give for a printed number or statement.
 
-    Args:
+    Attributes:
         value: the figure; None if it cannot be computed.
-        further: figures for the places in the row's ``why``.
+        why: the likeliest reason of a difference from print; otherwise a remark, or empty.
         holds: whether the statement holds by the figure.
         allowance: addition to half a unit of the last printed digit, for a number that was computed
             from rounded ones.
     """
 
-    __slots__ = ("allowance", "further", "holds", "value")
-
-    def __init__(
-        self, value: SupportsFloat | None, *further: Any, holds: Any = False, allowance: float = 0.0
-    ) -> None:
-        self.value = None if value is None else float(value)
-        self.further = further
-        self.holds = bool(holds)
-        self.allowance = float(allowance)
+    value: SupportsFloat | None
+    why: str = ""
+    holds: Any = False
+    allowance: float = 0.0
 
 
 Figures = dict[str, Figure]
 """Figures by the place of their row in the dissertation."""
 
 
-def within(value: Any, bound: float, *further: Any) -> Figure:
+def within(value: Any, bound: float, why: str = "") -> Figure:
     """Return the figure of a statement that holds if the magnitude of the value is below a
     bound."""
-    return Figure(value, *further, holds=abs(value) < bound)
+    return Figure(value, why, holds=abs(value) < bound)
 
 
-def above(value: Any, bound: float, *further: Any) -> Figure:
+def above(value: Any, bound: float, why: str = "") -> Figure:
     """Return the figure of a statement that holds if the value is above a bound."""
-    return Figure(value, *further, holds=value > bound)
+    return Figure(value, why, holds=value > bound)
 
 
 def grows(*families: Any) -> Figure:

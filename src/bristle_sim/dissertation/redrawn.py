@@ -58,6 +58,11 @@ class Axis:
         """Name of the quantity with its unit in parentheses."""
         return self.name if self.unit == "1" else f"{self.name} ({self.unit})"
 
+    def shown(self, value: float) -> str:
+        """Return an SI value with up to six digits after the point, in the axis' unit."""
+        unit = {"1": "", "°": "°"}.get(self.unit, f" {self.unit}")
+        return f"{round(value * self.factor, 6):g}{unit}"
+
 
 @dataclass(frozen=True, slots=True)
 class Mark:

@@ -1,0 +1,27 @@
+"""The strike of the dissertation's operating point (Zhang 2020, chapter 2), by the closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from bristle_sim.parameters import Bristle, Hub, Strike, Surface
+from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
+
+OPERATING_POINT: dict[str, Any] = {
+    "mass": Bristle().mass,
+    "length": Bristle().length,
+    "hub_radius": Hub().radius,
+    "hub_speed": Hub().speed,
+    "speed_ratio": Strike().speed_ratio,
+    "impact_angle": math.radians(Strike().impact_angle_deg),
+    "friction": Surface().friction,
+    "restitution": Surface().restitution,
+    "restitution_friction": None,
+}
+"""Arguments of ``monofilament_impact``, in SI units and rad."""
+
+
+def operating_strike(**changes: Any) -> MonofilamentImpact:
+    """Return the impact at the operating point with some arguments changed."""
+    return monofilament_impact(**OPERATING_POINT | changes)
