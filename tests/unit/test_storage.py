@@ -35,7 +35,7 @@ def test_a_file_holds_everything(run: Trajectory, tmp_path: Path, monkeypatch: p
     """To the last bit, under the name given; what was there before is replaced."""
     monkeypatch.chdir(tmp_path)
     Path("pass").write_text("something else")
-    bare = dataclasses.replace(run, contacts=(), events=(), parameters={}, inner_samples=None)
+    bare = dataclasses.replace(run, contacts=(), events=(), parameters={})
     for each in (run, bare):
         each.save("pass")
         assert [path.name for path in tmp_path.iterdir()] == ["pass"]
@@ -111,7 +111,7 @@ def test_other_metadata_are_refused(run: Trajectory, saved: Path, change, why: s
 
 ARRAYS = (
     "time", "hub_angle", "angles", "rates", "centre_line", "centre_line_velocity", "kinetic_energy", "potential_energy",
-    "normal_force", "inner_time", "inner_angles", "contact0_time", "contact0_normal_force",
+    "normal_force", "contact0_time", "contact0_normal_force",
 )  # fmt: skip
 
 

@@ -70,14 +70,17 @@ class ActiveContact:
         )
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
-    def expect_release(self, sums: Sums, length: float) -> float:
-        """Estimate when a rigid contact's force vanishes; return the normal force at the interval's
-        beginning.
+    def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
+        """Estimate when a rigid contact's force vanishes.
+
+        Returns:
+            The normal force at the interval's beginning, and the bend of its parabola.
 
         The estimate uses the parabola through the normal forces at both ends of the interval that
         has the interval's impulse.
         """
         last = first = sums.normal
+        bend = 0.0
         if length > 0.0:
             mean = sums.impulse_normal / length
             first = 2.0 * mean - last if self.force is None else self.force
@@ -88,7 +91,7 @@ class ActiveContact:
             self.vanishes_in = 2.0 * length * last / falls if falls > 0.0 else math.inf
         self.force = last
         self.tangential = sums.tangential
-        return first
+        return first, bend
 
     def sample(self, gaps: Gaps, state: State) -> float:
         """Record the spring's forces and penetration at a state; return the normal force."""

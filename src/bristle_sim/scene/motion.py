@@ -17,7 +17,6 @@ from bristle_sim.scene.events import OF_THE_MOTION, Happening, Kind, contact_eve
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.interval import Interval, IntervalResult, Load, at_state, sums_of
 from bristle_sim.scene.locate import Monitor, first_change
-from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
@@ -45,12 +44,12 @@ OVERDUE_DURATIONS = 10.0
 pressed on, not as an impact."""
 
 SHORTEST_SAMPLED = 2e-3
-"""Shortest interval with inner states, scene time units. In a shorter one the cubic is enough: its
+"""Shortest interval with inner samples, scene time units. In a shorter one the cubic is enough: its
 error falls with the third power of the length."""
 
-CUBIC_RATE_ERROR = 0.1
-"""Error of the cubic's rate, over the requested error of the rate, above which one inner state is
-not enough."""
+INNER_SAMPLES = (0.25, 0.5, 0.75)
+"""Places of a single link's samples within an interval of sustained contact, as fractions of the
+interval: there the links' motion follows from geometry alone."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest
@@ -300,7 +299,8 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
         contact.add(sums)
         if contact.spring is None:
             # A located release has the error of rounding, which may make the force negative.
-            begins[contact] = max(0.0, contact.expect_release(sums, interval.length))
+            first, bend = contact.expect_release(sums, interval.length)
+            begins[contact] = max(0.0, first)
             ends[contact] = max(0.0, sums.normal)
         else:
             contact.spring.stick_force = sums.tangential
@@ -308,8 +308,11 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     if motion.rigid is not None:
         if motion.before is None and len(begins) == len(ends):
             system.sample(begins, again=True)
-        if system.mechanism.single_link and interval.length >= SHORTEST_SAMPLED:
-            system.recording.inner += _inner_states(system, motion.rigid, interval)
+        if system.mechanism.single_link and len(ends) == 1 and interval.length >= SHORTEST_SAMPLED:
+            for part in INNER_SAMPLES:
+                guess = interval.at(part * interval.length)
+                force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
+                system.sample({contact: force}, state=motion.rigid.set_back(system.gaps, guess))
         motion.locked = motion.rigid.engage(system.gaps, system.state) <= 0.0
     system.sample(ends)
 
@@ -331,23 +334,6 @@ def _proposed(system: System, motion: Motion) -> float:
             2.0 * plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale
         )
     return min(stepper.propose(left), longest, motion.limit)
-
-
-def _inner_states(system: System, rigid: RigidContacts, interval: Interval) -> list[State]:
-    """Return states within the last interval of a single link in contact, which follow from
-    geometry alone.
-    """
-    length = interval.length
-    gaps = system.gaps
-    guess = interval.at(0.5 * length)
-    middle = rigid.set_back(gaps, guess)
-    # An error of the angle that is e in the middle and 0 at the ends is an error of 8 e/length in
-    # the rate.
-    error = 8.0 * abs(middle.angles[-1] - guess.angles[-1])
-    if error <= CUBIC_RATE_ERROR * system.plan.accuracy * length * abs(middle.rates[-1]):
-        return [middle]
-    before, after = (rigid.set_back(gaps, interval.at(part * length)) for part in (0.25, 0.75))
-    return [before, middle, after]
 
 
 def overdue(system: System, motion: Motion) -> Happening | None:

@@ -44,9 +44,6 @@ def trajectories_in_si(
         hub = mechanism.hub_start + mechanism.hub_speed * motion[0]
         kinetic, potential = energies(mechanism, scene.effects, motion)
         samples = _in_space(mechanism, motion, units)
-        inner = (
-            _in_space(mechanism, columns(recording.inner, own), units) if recording.inner else None
-        )
         found.append(
             Trajectory(
                 **{each.name: getattr(samples, each.name) for each in dataclasses.fields(samples)},
@@ -61,7 +58,6 @@ def trajectories_in_si(
                 cost=Cost(*cost, *errors),
                 parameters=parameters,
                 stop_detail=recording.stop_detail,
-                inner_samples=inner,
             )
         )
     return tuple(found)

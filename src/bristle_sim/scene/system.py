@@ -79,7 +79,6 @@ class Recording:
         states: samples of the motion; two at one time are the end of one smooth motion and the
             start of the next.
         forces: sum of the normal contact forces on each wire at each of ``states``.
-        inner: states between ``states``, which a sustained contact's geometry gives.
         events: events, each with the numbers of its wires.
         contacts: contact records, each with the numbers of its links.
         summed: sum of the intervals' error estimates.
@@ -92,7 +91,6 @@ class Recording:
 
     states: list[State] = field(default_factory=list)
     forces: list[list[float]] = field(default_factory=list)
-    inner: list[State] = field(default_factory=list)
     events: list[tuple[Event, tuple[int, ...]]] = field(default_factory=list)
     contacts: list[tuple[ContactRecord, tuple[int, ...]]] = field(default_factory=list)
     summed: float = 0.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
-from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
+from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
 
 # error estimate over the requested accuracy above which the run states the excess
 EXCESS_SAID = 100.0
@@ -31,8 +31,6 @@ class RecordedRun(Motion):
         cost: cost of the run.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
-        inner_samples: motion between the samples in sustained contact, used by ``Trajectory.at``;
-        None if there is no sustained contact.
     """
 
     events: tuple[Event, ...]
@@ -41,7 +39,6 @@ class RecordedRun(Motion):
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
     stop_detail: str = ""
-    inner_samples: WireMotion | None = None
 
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf

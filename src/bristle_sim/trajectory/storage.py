@@ -21,12 +21,10 @@ from bristle_sim.settings import StopReason
 from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import (
     SAMPLED,
-    WIRE,
     ContactHistory,
     ContactRecord,
     Cost,
     Event,
-    WireMotion,
 )
 
 FORMAT = 4  # number of the file format
@@ -51,8 +49,6 @@ def write(run: RecordedRun, path: str | Path) -> None:
         OSError: if the file cannot be written; the message names it.
     """
     arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLED}
-    if run.inner_samples is not None:
-        arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in WIRE}
     for number, contact in enumerate(run.contacts):
         if contact.history is not None:
             arrays |= {
@@ -122,12 +118,9 @@ def _check_size(members: ZipFile, size: int) -> None:
 
 def _arguments(meta: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return the arguments of ``Trajectory`` from a file's metadata and arrays."""
-    inner = None
-    if "inner_time" in arrays:
-        inner = WireMotion(**{name: arrays[f"inner_{name}"] for name in WIRE})
     contacts = []
     for number, row in enumerate(meta["contacts"]):
-        values = {
+        values: dict[str, Any] = {
             key: tuple(value) if isinstance(value, list) else value for key, value in row.items()
         }
         if f"contact{number}_time" in arrays:
@@ -142,5 +135,4 @@ def _arguments(meta: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict
         "contacts": tuple(contacts),
         "stop_reason": StopReason[meta["stop_reason"]],
         "cost": Cost(**meta["cost"]),
-        "inner_samples": inner,
     }

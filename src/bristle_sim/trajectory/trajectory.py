@@ -43,8 +43,6 @@ class Trajectory(RecordedRun):
         cost: cost of the run.
         parameters: the simulation's parameters, as plain numbers and strings.
         stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
-        inner_samples: motion between the samples in sustained contact, used by ``at``; None if
-        there is no sustained contact.
     """
 
     def with_places(self, tool: Tool) -> Trajectory:
