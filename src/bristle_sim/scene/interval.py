@@ -57,8 +57,8 @@ class Load(Protocol):
 
     symmetric: bool
 
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return the callback to run before each step of this length."""
+    def begin(self, step: float) -> Callable[[], None] | None:
+        """Reset the sums; return the callback to run before each step of this length, if any."""
 
     def totals(self) -> list[float]:
         """Return the numbers of :class:`Sums` of each contact, in one list, after the last step."""

@@ -37,8 +37,8 @@ class LinkVelocity:
     """Sets the rate of a single link after an engine step.
 
     Attributes:
-        impulses: for the one contact: its normal and tangential impulse in the last step, and its
-            slip velocity.
+        impulses: for each step, in a list for the one contact: its normal and tangential impulse,
+            and its slip velocity.
     """
 
     reversible = False  # steps with this solver are not symmetric in time
@@ -61,7 +61,7 @@ class LinkVelocity:
         self._body = link._body
         self._touch: Touch | None = None
         self._ratio = 0.0
-        self.impulses: list[tuple[float, float, float]] = []
+        self.impulses: list[list[tuple[float, float, float]]] = []
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep this sustained contact closed from now on."""
@@ -107,9 +107,8 @@ class LinkVelocity:
             body,
             (moving_x - rate * (sine * x + cosine * y), moving_y + rate * (cosine * x - sine * y)),
         )
-        self.impulses = [
-            (push, ratio * push, moving_x * normal_y - moving_y * normal_x + rate * along)
-        ]
+        slip = moving_x * normal_y - moving_y * normal_x + rate * along
+        self.impulses.append([(push, ratio * push, slip)])
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:

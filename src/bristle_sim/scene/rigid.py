@@ -8,7 +8,7 @@ geometry and hub alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from operator import mul
 
 import numpy as np
@@ -65,7 +65,6 @@ class RigidContacts:
         self._pushes: Sequence[float] = ()
         self._paired = paired and scene.engine.joint_solver.reversible
         self._step = 0.0
-        self._steps: list[list[tuple[float, float, float]]] = []
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return their least compliance in slip."""
@@ -83,17 +82,10 @@ class RigidContacts:
             return turned_back(gaps, self.pairs[0], state, self.pieces[0])
         return set_back(gaps, self.pairs, state, self.pieces, self.slips)
 
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset the impulses; return the callback that records the impulses of the step before."""
-        solver = self.scene.engine.joint_solver
-        steps = list[list[tuple[float, float, float]]]()
+    def begin(self, step: float) -> None:
+        """Reset the impulses, which the solver records in each step."""
         self._step = step
-        self._steps = steps
-
-        def note() -> None:
-            steps.append(solver.impulses)
-
-        return note
+        self.scene.engine.joint_solver.impulses = []
 
     def totals(self) -> list[float]:
         """Return the numbers of each contact's ``Sums`` in one list.
@@ -102,7 +94,7 @@ class RigidContacts:
         have had to pull.
         """
         found = list[float]()
-        steps = [*self._steps[1:], self.scene.engine.joint_solver.impulses]
+        steps = self.scene.engine.joint_solver.impulses
         self._pushes = [min(push for push, _, _ in step) for step in steps]
         for each in zip(*steps, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)

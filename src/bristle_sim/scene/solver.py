@@ -136,7 +136,7 @@ class WireVelocities:
 
     Attributes:
         symmetric: whether the steps are symmetric in time.
-        impulses: for each contact, its normal and tangential impulse in the last step, and its slip
+        impulses: for each step and contact, the normal and the tangential impulse, and the slip
             velocity.
     """
 
@@ -150,7 +150,7 @@ class WireVelocities:
         links: Sequence[pymunk.Body],
     ) -> None:
         self.symmetric = False
-        self.impulses: list[tuple[float, float, float]] = []
+        self.impulses: list[list[tuple[float, float, float]]] = []
         self._contacts: Sequence[ClosedPair] = ()
         has_hub = hub is not None
         self._bodies = Placer([hub, *links] if hub is not None else links)
@@ -228,7 +228,8 @@ class WireVelocities:
         # The mean of old and new velocities changes by half of an impulse.
         whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
         rubs = dict(zip(stuck, whole[len(across) :], strict=True))
-        self.impulses = []
+        found = []
         for at, (push, touch) in enumerate(zip(whole, touches, strict=False)):
             slip = float(touch.velocity[1] + along[at] @ change) if at in along else 0.0
-            self.impulses.append((push, rubs.get(at, ratios[at] * push), slip))
+            found.append((push, rubs.get(at, ratios[at] * push), slip))
+        self.impulses.append(found)

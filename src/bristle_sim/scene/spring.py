@@ -361,9 +361,10 @@ class ContactLoad:
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums; return the callback to run before each step."""
-        if len(self._parts) == 1:
-            return self._parts[0].begin(step)
-        calls = [each.begin(step) for each in self._parts]
+        begun = [each.begin(step) for each in self._parts]
+        calls = [call for call in begun if call is not None]
+        if len(calls) == 1:
+            return calls[0]
 
         def act() -> None:
             """Apply the forces of all contacts."""
@@ -374,8 +375,6 @@ class ContactLoad:
 
     def totals(self) -> list[float]:
         """Return the sums of all contacts, after the last step."""
-        if len(self._parts) == 1:
-            return self._parts[0].totals()
         return [number for each in self._parts for number in each.totals()]
 
     def fails(self, totals: Sequence[float]) -> bool:
