@@ -30,8 +30,8 @@ accurate to 1e-5 only."""
 class Settings(Declared):
     """Accuracy, step budget and sampling of a run.
 
-    ``maximum_steps`` is the number of engine steps after which a run stops. A step that takes the
-    engine's solver hundreds of iterations counts once more for each hundred. ``samples_per_period``
+    ``maximum_steps`` is the number of engine steps after which a run stops. A step of more than 32
+    links counts once for every 32 links. ``samples_per_period``
     is the least number of samples in a period of the bristle on its belt. None chooses 8 to 24, so
     that a cubic through them meets the accuracy: its error is h^4/384 for samples at intervals of h
     rad.

@@ -4,9 +4,12 @@ import math
 
 import pytest
 
-from bristle_sim.parameters import Surface
+from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene.impacts import EngineLaw
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
+from bristle_sim.scene.tool import build_tool
 
 
 class TestEngineLaw:
@@ -57,3 +60,20 @@ class TestEngineLaw:
             None,
             None,
         )
+
+
+def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
+    """The engine would scale the impulses of the impact's step of 1e-12 to that of the flight, by 1e9."""
+    scene, _ = build_tool(Tool(bristle=Bristle(links=4)))
+    state = State(0.0, (-0.3, -0.4, -0.2, -0.5), (1.0, 2.0, 1.0, 3.0))
+    tip = scene.mechanism.poses(state)[-1].tip
+    step = 1e-3
+
+    def flight() -> list[float]:
+        scene.place(state, -0.5 * step)
+        assert scene.engine.take_symmetric is not None
+        return scene.engine.take_symmetric(step, 4)[:8]
+
+    before = flight()
+    EngineLaw().resolve(scene, state, WorkpartPair(-tip[1], 0.3, 0.3, 0.5, link=3))
+    assert flight() == pytest.approx(before, rel=1e-12)

@@ -11,16 +11,15 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.joints import Connected
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
+from bristle_sim.scene.engine import EngineSteps
 from bristle_sim.scene.link_solver import LinkVelocity
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import SHAPE_MARGIN, ContactPair
 from bristle_sim.scene.solver import WireVelocities
 
@@ -68,9 +67,7 @@ class Scene:
         self.mechanism = mechanism
         self.effects = effects
         space = pymunk.Space()
-        space.iterations = (
-            1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
-        )
+        space.iterations = 1  # enough for one joint; the joints of several links are solved for
         space.collision_slop = 10.0 * SHAPE_MARGIN
         space.collision_bias = 1.0
         space.collision_persistence = 1  # steps that the engine keeps a contact that has ended, which a record would read again
@@ -120,11 +117,6 @@ class Scene:
         bodies.sort(key=lambda each: each.mass)
         return bodies, [*self.joints[::-1]]
 
-    @property
-    def solves_joints(self) -> bool:
-        """Whether the engine's iterations suffice to solve the joints in flight."""
-        return self.engine.space.iterations < MOST_ITERATIONS
-
 
 def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     """Return the object that takes the engine's steps and then solves joints, damping and
@@ -139,7 +131,7 @@ def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
     )
     make = functools.partial(solver, mechanism, damping, scene.hub, scene.links)
     bodies = (scene.hub, scene.links, scene.joints)
-    return EngineSteps(space, *bodies, make, bending=bool(effects.hinges))
+    return EngineSteps(space, *bodies, make, several_links=mechanism.wire_links > 1)
 
 
 def _add_links(
@@ -187,22 +179,6 @@ def _add_springs(scene: Scene, space: pymunk.Space) -> None:
         )
     for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
-
-
-def _flight_iterations(links: Sequence[Link]) -> int:
-    """Return the number of iterations that solve the joints to rounding.
-
-    In the joints' matrix a link of mass m couples its two joints by 1/m. The diagonal is the sum of 1/m over a joint's two
-    links (the root has one). With the diagonal scaled to 1, a Gauss-Seidel iteration leaves the error times the square of the
-    largest eigenvalue of the off-diagonal part.
-    """
-    if len(links) == 1:
-        return 1
-    yielding = 1.0 / np.array([link.mass for link in links])
-    diagonal = yielding + np.append(0.0, yielding[:-1])
-    shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
-    left = np.linalg.eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1] ** 2
-    return math.ceil(min(2.0 + LOG_SOLVED / math.log(min(left, 1.0 - 1e-9)), MOST_ITERATIONS))
 
 
 MOST_DAMPING = 8.0

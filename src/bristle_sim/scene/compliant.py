@@ -85,7 +85,7 @@ class CompliantLaw(ContactLaw):
         """
         assert isinstance(pair, WorkpartPair), "only the workpart's contacts are resolved in time"
         restitution = pair.restitution
-        self._check(scene, restitution)
+        self._check(restitution)
         touch, space = contact_at(scene, state, pair)
         rigid = energetic_at(pair, space)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
@@ -147,7 +147,7 @@ class CompliantLaw(ContactLaw):
         """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
         return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, pair)
 
-    def _check(self, scene: Scene, restitution: float) -> None:
+    def _check(self, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:
             raise ValueError(
                 f"restitution = {restitution:g}: must be 0, or at least {LEAST_RESTITUTION:g}, for a contact resolved in"
@@ -158,11 +158,6 @@ class CompliantLaw(ContactLaw):
             raise ValueError(
                 f"contact_duration = {self.duration * self.time_unit:.3g}: must be at least"
                 f" {least * self.time_unit:.3g}, or rounding would hide the penetration (in s)"
-            )
-        if not scene.solves_joints:
-            raise ValueError(
-                "contact = compliant: links must be at least 1e-3 times as heavy as the next one, or the engine's"
-                " iterations do not solve their joints"
             )
 
 

@@ -19,10 +19,6 @@ from pymunk._chipmunk_cffi import ffi, lib
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import ClosedPair
 
-ITERATIONS_OF_A_STEP = 100
-"""Solver iterations that take as long as the rest of a step: an iteration takes 35 ns, the rest 3
-to 5 us."""
-
 LONGEST_WARM_RATIO = 1e3
 """Largest ratio of two successive steps at which the longer one starts from the impulses of the
 shorter one. Scaled further, the rounding of these impulses would show."""
@@ -32,11 +28,6 @@ LONGEST_SINGLE_RATIO = 2.0
 the impulse that it remembers, which becomes 1 - s times as large. Further steps of the same length
 correct the remembered impulse; without them, alternating short and long steps would make it grow
 without bound."""
-
-# logarithm of the fraction of the error that iterations leave: rounding
-LOG_SOLVED = math.log(1e-17)
-MOST_ITERATIONS = 40_000
-"""Most iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next takes them."""
 
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a point until the end of the next step."""
@@ -48,9 +39,8 @@ LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 
 class EngineSteps:
     """Places the bodies of a space, takes its steps, and counts them.
 
-    Where links bend, and in sustained contact, a solver for joints, damping and contacts follows
-    each engine step. ``work`` counts a step once, and once more for every ``ITERATIONS_OF_A_STEP``
-    solver iterations, or for every ``LINKS_OF_A_STEP`` links if that is more.
+    A solver for joints, damping and contacts follows each engine step of a wire of several links,
+    and of sustained contact. ``work`` counts a step once for every ``LINKS_OF_A_STEP`` links.
     """
 
     def __init__(
@@ -61,7 +51,7 @@ class EngineSteps:
         joints: Sequence[pymunk.Constraint],
         make_solver: Callable[[], Any],
         *,
-        bending: bool,
+        several_links: bool,
     ) -> None:
         """Start without impulses of an earlier step; ``make_solver`` is called when the solver is
         first needed.
@@ -74,13 +64,11 @@ class EngineSteps:
         self._kept = Placer(bodies)
         self._links = [link._body for link in links]
         self._make_solver = make_solver
-        self._bending = bending
-        self._last_length = 0.0 if bending else math.inf
+        self._several_links = several_links
+        self._last_length = math.inf
         space.step(0.0)  # all that was added is in the space from here on
         self._engine_step: Callable[[float], None] = partial(lib.cpSpaceStep, bare_space(space))
-        self._price = max(
-            1 + space.iterations // ITERATIONS_OF_A_STEP, math.ceil(len(links) / LINKS_OF_A_STEP)
-        )
+        self._price = math.ceil(len(links) / LINKS_OF_A_STEP)
         springs = [
             each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
         ]
@@ -105,7 +93,7 @@ class EngineSteps:
         """Solve from now on for these sustained contacts together with the joints; () returns to
         the steps of free flight.
         """
-        solving = bool(contacts) or self._bending
+        solving = bool(contacts) or self._several_links
         if solving is not self._solving:
             self._solving = solving
             self._step = self._step_and_solve if solving else self._engine_step
@@ -117,6 +105,12 @@ class EngineSteps:
     def _step_and_solve(self, length: float) -> None:
         self._engine_step(length)
         self.joint_solver.solve(length)
+
+    def step_alone(self, length: float) -> None:
+        """Take one step of the engine and its own solver, whose impulses the next step forgets."""
+        self.steps += 1
+        self._engine_step(length)
+        self._last_length = 0.0
 
     def angles(self) -> list[float]:
         """Return the angles of the links."""
@@ -132,11 +126,7 @@ class EngineSteps:
         Returns:
             The links' angles, then their rates, then their accelerations in the last step.
         """
-        if length > (LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO) * self._last_length:
-            self._start_cold(length)
-        self._last_length = length
-        self.steps += count
-        self.work += count * self._price
+        self._begin(length, count)
         advance = self._step
         links = self._links
         for _ in range(count - 1):
@@ -166,8 +156,7 @@ class EngineSteps:
         """Take an even number of time-symmetric steps from bodies placed half a step early; return
         the same values as ``take``.
         """
-        self.steps += count
-        self.work += count * self._price
+        self._begin(length, count)
         solver = self.joint_solver
         solver.begin_symmetric()
         for left in range(count, 0, -1):
@@ -183,12 +172,16 @@ class EngineSteps:
         ]
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
 
-    def _start_cold(self, length: float) -> None:
-        """Make the engine forget the last step's impulses, which it would scale to the next step's
-        length.
+    def _begin(self, length: float, count: int) -> None:
+        """Count steps that are to be taken; make the engine forget the last step's impulses where it
+        would scale them too far to the length of these steps.
         """
-        if self.take_symmetric is not None:
-            return  # no impulse of the engine's own is left in these steps
+        self.steps += count
+        self.work += count * self._price
+        longest = (LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO) * self._last_length
+        self._last_length = length
+        if length <= longest:
+            return
         for joint in self.joints:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.

@@ -244,7 +244,7 @@ def engine_impact(
     space.on_collision(post_solve=note)
     before = space.iterations
     space.iterations = iterations
-    scene.step(step, 1)
+    scene.engine.step_alone(step)
     space.iterations = before
     space.on_collision()
     space.remove(obstacle, touching)

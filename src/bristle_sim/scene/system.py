@@ -38,7 +38,7 @@ class Plan:
         stop_after: name of an event that ends the run; None without one.
         longest_interval: longest interval between samples.
         damped_interval: longest interval in which engine steps resolve damping.
-        maximum_steps: step budget, in engine steps with few iterations.
+        maximum_steps: step budget, in engine steps with few links.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
             hinges vibrate.

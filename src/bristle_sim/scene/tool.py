@@ -148,18 +148,6 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     that contains the knee is bent.
     """
     size = bristle.length
-    if bristle.links == 1:
-        *knees, tip = ((x / size, y / size) for x, y in bristle.path)
-        centre = (bristle.centre[0] / size, bristle.centre[1] / size)
-        return (
-            Link(
-                1.0,
-                bristle.inertia_about_centre / (bristle.mass * size**2),
-                centre,
-                tip,
-                tuple(knees),
-            ),
-        )
     corners = [(0.0, 0.0), *((x / size, y / size) for x, y in bristle.path)]
     borders = [number / bristle.links for number in range(bristle.links + 1)]
     return tuple(_link(_between(corners, *ends)) for ends in itertools.pairwise(borders))

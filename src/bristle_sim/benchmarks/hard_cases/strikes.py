@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, row, within
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, row, within
 from bristle_sim.benchmarks.hard_cases.measures import (
     ACCURACY,
     STRIKE_ACCURACY,
@@ -72,15 +72,11 @@ def mass_ratio() -> Iterator[HardCase]:
             f"n = {ratio:g}, {motion}", promise, agrees_with_closed_form, strikes, TWO_ROD_ROUNDING
         )
     limit = 10 * STRIKE_ACCURACY
-    for ratio, motion in ((0.1, "slip"), (1e3, "reverse slip")):
+    for ratio, motion in ((1e-9, "slip"), (0.1, "slip"), (1e3, "reverse slip")):
         rates, friction = MOTIONS[motion]
         given = (_two_rods(ratio, rates), friction, 0.5, limit)
         promise = f"the rigid-body limit's rates to {limit:g}"
         yield case(f"n = {ratio:g}, {motion}, in time", promise, agrees_in_time, *given)
-    light = partial(struck, _two_rods(1e-9, (1.0, 0.2)), 0.2, 0.5, "compliant")
-    yield case(
-        "n = 1e-09, in time", "refused in one line", refusal, light, "contact = compliant", "1e-3"
-    )
     law = "restitution returns e*^2 of the work of compression, no energy gained, to 1e-9"
     yield case("strike of rods of lengths 1, 1e-3, 1, 1e-3", law, _unequal, (1.0, 1e-3, 1.0, 1e-3))
 
