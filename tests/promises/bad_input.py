@@ -59,7 +59,6 @@ def trials() -> dict[str, Callable[[], Tally]]:
     return {
         **{f"every value of {kind.__name__}": partial(_values_of, kind) for kind in CLASSES},
         "every argument of simulate()": _simulate,
-        "every entry of a chain that strikes": _chain,
         "every argument of EnergeticContact": _energetic_contact,
         "every argument of the impact laws": _theory,
         **{
@@ -123,56 +122,6 @@ def _simulate() -> Tally:
 
 def _run_with(tool: Tool, name: str, value: Any) -> Trajectory:
     return simulate(tool, Settings(**{"maximum_steps": 100, name: value}))
-
-
-def _chain() -> Tally:
-    """Nothing that is no chain may reach the engine, which ends the process for a mass that is no number."""
-    tally = Tally()
-    good = dataclasses.asdict(Chain((5.0, 5.0), (1.0, 1.0), (-0.35, -0.5), (0.1, 0.2)))
-
-    def struck(chain: Chain) -> bool:
-        numbers = [
-            float(each) for each in (*chain.masses, *chain.lengths, *chain.angles, *chain.rates)
-        ]
-        if not all(map(math.isfinite, numbers)) or min(*chain.masses, *chain.lengths) <= 0.0:
-            return False
-        return finite(strike(chain, Surface(0.5, None, 0.5), Contact(), Settings()))
-
-    for name, value in good.items():
-        for bad in BAD:
-            entries = [
-                bad,
-                *([(bad, value[1]), (value[0], bad)] if isinstance(value, tuple) else []),
-            ]
-            for entry in entries:
-                # Of a column it is an entry that is told, by the name of one.
-                words = (name, name.removesuffix("es"), name.removesuffix("s"))
-                tally.attempt(
-                    f"{name} = {shown(entry)}",
-                    partial(Chain, **{**good, name: entry}),
-                    struck,
-                    *words,
-                )
-    for name, kind in (
-        ("chain", Chain),
-        ("surface", Surface),
-        ("contact", Contact),
-        ("settings", Settings),
-    ):
-        given: dict[str, Any] = {
-            "chain": Chain(**good),
-            "surface": Surface(),
-            "contact": Contact(),
-            "settings": Settings(),
-        }
-        for bad in BAD:
-            tally.attempt(
-                f"{kind.__name__} {shown(bad)}",
-                partial(strike, **{**given, name: bad}),
-                finite,
-                name,
-            )
-    return tally
 
 
 def _energetic_contact() -> Tally:

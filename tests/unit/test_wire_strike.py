@@ -186,18 +186,10 @@ def test_frequencies_are_those_of_the_chain(links: int) -> None:
     assert found == pytest.approx(chain_frequencies(*wire, links), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("links", "rates", "workpart", "message"),
-    [
-        (2, [-RATE] * 2, Workpart(), "must let the wire's end approach"),
-        (2, [RATE], Workpart(), "must be one for each of the 2 links"),
-        (2, [RATE] * 2, None, "must be a Workpart"),
-    ],
-)
-def test_refusals(links: int, rates: list[float], workpart: Workpart | None, message: str) -> None:
-    tool = Tool(bristle=Bristle(links=links), bar=None, workpart=workpart)
-    with pytest.raises(ValueError, match=message):
-        strike_wire(tool, -GAMMA, [-GAMMA] * links, rates, 1e5, Settings(), duration=DURATION)
+def test_an_end_that_does_not_approach_is_refused() -> None:
+    tool = Tool(bristle=Bristle(links=2), bar=None)
+    with pytest.raises(ValueError, match="must let the wire's end approach"):
+        strike_wire(tool, -GAMMA, [-GAMMA] * 2, [-RATE] * 2, 1e5, Settings(), duration=DURATION)
 
 
 def test_too_many_evaluations_are_refused() -> None:
