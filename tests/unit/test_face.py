@@ -79,7 +79,7 @@ def test_an_unknown_name_is_refused_and_a_sweep_names_its_extra(monkeypatch: pyt
         bristle_sim.Tol  # noqa: B018
     monkeypatch.setitem(sys.modules, "xarray", None)
     monkeypatch.delitem(sys.modules, "bristle_sim.studies.sweep", raising=False)
-    monkeypatch.delitem(sys.modules, "bristle_sim.studies.sweep_results", raising=False)
+    monkeypatch.delitem(sys.modules, "bristle_sim.studies.sweep_store", raising=False)
     monkeypatch.delitem(vars(bristle_sim), "sweep", raising=False)
     with pytest.raises(ImportError, match=r"pip install 'bristle_sim\[sweep\]'"):
         bristle_sim.sweep(None, {})

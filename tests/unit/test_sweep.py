@@ -7,9 +7,11 @@ in a file, which all processes append to.
 import errno
 import functools
 import itertools
+import logging
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,11 +26,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
+from bristle_sim.studies import sweep_store, sweep_workers  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
-from bristle_sim.studies.sweep_results import read_blocks  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
 SPACE = {"x": [1.0, 2.0, 3.0, 4.0], "y": [0.5, 0.25]}
@@ -97,7 +100,7 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     # In the words of README's example, which reads the impulse of a contact that there is not.
     run = SimpleNamespace(first_contact=lambda _: None)
     found = sweep(lambda x: run.first_contact("workpart").impulse[0] * x, {"x": [1.0]})
-    assert found["failure"].item().startswith("impulse was read of None")
+    assert found["failure"].item().startswith("no strike: impulse was read of None")
 
 
 class Mute(Exception):
@@ -147,6 +150,9 @@ def test_odd_messages_and_empty_arrays_do_not_end_a_sweep(tmp_path: Path):
             {"x": ("sample", [1.0])},
             "must not have the name of a parameter or dimension",
         ),
+        (lambda x: {"a/b": x}, {"x": [1.0]}, "its result 'a/b' must have a name without /"),
+        (lambda x: {"": x}, {"x": [1.0]}, "its result '' must have a name"),
+        (dict, {"a/b": [1.0]}, "its parameter 'a/b' must have a name without /"),
         (3, {"x": [1.0]}, "function = 3: must be callable"),
         *(
             (power, SPACE | {"workers": each}, "workers = .*must be")
@@ -186,6 +192,8 @@ def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
     space = {"x": np.linspace(0.1, 9.7, 40), "y": [1 / 3, 0.7]}
     expected = sweep(power, space)
     assert sweep(power, space, workers=2).identical(expected)
+    with joblib.parallel_config(backend="threading", n_jobs=2):
+        assert sweep(power, space).identical(expected)
     with ThreadPoolExecutor(2) as executor:
         assert sweep(power, space, workers=executor).identical(expected)
 
@@ -214,8 +222,8 @@ def test_a_function_that_cannot_be_sent_is_refused_in_one_line():
     with pytest.raises(ValueError, match="must be picklable, to be sent to the workers") as refusal:
         sweep(functools.partial(power, y=LOCK), {"x": [1.0, 2.0]}, workers=2)
     assert "\n" not in str(refusal.value)
-    with ProcessPoolExecutor(1) as executor:
-        assert sweep(lambda x: x, {"x": [1.0]}, workers=executor)["result"].item() == 1.0
+    with ProcessPoolExecutor(1) as executor, pytest.raises(ValueError, match="must be picklable"):
+        sweep(lambda x: x, {"x": [1.0]}, workers=executor)
     with ThreadPoolExecutor(1) as executor:
         assert (
             sweep(lambda x: x if LOCK else 0.0, {"x": [1.0]}, workers=executor)["result"].item()
@@ -236,12 +244,58 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
         silence_logs=50,
     )
     with cluster, distributed.Client(cluster) as client:
-        found = sweep(function, space, workers=client, store=tmp_path / "store")
+        with joblib.parallel_config(backend="dask"):
+            found = sweep(function, space, store=tmp_path / "store")
         for workers in (client, client.get_executor()):
             assert sweep(power, SPACE, workers=workers).identical(sweep(power, SPACE))
     assert np.array_equal(found["result"], space["x"] ** 2)
     assert (tmp_path / "death0").exists()
     assert sorted(set(calls(tmp_path))) == space["x"].tolist()
+
+
+class StandInClient:
+    """A Dask client whose cluster gets its only worker as soon as the log says that it has none."""
+
+    def __init__(self, threads: ThreadPoolExecutor) -> None:
+        self.threads = threads
+        self.started = threading.Event()
+        self.futures = list[Any]()
+
+    get_executor = scheduler_info = None
+
+    def ncores(self) -> dict[str, int]:
+        return {"worker": 1} if self.started.is_set() else {}
+
+    def submit(self, *call: Any, pure: bool) -> Any:
+        assert not pure
+        return self.threads.submit(lambda: self.started.wait() and call[0](*call[1:]))
+
+
+def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(sweep_workers, "LOOK_EVERY", 0.01)
+    monkeypatch.setattr(sweep_workers, "WITHOUT_WORKER", 0.05)
+    lines = list[str]()
+    with ThreadPoolExecutor(2) as threads:
+        client = StandInClient(threads)
+
+        def heard(line: logging.LogRecord) -> bool:
+            lines.append(line.getMessage())
+            client.started.set()
+            return False
+
+        logger = logging.getLogger(sweep_workers.__name__)
+        logger.addFilter(heard)
+        try:
+            found = sweep(power, SPACE, workers=client)
+        finally:
+            logger.removeFilter(heard)
+            client.started.set()
+    assert found.identical(sweep(power, SPACE))
+    (line,) = lines
+    assert re.search(r"no worker for \d+ s; the sweep goes on as soon as one is started", line)
+    assert "\n" not in line
 
 
 class Losing(ThreadPoolExecutor):
@@ -273,10 +327,8 @@ def test_a_sweep_whose_workers_are_gone_ends_in_one_line_and_keeps_its_points(tm
     words = r"workers: lost at the point {'x': \d.0, 'y': 1.0}, and none answers any more \(ConnectionError: connection lost\); "
     assert re.match(words, str(gone.value))
     assert "\n" not in str(gone.value)
-    (folder,) = tmp_path.iterdir()
-    kept = read_blocks(folder, "lost")
-    assert 0 < sum(block.numbers.size for block in kept) < 10
-    assert {reason for block in kept for reason in block.reasons.tolist()} == {""}
+    (kept,) = tmp_path.glob("*.zarr")
+    assert {*xarray.open_zarr(kept, consolidated=False)["failure"].values} == {"", "not computed"}
 
 
 def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(
@@ -286,7 +338,7 @@ def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_c
     run = functools.partial(
         sweep, dying, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store"
     )
-    first = run()
+    first = run().load()
     assert np.array_equal(first["result"], [0.0, 1.0, 4.0, math.nan, 16.0, 25.0], equal_nan=True)
     reasons = first["failure"].values.tolist()
     assert reasons.pop(3).startswith("lost with its worker 3 times (")
@@ -311,7 +363,8 @@ def test_finished_points_are_never_computed_again(tmp_path: Path):
     function = functools.partial(noted, folder=str(tmp_path))
     for _ in range(2):
         found = sweep(function, SPACE, store=tmp_path / "store", units={"power": "1"})
-        assert found.equals(sweep(power, SPACE))
+        assert not found["power"].variable._in_memory
+        assert found.load().equals(sweep(power, SPACE))
         assert found["power"].attrs == {"units": "1"}
     assert len(calls(tmp_path)) == 8
     sweep(function, SPACE, store=tmp_path / "store", version="2")
@@ -328,39 +381,73 @@ def changed(path: Path) -> None:
     path.write_bytes(found)
 
 
-@pytest.mark.parametrize("harm", [emptied, changed, Path.unlink])
-def test_damaged_and_lost_files_are_computed_again(
-    harm: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
+def renamed(path: Path) -> None:
+    """One bit of the word "results" or "fill_value", which a description must have."""
+    text = path.read_bytes()
+    path.write_bytes(
+        text.replace(b'"results"', b'"resultr"').replace(b'"fill_value"', b'"fill_valud"')
+    )
+
+
+@pytest.mark.parametrize(
+    ("harm", "part", "recomputed"),
+    [
+        (emptied, "power/c/0/0", 2),
+        (changed, "pair/c/1/0/0", 2),
+        (changed, "failure/c/2/0", 2),
+        (emptied, "x/c/0", 0),
+        (Path.unlink, "power/zarr.json", 0),
+        (renamed, "power/zarr.json", 0),
+        (renamed, "zarr.json", 0),
+        (emptied, "zarr.json", 0),
+        (shutil.rmtree, "pair", 8),
+    ],
+)
+def test_damaged_and_lost_parts_are_computed_again(
+    harm: Any,
+    part: str,
+    recomputed: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: Any,
 ):
-    """Of the four files of two points the damaged one, which is named in a warning; what it held is computed once."""
-    monkeypatch.setattr("bristle_sim.studies.sweep.LARGEST_BLOCK", 2)
+    """Of the four chunks of two points those that are damaged; a damaged description costs none."""
+    monkeypatch.setattr(sweep_store, "BLOCK", 2)
     run = functools.partial(
         sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
     )
-    expected = run()
-    files = sorted((tmp_path / "store").rglob("*.npz"))
-    assert len(files) == 4
-    harm(files[1])
+    expected = run().load()
+    (store,) = (tmp_path / "store").glob("*.zarr")
+    harm(store / part)
     for _ in range(2):
         assert run().identical(expected)
-        assert len(calls(tmp_path)) == 8 + 2
-    assert all(files[1].name in each.getMessage() for each in caplog.records)
-    assert bool(caplog.records) is (harm is not Path.unlink)
+        assert len(calls(tmp_path)) == 8 + recomputed
+    assert bool(caplog.records) is bool(recomputed or part == "zarr.json")
 
 
-def test_every_single_bit_of_a_file_counts(tmp_path: Path):
-    """One bit at a time, 61 bytes apart."""
-    run = functools.partial(sweep, power, SPACE, store=tmp_path)
-    run()
-    (path,) = tmp_path.rglob("*.npz")
-    intact = path.read_bytes()
-    for place in range(0, len(intact), 61):
-        path.write_bytes(
-            intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :]
-        )
-        assert read_blocks(path.parent, "lost") == []
-    path.write_bytes(intact)
-    assert len(read_blocks(path.parent, "lost")) == 1
+def test_every_single_bit_of_a_description_may_be_wrong(tmp_path: Path):
+    """One bit at a time, 61 bytes apart in each of three files: the results are those written, and none is computed again."""
+    run = functools.partial(
+        sweep,
+        functools.partial(counted, folder=str(tmp_path)),
+        {"x": [1.0]},
+        store=tmp_path / "store",
+    )
+    expected = run().load()
+    (store,) = (tmp_path / "store").glob("*.zarr")
+    for path in (
+        store / "zarr.json",
+        store / "result" / "zarr.json",
+        store / "failure" / "zarr.json",
+    ):
+        intact = path.read_bytes()
+        for place in range(0, len(intact), 61):
+            path.write_bytes(
+                intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :]
+            )
+            assert run().identical(expected)
+            assert path.read_bytes() == intact
+    assert len(calls(tmp_path)) == 1
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
@@ -371,7 +458,7 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
     run = functools.partial(
         sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
     )
-    expected = run()
+    expected = run().load()
 
     def refused(*_: Any, **__: Any) -> Any:
         raise OSError(number, os.strerror(number))
@@ -392,7 +479,7 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
         monkeypatch.setattr(owner, name, refused)
     files = {path: path.read_bytes() for path in (tmp_path / "store").rglob("*") if path.is_file()}
     assert run().identical(expected)
-    part = next(iter(files))
+    part = next(path for path in files if path.match("power/c/*/*"))
     os.remove(part)  # noqa: PTH107
     with pytest.raises(OSError, match=os.strerror(number)):
         run()
@@ -402,11 +489,19 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
 
 
 def test_a_store_holds_data_alone(tmp_path: Path):
-    """No pickle; NumPy would refuse one."""
+    """No pickle: its protocols begin with \\x80; and nothing of an interrupted writing is left, but a new one goes on."""
     sweep(power, SPACE, store=tmp_path)
-    for path in tmp_path.rglob("*.npz"):
-        with np.load(path, allow_pickle=False) as found:
-            assert {found[name].dtype.kind for name in found} == {"i", "f", "U"}
+    (store,) = tmp_path.iterdir()
+    leftover = store / "power" / "c" / "0" / "0.abc.partial"
+    written = leftover.with_name("0.def.partial")
+    for each in (leftover, written):
+        each.write_bytes(b"half")
+    os.utime(leftover, (0, 0))
+    sweep(power, SPACE, store=tmp_path)
+    files = [each for each in store.rglob("*") if each.is_file()]
+    assert leftover not in files
+    assert written in files
+    assert not [each for each in files if each.read_bytes().startswith(b"\x80")]
 
 
 SCRIPT = """

@@ -1,13 +1,12 @@
 """Evaluate a function of keyword arguments over named axes, on one core, on many or on a cluster.
 
 The calling process, joblib's processes (loky), threads or a Dask cluster evaluate the points. Only the calling process writes
-finished points to a store, as data and never as pickles; xarray labels them.
+finished points to a store, as data and never as pickles; xarray labels and reads them.
 """
 
 from __future__ import annotations
 
 import inspect
-import math
 import sys
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
@@ -25,14 +24,18 @@ from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
-from bristle_sim.studies.sweep_results import Block, blocks_of, labelled, read_blocks, write_block
+from bristle_sim.studies.sweep_results import Results, check_name
+from bristle_sim.studies.sweep_store import BLOCK, SweepStore
 from bristle_sim.studies.sweep_workers import LOST, client_of, evaluated
 from bristle_sim.units import shown
 
+Outcomes = Generator[tuple[Point, Outcome], None, None]
+
 WRITTEN_EVERY = 1.0  # Interval between writes of finished points, s: a killed program loses at most this much work
-LARGEST_BLOCK = 4096  # Most points that are written together
 # Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s
 PATIENCE = 5.0
+# Number of checks after which a store that still lacks points is given up: another program may be writing to it
+ROUNDS = 5
 MOST_WORKERS = 1024  # Upper bound of ``workers``: more processes than one program can serve or a computer has cores
 
 
@@ -58,9 +61,9 @@ def sweep(
             all points. The points are the product of all dimensions.
         units: of parameters and results, by name.
         workers: number of processes (-1: one per core), a Dask client or its executor, or another
-            ``concurrent.futures.Executor``. By default the calling process.
+            ``concurrent.futures.Executor``. By default the active joblib backend or, without one, the calling process.
         store: folder that keeps finished points: the same call later computes only those that are missing, damaged or lost.
-            The folder holds only data: reading someone else's runs no code.
+            The returned Dataset loads them lazily. The folder holds only data: reading someone else's runs no code.
         version: word that changes when results change for a reason that a store does not notice. It notices changes of the
             function's module or package, of the values bound to it, of this package, NumPy, SciPy and pymunk; not of other
             modules, of files that the function reads, or of globals set while the program runs.
@@ -74,46 +77,68 @@ def sweep(
     Raises:
         ValueError: if the space is empty or holds anything but numbers and words, if the function does not take its
             names as arguments, is bound to objects whose changes a store cannot notice or cannot be sent to the workers, if a
-            result has the name of a parameter, or if ``workers`` or ``store`` is invalid.
+            name cannot be one of an array, or if ``workers`` or ``store`` is invalid.
         OSError: if the store cannot be read or written; what is stored is kept.
         RuntimeError: if the workers do not answer any more; finished points are kept. A point that loses its worker time and
             again is a failure, which the next call on the same store computes again.
     """
     grid = _grid(space)
+    units = dict(units or {})
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
     software = ", ".join(
         f"{name} {metadata.version(name)}" for name in ("bristle_sim", "numpy", "pymunk", "scipy")
     )
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
-    folder = None
-    blocks = list[Block]()
-    if store is not None:
-        coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
-        identity = (identity_of(function, version), coordinates, dict(grid.sizes))
-        folder = Path(store) / joblib.hash(identity, "sha1")
-        blocks = read_blocks(folder, LOST)
-    missing = np.ones(math.prod(grid.sizes.values()), bool)
-    for block in blocks:
-        missing[block.numbers] = False
-    numbers = np.flatnonzero(missing)
-
-    def keep(finished: list[tuple[Point, Outcome]]) -> None:
-        for block in blocks_of(finished, grid):
-            blocks.append(block)
-            if folder is not None:
-                write_block(folder, block)
-
+    results = _results(grid, store, function, version)
+    again = LOST
     try:
-        _collect(evaluated(function, _points(grid, numbers), workers), keep, numbers.size, progress)
+        for _ in range(ROUNDS):
+            if not (missing := np.flatnonzero(results.missing(again))).size:
+                return _dataset(results, grid, units)
+            _write(
+                results,
+                evaluated(function, _points(grid, missing), workers),
+                missing.size,
+                progress,
+            )
+            again = ""
     except KeyboardInterrupt:
         kept = (
             ""
             if store is None
             else f"the points that are finished are kept in {store}; the same call goes on"
         )
-        raise SweepInterrupted(kept, labelled(blocks, grid, units or {})) from None
-    return labelled(blocks, grid, units or {})
+        raise SweepInterrupted(kept, _dataset(results, grid, units).load()) from None
+    raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
+
+
+def _results(
+    grid: xr.Dataset, store: str | Path | None, function: Callable[..., Any], version: str
+) -> Results:
+    """Return results in memory or in the store's folder of this function and grid."""
+    if store is None:
+        return Results(tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes)))
+    coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
+    digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
+    return SweepStore(Path(store) / f"{digest}.zarr", grid)
+
+
+def _dataset(results: Results, grid: xr.Dataset, units: Mapping[str, str]) -> xr.Dataset:
+    """Return the results in the order of their names, with units; those of a store are loaded lazily."""
+    if isinstance(results, SweepStore):
+        found = results.dataset()
+    else:
+        found = grid.copy()
+        for name, array in results.arrays.items():
+            own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(results.shape))]
+            values = array.astype(object) if name == FAILURE else array
+            found[name] = ([*grid.sizes, *own_axes], values)
+    found = found[sorted(map(str, found.data_vars))]
+    for variable, each in found.variables.items():
+        each.attrs = {"units": units[str(variable)]} if variable in units else {}
+    found.attrs = grid.attrs
+    return found
 
 
 class SweepInterrupted(KeyboardInterrupt):
@@ -128,12 +153,17 @@ def _check(
     function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any
 ) -> None:
     """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
-    pool = isinstance(workers, Executor | None) or client_of(workers) is not None
-    if not pool and not (type(workers) is int and workers and workers <= MOST_WORKERS):
+    whole = (
+        isinstance(workers, int)
+        and not isinstance(workers, bool)
+        and workers != 0
+        and workers <= MOST_WORKERS
+    )
+    if not whole and not isinstance(workers, Executor | None) and client_of(workers) is None:
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
         raise ValueError(f"workers = {shown(workers)}: must be {allowed}")
     if store is not None and (
-        not isinstance(store, str | Path) or not str(store) or Path(store).is_file()
+        not str(store) or not isinstance(store, str | Path) or Path(store).is_file()
     ):
         raise ValueError(f"store = {shown(store)}: must be the name of a folder")
     if not callable(function):
@@ -166,59 +196,61 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
         raise ValueError(
             f"space: must be coordinates as xarray.Dataset takes them ({error})"
         ) from error
-    if FAILURE in grid.coords:
-        raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
     for name, values in grid.coords.items():
-        if not all(isinstance(each, str | int | float) for each in values.values.ravel().tolist()):
+        check_name("space: its parameter", str(name))
+        if name == FAILURE:
+            raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
+        plain = values.dtype.kind in "biufUT" or all(
+            isinstance(each, str | int | float) for each in values.values.flat
+        )
+        if not plain:
             raise ValueError(
                 f"space: {name} must hold numbers or words; functools.partial binds other arguments"
             )
         if values.size == 0:
             raise ValueError(f"space: {name} must hold at least one value")
+        if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
+            grid = grid.assign_coords({name: values.astype(object)})
     return grid
 
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
     """Yield the number and arguments of each point, the last dimension varying fastest."""
-    axes = list(grid.sizes)
-    shape = tuple(grid.sizes.values())
+    dimensions = list(grid.sizes)
     parameters = {
-        str(name): (each.values, [*map(axes.index, each.dims)])
+        str(name): (each.values, [*map(dimensions.index, each.dims)])
         for name, each in grid.coords.items()
     }
-    for number in numbers.tolist():
-        place = np.unravel_index(number, shape)
-        yield (
-            number,
-            {
-                name: values.item(tuple(place[axis] for axis in own))
-                for name, (values, own) in parameters.items()
-            },
-        )
+    for start in range(0, numbers.size, BLOCK):
+        block = numbers[start : start + BLOCK]
+        index = np.unravel_index(block, tuple(grid.sizes.values())) if dimensions else ()
+        columns = [
+            np.broadcast_to(values[tuple(index[axis] for axis in axes)], block.shape).tolist()
+            for values, axes in parameters.values()
+        ]
+        for number, *arguments in zip(block.tolist(), *columns, strict=True):
+            yield number, dict(zip(parameters, arguments, strict=True))
 
 
-def _collect(
-    outcomes: Generator[tuple[Point, Outcome], None, None],
-    keep: Callable[[list[tuple[Point, Outcome]]], None],
-    total: int,
-    progress: bool | None,
-) -> None:
-    """Keep outcomes at intervals, and at the end, even if it is an error."""
+def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
+    """Write outcomes to the store at intervals, and at the end, even if it is an error."""
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()
     options = {
-        "disable": progress is False,
+        "disable": progress is False or sys.stderr is None,
         "delay": 0.0 if progress else PATIENCE,
-        "mininterval": 0.1 if sys.stderr.isatty() else PATIENCE,
     }
+    options["mininterval"] = 0.1 if sys.stderr is not None and sys.stderr.isatty() else PATIENCE
     with closing(outcomes), tqdm(total=total, unit="point", **options) as bar:
         try:
             for outcome in outcomes:
                 finished.append(outcome)
                 bar.update()
-                if len(finished) == LARGEST_BLOCK or time.perf_counter() - written > WRITTEN_EVERY:
-                    keep(finished)
-                    finished = []  # only now: an interrupted write is done again below
+                if len(finished) == BLOCK or time.perf_counter() - written > WRITTEN_EVERY:
+                    results.write(finished)
+                    # only now: an interrupted write is done again below
+                    finished = []
                     written = time.perf_counter()
         finally:
-            keep(finished)
+            if finished:
+                results.write(finished)

@@ -1,0 +1,202 @@
+"""Results of a sweep as zarr arrays in a folder: written as they come, checked before more are computed, read by xarray.
+
+In zarr a part of an array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the others
+intact, and xarray reads no more than is used. Descriptions and coordinates can be made anew, so that a damaged one costs no point.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import logging
+import math
+import os
+import time
+import zlib
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import Crc32cCodec, ZstdCodec
+
+from bristle_sim.studies.sweep_point import FAILURE
+from bristle_sim.studies.sweep_results import NOT_COMPUTED, Results
+
+# Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN.
+UNWRITTEN = 9.969209968386869e36
+ABANDONED = 60.0  # Age from which a half-written file counts as left by a killed program, s
+BLOCK = 4096  # Most points of a chunk, which is a file
+GROUP = "zarr.json"  # Description of a group or an array, a file in its folder
+# Refusals of a disk that is full or read-only and may still hold all points
+REFUSALS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
+
+
+class SweepStore(Results):
+    """Results in a folder, whose attributes repeat their names and shapes with a checksum."""
+
+    def __init__(self, folder: Path, grid: xr.Dataset) -> None:
+        super().__init__(
+            tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes))
+        )
+        self.folder = folder
+        self.grid = grid
+        for partial in folder.rglob("*.partial"):
+            with suppress(OSError):
+                if time.time() - partial.stat().st_mtime > ABANDONED:
+                    partial.unlink()
+        self._create({})
+
+    def missing(self, again: str = "") -> NDArray[np.bool_]:
+        """Return which points of the grid must be computed, also those whose reason begins with the word ``again``.
+
+        Parts that are damaged or lost are logged. Raises OSError if a file cannot be read.
+        """
+        missing = np.zeros(self.shape, bool)
+        lost = np.zeros(self.shape, bool)
+        for name, array in self.arrays.items():
+            for corner in np.ndindex(array.cdata_shape):
+                region = tuple(
+                    slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True)
+                )
+                points = region[: len(self.shape)]
+                own_axes = tuple(range(len(self.shape), len(region)))
+                try:
+                    values = np.asarray(array[region])
+                    absent = (values == array.fill_value).any(axis=own_axes)
+                except (OSError, MemoryError):
+                    raise
+                except Exception:  # of the many kinds that codecs raise for damaged bytes
+                    array[region], absent = array.fill_value, np.array(True)
+                    lost[points] = True
+                else:
+                    if name == FAILURE and again:
+                        absent |= np.strings.startswith(values, again)
+                lost[points] |= absent & ~missing[points] & (name != FAILURE)
+                missing[points] |= absent
+        if lost.any():
+            words = "%s: %d points were damaged or lost, and are computed again"
+            logging.getLogger(__name__).warning(words, self.folder, lost.sum())
+        return missing
+
+    def _add(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        super()._add(shapes)
+        computed = np.flatnonzero(self.arrays[FAILURE][...] != NOT_COMPUTED)
+        for name, inner in shapes.items():
+            self._put(name, computed, np.full((computed.size, *inner), math.nan))
+
+    def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        """Write the descriptions and coordinates that are absent or differ from those expected, and open the arrays.
+
+        The group's description comes last. Raises OSError if one that is absent cannot be written.
+        """
+        self.shapes = dict(sorted({**self._described(), **shapes}.items()))
+        for name, content in sorted(self._files().items(), key=lambda item: item[0] == GROUP):
+            path = self.folder / name
+            before = path.read_bytes() if path.exists() else None
+            if before != content:
+                try:
+                    _replace(path, content)
+                except OSError as error:
+                    if before is None or error.errno not in REFUSALS:
+                        raise
+        group = zarr.open_group(self.folder, mode="r+")
+        self.arrays = {name: group[name] for name in (FAILURE, *self.shapes)}
+
+    def _described(self) -> dict[str, tuple[int, ...]]:
+        """Return the shapes of results in the folder by name: those of the arrays, and of the group if it is intact."""
+        shapes = dict[str, tuple[int, ...]]()
+        for path in self.folder.glob(f"*/{GROUP}"):
+            with suppress(ValueError, TypeError, KeyError):
+                shape = tuple(json.loads(path.read_bytes())["shape"])
+                if (
+                    path.parent.name not in {*self.taken, FAILURE}
+                    and shape[: len(self.shape)] == self.shape
+                ):
+                    shapes[path.parent.name] = shape[len(self.shape) :]
+        with suppress(FileNotFoundError):
+            content = (self.folder / GROUP).read_bytes()
+            try:
+                attributes = json.loads(content)["attributes"]
+                if zlib.crc32(attributes["results"].encode()) != attributes["checksum"]:
+                    raise ValueError(attributes["checksum"])
+                shapes |= {
+                    name: tuple(inner) for name, inner in json.loads(attributes["results"]).items()
+                }
+            except (ValueError, TypeError, KeyError, AttributeError):
+                logging.getLogger(__name__).warning(
+                    "%s: its description was damaged and is made anew", self.folder
+                )
+        return shapes
+
+    def _files(self) -> dict[str, bytes]:
+        """Return the contents of all files by name but those of results: descriptions and coordinates."""
+        content = dict[str, Any]()
+        results = json.dumps(self.shapes)
+        memory = zarr.storage.MemoryStore(content)
+        words = {
+            name: each.astype(str).astype(object)
+            for name, each in self.grid.coords.items()
+            if each.dtype == object
+        }
+        written = self.grid.assign_coords(words).assign_attrs(
+            results=results, checksum=zlib.crc32(results.encode())
+        )
+        written.to_zarr(memory, mode="w", zarr_format=3, consolidated=False)
+        group = zarr.open_group(memory, mode="r+")
+        chunk = list[int]()
+        points = BLOCK
+        for size in reversed(self.shape):  # of points that follow each other
+            chunk.insert(0, min(size, points))
+            points //= chunk[0]
+        for name, inner in {FAILURE: (), **self.shapes}.items():
+            group.create_array(
+                name,
+                shape=(*self.shape, *inner),
+                chunks=(*chunk, *(max(1, size) for size in inner)),
+                dtype=str if name == FAILURE else float,
+                fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
+                compressors=[ZstdCodec(), Crc32cCodec()],
+                dimension_names=[
+                    *map(str, self.grid.sizes),
+                    *(f"{name}_{axis}" for axis in range(len(inner))),
+                ],
+                attributes={} if name == FAILURE else {"missing_value": UNWRITTEN},
+                config={"write_empty_chunks": True},
+            )
+        return {name: each.to_bytes() for name, each in content.items()}
+
+    def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
+        """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
+        array = self.arrays[name]
+        inner = math.prod(values.shape[1:])
+        if not values.size:
+            return
+        if not array.shape:
+            array[...] = values[0]
+            return
+        places = (numbers[:, None] * inner + np.arange(inner)).ravel()
+        array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
+
+    def dataset(self) -> xr.Dataset:
+        """Return the grid with the results, loaded lazily by xarray without Dask."""
+        stored: xr.Dataset = xr.open_zarr(self.folder, chunks=None, consolidated=False)
+        text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
+        return stored.assign({FAILURE: text}).assign_coords(self.grid.coords)
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f"{path.name}.{os.urandom(8).hex()}.partial")
+    try:
+        partial.write_bytes(content)
+        partial.replace(path)
+    except OSError:
+        with suppress(OSError):
+            partial.unlink()
+        raise
