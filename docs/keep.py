@@ -11,14 +11,9 @@ from pathlib import Path
 
 DOCS = Path(__file__).parent
 
-KEPT = {
-    "film": [],
-    "accuracy_cost": [],
-    "hard_cases": ["--set", "effort=quick"],
-    "dissertation_audit": [],
-    "dissertation_figures": [],
-}
-"""Scenarios and their options."""
+KEPT = ("film", "accuracy_cost", "hard_cases", "dissertation_audit", "dissertation_figures")
+DRAWN = ("film", "accuracy_cost")
+"""Scenarios whose results are kept, and those of them with a picture."""
 
 
 def keep(name: str, folder: Path) -> None:
@@ -27,13 +22,8 @@ def keep(name: str, folder: Path) -> None:
     Raises:
         CalledProcessError: if it refuses its input.
     """
-    plot = (
-        []
-        if name in ("hard_cases", "dissertation_audit", "dissertation_figures")
-        else ["--plot", f"{name}.png"]
-    )
-    options = [*KEPT[name], "--json", f"{name}.json", *plot]
-    command = [sys.executable, "-m", "bristle_sim", name, *options]
+    plot = ["--plot", f"{name}.png"] if name in DRAWN else []
+    command = [sys.executable, "-m", "bristle_sim", name, "--json", f"{name}.json", *plot]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 1):
         raise subprocess.CalledProcessError(done.returncode, command, done.stdout, done.stderr)

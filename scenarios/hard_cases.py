@@ -1,9 +1,7 @@
-"""Hard cases: extreme masses, belts, speeds and sizes, jams, grazing, chatter, thin bars, long
-runs, small budgets.
+"""Hard cases: extreme masses, belts and hub speeds, jams, grazing, chatter, thin bars, long runs.
 
-Each case has a promise: to stay accurate, to conserve a quantity, or to refuse in one clear line.
-The table shows each result. ``--set theme=jam`` tries one theme, ``--set effort=quick`` omits long
-cases.
+Each case has a promise: to stay accurate, to conserve a quantity, or to end with a named reason.
+The table shows each result. ``--set theme=jam`` tries one theme.
 """
 
 import sys

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks.hard_cases.contact import between
+from bristle_sim.benchmarks.hard_cases.measures import agrees_with_reference
 from bristle_sim.parameters import Belt, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
@@ -59,3 +60,18 @@ def test_starts_at_random_as_in_the_reference(seed: int) -> None:
         (*(each.compressive_work or ()), *(each.restitutive_work or ())) for each in run.contacts
     ]
     assert max(map(sum, works), default=0.0) <= 1e-12 * run.total_energy.max()
+
+
+@pytest.mark.parametrize(
+    ("hub_angle", "angle", "left_out"), [(-0.4, -0.7, "bar"), (-0.6, -1.0, "workpart")]
+)
+def test_a_start_that_moves_into_an_obstacle(hub_angle: float, angle: float, left_out: str) -> None:
+    """In contact at the start, and approaching at 100 rad/s: end and strike as in the reference."""
+    tool = replace(between(hub_angle, angle), **{left_out: None})
+    start = {
+        "start_hub_angle": hub_angle,
+        "start_relative_angle": angle - hub_angle,
+        "start_relative_rate": 100.0,
+    }
+    found = agrees_with_reference(tool, start=start)
+    assert found.ok, found.reached

@@ -168,9 +168,9 @@ PROMISES = {
         strikes=False,
     ),
     "hard_cases": Promise(
-        keys="theme effort",
+        keys="theme",
         lists={"rows": "case promise reached ok"},
-        quick="theme=long_run effort=quick",
+        quick="theme=chatter",
         strikes=False,
     ),
     "dissertation_figures": Promise(keys="only", quick="only=2.24", strikes=False),

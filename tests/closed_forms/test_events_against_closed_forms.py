@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
-from bristle_sim.benchmarks.hard_cases.motion import TIP, with_bar_at
+from bristle_sim.benchmarks.hard_cases.motion import with_bar
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
@@ -85,7 +85,7 @@ class TestNothingElseIsMissed:
 
 def test_no_belt_no_speed_no_harm() -> None:
     """A bristle that nothing moves beside a bar meets nothing and takes next to no steps."""
-    still = replace(with_bar_at(0.9 * TIP, 1e-3), hub=Hub(speed=0.0), belt=Belt(stiffness=0.0))
+    still = replace(with_bar(1e-3), hub=Hub(speed=0.0), belt=Belt(stiffness=0.0))
     run = simulate(still, COARSE)
     assert run.contacts == ()
     assert run.cost.steps < 2000

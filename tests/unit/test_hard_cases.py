@@ -20,8 +20,8 @@ def interrupted(*_: object, **__: object) -> None:
     [
         (
             report,
-            "cases_of",
-            lambda: report.hard_cases(report.HardCaseChoice("grazing", "quick")),
+            "TABLES",
+            lambda: report.hard_cases(report.HardCaseChoice("grazing")),
             "rows",
         ),
         (study, "_measure", lambda: study.accuracy_cost(Effort("quick", "none")), "curves"),
@@ -31,19 +31,20 @@ def interrupted(*_: object, **__: object) -> None:
 def test_an_interruption_keeps_what_is_finished(
     module, step, run, kept, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, step, interrupted)
+    there = getattr(module, step)
+    monkeypatch.setattr(
+        module, step, dict.fromkeys(there, interrupted) if isinstance(there, dict) else interrupted
+    )
     with pytest.raises(Unfinished) as ended:
         run()
     assert kept is None or ended.value.report.extra[kept] == []
 
 
 def test_hard_cases_that_break_their_promise_are_named() -> None:
-    case = HardCase("chatter", "a ball", "rests", lambda: Finding("rests", True))
-    assert (
-        report.answer([(case, Finding("rests", True))])
-        == "Yes: all 1 hard cases keep their promise."
-    )
-    broken = report.answer([(case, Finding("rests", True)), (case, Finding("sinks", False))])
-    failing = HardCase("chatter", "a ball", "rests", lambda: Finding(str(1 / 0), True))
+    case = HardCase("a ball", "rests", lambda: Finding("rests", True))
+    kept = (case, Finding("rests", True))
+    assert report.answer({"chatter": [kept]}) == "Yes: all 1 hard cases keep their promise."
+    broken = report.answer({"chatter": [kept, (case, Finding("sinks", False))]})
+    failing = HardCase("a ball", "rests", lambda: Finding(str(1 / 0), True))
     assert failing.run() == Finding("ZeroDivisionError: division by zero", False)
     assert broken == "No: 1 of 2 hard cases break their promise: chatter: a ball (sinks)."

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
+from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.scene.extrapolation import CLOSE
 from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
@@ -70,6 +72,31 @@ class TestStarts:
         with pytest.raises(ValueError, match=f"the {obstacle} must be clear of the bristle"):
             simulate(TOOL, start_hub_angle=start)
 
+    @pytest.mark.parametrize(
+        ("tool", "start", "keys"),
+        [
+            (replace(between(-0.4, -0.7, gap=-2.7e-12), bar=None), (-0.4, -0.3), "penetration = "),
+            (
+                replace(between(-0.6, -1.0, bar_gap=-2.7e-12), workpart=None),
+                (-0.6, -0.4),
+                "bar_horizontal = .*, bar_vertical = ",
+            ),
+        ],
+    )
+    def test_overlapping_by_a_fraction_of_1e_10_of_the_length(
+        self, tool: Tool, start: tuple[float, float], keys: str
+    ) -> None:
+        with pytest.raises(ValueError, match=rf"^{keys}.* overlaps it by 2\.7e-12 \(in m\)$"):
+            simulate(tool, start_hub_angle=start[0], start_relative_angle=start[1])
+
+    def test_at_rest_on_the_bar(self) -> None:
+        """Hub at rest, the belt presses the wire on the bar at 0.8 of its length: k a = N 0.8 L."""
+        tool = replace(between(-0.6, -1.0), workpart=None).replace(hub_speed=0.0)
+        run = simulate(tool, start_hub_angle=-0.6, start_relative_angle=-0.4)
+        assert np.ptp(run.angles) < 1e-12
+        force = tool.belt.stiffness * 0.4 / (0.8 * tool.bristle.length)
+        assert run.normal_force[-1] == pytest.approx(force, rel=1e-9)
+
     def test_on_the_very_centre_of_the_bar(self) -> None:
         """Where no direction is the normal's the gap is still minus the reach."""
         tool = replace(TOOL, bar=Bar(radius=0.005, horizontal=0.0, vertical=0.04), workpart=None)
@@ -105,6 +132,21 @@ class TestLimits:
         assert run.stop_reason == "step budget spent"
         assert run.cost.steps < 1500
 
+    @pytest.mark.parametrize(
+        ("tool", "budget"),
+        [
+            (replace(BARE, workpart=None), 1),
+            (BARE.replace(contact="compliant", contact_duration=1e-3), 10),
+        ],
+    )
+    def test_a_small_step_budget_is_exceeded_by_one_interval_at_most(
+        self, tool: Tool, budget: int
+    ) -> None:
+        """In flight and in a contact resolved in time; an event is located by a hundred attempts at most."""
+        run = simulate(tool, Settings(maximum_steps=budget), start_relative_angle=-0.5)
+        assert run.stop_reason is StopReason.STEP_BUDGET
+        assert 0 <= run.cost.steps - budget <= 100 * sum(CLOSE.counts)
+
     def test_bar_friction_that_locks_ends_in_a_jam(self) -> None:
         run = simulate(replace(TOOL, bar=replace(TOOL.bar, friction=20.0)))
         assert run.stop_reason == "jam"
@@ -133,6 +175,14 @@ class TestScaleAndRepetition:
         assert np.array_equal(first.rates * pace, second.rates)
         assert np.array_equal(first.tip * size, second.tip)
         assert [each.time for each in first.events] == [each.time * pace for each in second.events]
+
+    def test_a_contact_resolved_in_time_scales_too(self) -> None:
+        tools = (TOOL.replace(contact="compliant"), scaled(2.0**-15, 2.0**8))
+        first, second = (
+            simulate(replace(tool, contact=tools[0].contact), stop_after="strike") for tool in tools
+        )
+        assert np.array_equal(first.angles, second.angles)
+        assert np.array_equal(first.rates * 2.0**8, second.rates)
 
 
 def test_what_a_law_says_of_a_later_contact_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,18 +11,16 @@ from dataclasses import dataclass
 from bristle_sim.units import Declared, choice
 
 THEMES = (
-    *(
-        "mass_ratio",
-        "belt_stiffness",
-        "damping",
-        "jam",
-        "grazing",
-        "hub_speed",
-        "tunnelling",
-        "long_run",
-        "chatter",
-    ),
-    *("touching", "wires", "size", "budget"),
+    "mass_ratio",
+    "belt_stiffness",
+    "damping",
+    "jam",
+    "grazing",
+    "hub_speed",
+    "tunnelling",
+    "long_run",
+    "chatter",
+    "touching",
 )
 """Kinds of hard cases; each is also the name of the function that yields the cases."""
 
@@ -33,9 +31,4 @@ class HardCaseChoice(Declared):
 
     theme: str = choice(
         "theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES
-    )
-    effort: str = choice(
-        "effort: how much is tried: quick leaves out long cases [chosen: all cases]",
-        "full",
-        "quick",
     )

@@ -30,18 +30,14 @@ class HardCase:
     """One trial with its promise; a row of the tables.
 
     Attributes:
-        theme: kind of the case.
         name: name of the trial, with the figures that make it hard.
         promise: rule that must hold, with its limit and the origin of the limit.
         measure: function that runs the trial.
-        quick: whether the case is tried at quick effort too.
     """
 
-    theme: str
     name: str
     promise: str
     measure: Callable[[], Finding]
-    quick: bool = True
 
     def run(self) -> Finding:
         """Run the trial; an exception breaks the promise."""
@@ -51,37 +47,16 @@ class HardCase:
             return Finding(f"{type(error).__name__}: {' '.join(str(error).split())}", False)
 
 
-def row(
-    theme: str,
-    name: str,
-    promise: str,
-    measure: Callable[..., Finding],
-    *given: Any,
-    quick: bool = True,
-    **named: Any,
+def hard_case(
+    name: str, promise: str, measure: Callable[..., Finding], *given: Any, **named: Any
 ) -> HardCase:
     """Return a case whose trial calls ``measure`` with the given arguments."""
-    return HardCase(theme, name, promise, partial(measure, *given, **named), quick)
+    return HardCase(name, promise, partial(measure, *given, **named))
 
 
 def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
     """Return the finding that the magnitude of a value is at most a limit; NaN breaks it."""
     return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
-
-
-def refusal(call: Callable[[], object], *words: str) -> Finding:
-    """Return the finding that a call raises ``ValueError`` in one line that contains all the words.
-
-    The words are the parameter, the value or the unit.
-    """
-    try:
-        answer = call()
-    except ValueError as error:
-        line = str(error)
-        missing = [word for word in words if word not in line]
-        lacking = f"; does not say {', '.join(missing)}" if missing else ""
-        return Finding(f"refused: {line}{lacking}", not missing and "\n" not in line)
-    return Finding(f"accepted: {answer!r:.80}", False)
 
 
 def all_of(*findings: Finding) -> Finding:

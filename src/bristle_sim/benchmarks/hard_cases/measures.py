@@ -10,10 +10,9 @@ import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, all_of, within, worst
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
-from bristle_sim.scene.extrapolation import CLOSE
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.strike import Chain, ChainStrike, strike
-from bristle_sim.settings import Settings, StopReason
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
 from bristle_sim.theory.cueing import stiffened_cue
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
@@ -26,18 +25,7 @@ MORE_ACCURATE = 1e-3
 """Ratio of the reference's requested accuracy to that of the compared run."""
 
 AS_REFERENCE = "end and strike as in the reference to {:g}, the requested accuracy"
-SPENT = "says that its step budget is spent"
-
-ONE_INTERVAL = 100 * sum(CLOSE.counts)
-"""Most engine steps of one interval that ends at an event: a hundred attempts to locate the
-event."""
-
 IMPACT_LAWS = ("energetic", "compliant", "engine")
-
-STRIKE_ACCURACY = 1e-6
-"""Requested accuracy of contacts resolved in time.
-
-Their rates must agree with the rigid-body law to ten times this."""
 
 
 class Start(TypedDict, total=False):
@@ -54,15 +42,6 @@ RELEASED: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
 def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
     """Return the impacts of a run on an obstacle, in order of time."""
     return [each for each in run.contacts if each.law in IMPACT_LAWS and each.obstacle == obstacle]
-
-
-def is_finite(run: Trajectory) -> bool:
-    """Return whether every number in the samples, events and contacts of a run is finite."""
-    contacts = [
-        (each.time, each.duration, *each.impulse, *each.rates_after) for each in run.contacts
-    ]
-    numbers: list[Any] = [*run.columns().values(), *contacts, [event.time for event in run.events]]
-    return all(bool(np.isfinite(each).all()) for each in numbers)
 
 
 def agrees_with_reference(
@@ -127,56 +106,6 @@ def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
     return within(worst([late, fast]), accuracy, "off by", run.cost.steps)
 
 
-def spends_budget(
-    tool: Tool, budget: int, settings: Settings | None = None, start: Start | None = None
-) -> Finding:
-    """Return the finding that a run stops for its step budget, at most one interval beyond it.
-
-    All numbers of the run must be finite.
-    """
-    run = simulate(tool, replace(settings or Settings(), maximum_steps=budget), **(start or {}))
-    excess = run.cost.steps - budget
-    said = run.stop_reason is StopReason.STEP_BUDGET
-    finite = is_finite(run)
-    result = (
-        f"{excess} beyond"
-        + ("" if said else f", {run.stop_reason}")
-        + ("" if finite else ", not finite")
-    )
-    return Finding(result, said and 0 <= excess <= ONE_INTERVAL and finite, run.cost.steps)
-
-
-def struck(
-    chain: Chain, friction: float, restitution: float, law: str = "energetic"
-) -> ChainStrike:
-    """Return the strike of a chain on a surface with equal friction in compression and
-    restitution."""
-    return strike(
-        chain,
-        Surface(friction, None, restitution),
-        Contact(law),
-        Settings(accuracy=STRIKE_ACCURACY),
-    )
-
-
-def _rate_difference(
-    rates: tuple[float, ...], exact: tuple[float, ...], before: tuple[float, ...]
-) -> float:
-    """Return the largest difference of rates over the largest rate."""
-    return worst(np.subtract(rates, exact)) / worst((*before, *exact))
-
-
-def agrees_in_time(chain: Chain, friction: float, restitution: float, limit: float) -> Finding:
-    """Compare a contact resolved in time with the rigid-body law: the outcome, and the rates to a
-    limit.
-    """
-    rigid = struck(chain, friction, restitution).contact
-    timed = struck(chain, friction, restitution, "compliant")
-    off = _rate_difference(timed.contact.rates_after, rigid.rates_after, rigid.rates_before)
-    alike = Finding(timed.contact.outcome, timed.contact.outcome == rigid.outcome)
-    return all_of(alike, within(off, limit, "off by", timed.steps))
-
-
 def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
     """Compare strikes of one or two rods with the closed forms (Zhang 2020, ch. 2).
 
@@ -185,11 +114,11 @@ def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: fl
     off = []
     alike = True
     for chain, friction, e in strikes:
-        contact = struck(chain, friction, e).contact
+        contact = strike(chain, Surface(friction, None, e), Contact(), Settings()).contact
         rates, impulse, outcome = _closed_form(chain, friction, e)
         alike &= contact.outcome == outcome
         off += [
-            _rate_difference(contact.rates_after, rates, chain.rates),
+            worst(np.subtract(contact.rates_after, rates)) / worst((*chain.rates, *rates)),
             contact.impulse[0] / impulse - 1.0,
         ]
     return all_of(

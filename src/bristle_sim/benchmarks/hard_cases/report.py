@@ -5,41 +5,31 @@ from __future__ import annotations
 import logging
 import textwrap
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from bristle_sim.benchmarks.hard_cases import HardCaseChoice, contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
 
-THEMES = (
-    *(
+TABLES = {
+    theme.__name__: theme
+    for theme in (
         strikes.mass_ratio,
         motion.belt_stiffness,
         motion.damping,
         strikes.jam,
         strikes.grazing,
         motion.hub_speed,
-    ),
-    *(
         motion.tunnelling,
         motion.long_run,
         contact.chatter,
         contact.touching,
-        motion.wires,
-        motion.size,
-        motion.budget,
-    ),
-)
-"""Functions that yield the cases of the themes; a theme has the name of its function."""
+    )
+}
+"""Functions that yield the cases, by theme; a theme has the name of its function."""
 
-TABLES = {theme.__name__: theme for theme in THEMES}
-
-Tried = Sequence[tuple[HardCase, Finding]]
-
-
-def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
-    """Return the cases of one theme; without ``full``, only those at quick effort."""
-    return tuple(case for case in TABLES[theme]() if full or case.quick)
+Tried = Mapping[str, Sequence[tuple[HardCase, Finding]]]
+"""Cases with their results, by theme."""
 
 
 def hard_cases(requested: HardCaseChoice) -> Report:
@@ -50,14 +40,15 @@ def hard_cases(requested: HardCaseChoice) -> Report:
     """
     begin = clock.perf_counter()
     themes = tuple(TABLES) if requested.theme == "all" else (requested.theme,)
-    tried: list[tuple[HardCase, Finding]] = []
+    tried: dict[str, list[tuple[HardCase, Finding]]] = {}
     try:
         for number, theme in enumerate(themes, start=1):
             logging.getLogger(__name__).info(
                 "%s (theme %d of %d)", theme.replace("_", " "), number, len(themes)
             )
-            for case in cases_of(theme, full=requested.effort == "full"):
-                tried.append((case, case.run()))
+            tried[theme] = []
+            for case in TABLES[theme]():
+                tried[theme].append((case, case.run()))
     except KeyboardInterrupt:
         raise Unfinished(_report(tried, clock.perf_counter() - begin)) from None
     return _report(tried, clock.perf_counter() - begin)
@@ -67,33 +58,27 @@ def _report(tried: Tried, wall_s: float) -> Report:
     """Return the report, which compares the kept promises of each theme with the number of its
     cases.
     """
-    kept = []
-    for theme in dict.fromkeys(case.theme for case, _ in tried):
-        verdicts = [finding.ok for case, finding in tried if case.theme == theme]
-        kept.append(
-            Quantity(
-                f"{theme}_promises_kept",
-                "1",
-                float(sum(verdicts)),
-                float(len(verdicts)),
-                tolerance=0.0,
-            )
-        )
-    rows = [
-        {
-            "theme": case.theme,
-            "case": _named(case),
-            "promise": case.promise,
-            "reached": each.reached,
-            "ok": each.ok,
-        }
-        for case, each in tried
-    ]
+    quantities = []
+    rows = []
+    for theme, cases in tried.items():
+        kept = float(sum(finding.ok for _, finding in cases))
+        name = f"{theme}_promises_kept"
+        quantities.append(Quantity(name, "1", kept, float(len(cases)), tolerance=0.0))
+        rows += [
+            {
+                "theme": theme,
+                "case": _named(theme, case),
+                "promise": case.promise,
+                "reached": finding.reached,
+                "ok": finding.ok,
+            }
+            for case, finding in cases
+        ]
     return Report(
         outcome=None,
-        quantities=tuple(kept),
+        quantities=tuple(quantities),
         wall_s=wall_s,
-        steps=sum(finding.steps for _, finding in tried),
+        steps=sum(finding.steps for cases in tried.values() for _, finding in cases),
         remarks=("", *_table(tried)),
         extra={"rows": rows},
         subject=tried,
@@ -103,14 +88,20 @@ def _report(tried: Tried, wall_s: float) -> Report:
 
 def answer(tried: Tried) -> str:
     """Return the sentence that all cases keep their promise, or that lists the broken ones."""
-    broken = [f"{_named(case)} ({finding.reached})" for case, finding in tried if not finding.ok]
+    number = sum(map(len, tried.values()))
+    broken = [
+        f"{_named(theme, case)} ({finding.reached})"
+        for theme, cases in tried.items()
+        for case, finding in cases
+        if not finding.ok
+    ]
     if broken:
-        return f"No: {len(broken)} of {len(tried)} hard cases break their promise: {'; '.join(broken)}."
-    return f"Yes: all {len(tried)} hard cases keep their promise."
+        return f"No: {len(broken)} of {number} hard cases break their promise: {'; '.join(broken)}."
+    return f"Yes: all {number} hard cases keep their promise."
 
 
-def _named(case: HardCase) -> str:
-    return f"{case.theme.replace('_', ' ')}: {case.name}"
+def _named(theme: str, case: HardCase) -> str:
+    return f"{theme.replace('_', ' ')}: {case.name}"
 
 
 WIDTHS = (30, 30, 31, 3)
@@ -119,13 +110,14 @@ WIDTHS = (30, 30, 31, 3)
 
 def _table(tried: Tried) -> list[str]:
     lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
-    theme = ""
-    for case, finding in tried:
-        lines += [case.theme.replace("_", " ")] if case.theme != theme else []
-        theme = case.theme
-        name, promise, reached = map(
-            textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31)
-        )
-        cells = ([f"  {each}" for each in name], promise, reached, ["yes" if finding.ok else "NO"])
-        lines += side_by_side(cells, WIDTHS)
+    for theme, cases in tried.items():
+        lines.append(theme.replace("_", " "))
+        for case, finding in cases:
+            cells = [
+                textwrap.wrap(case.name, 30, initial_indent="  ", subsequent_indent="  "),
+                textwrap.wrap(case.promise, 30),
+                textwrap.wrap(finding.reached, 31),
+                ["yes" if finding.ok else "NO"],
+            ]
+            lines += side_by_side(cells, WIDTHS)
     return lines
