@@ -12,19 +12,17 @@ predicts the other impacts.
 
 from __future__ import annotations
 
-import dataclasses
 import io
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table
+from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Measured
 from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
 
@@ -57,10 +55,7 @@ MEASURED_SPHERES = {
 MASS = 0.0364
 HALF_AXES = (0.035, 0.025)
 GYRATION = 0.0192
-# Number of resamples of the fitted half: the confidence limits then have errors of some 5 % of
-# their width.
-RESAMPLES = 200
-GRID = 31  # number of values of mu and of e* about the fit, at which resampled halves are fitted
+INERTIA = np.array([MASS, MASS, MASS * GYRATION**2])
 
 Law = Callable[..., Impact]
 
@@ -70,44 +65,35 @@ class Ellipse:
     """The impacts of the file.
 
     Attributes:
-        before: velocities before, (v_x, v_y, angular velocity), shape (..., 3); the angular
-            velocity is clockwise, as in the file.
+        before: velocities before, (v_x, v_y, angular velocity), shape (n, 3); the angular velocity
+            is clockwise, as in the file.
         after: velocities after, as ``before``.
-        jacobian: contact Jacobian of each impact, shape (..., 2, 3).
-        inverse_mass: K of each impact, shape (..., 2, 2).
+        jacobian: contact Jacobian of each impact, shape (n, 2, 3).
     """
 
     before: Array
     after: Array
     jacobian: Array
-    inverse_mass: Array
 
-    def part(self, chosen: slice) -> Ellipse:
-        """Return the chosen impacts."""
-        return Ellipse(
-            self.before[chosen],
-            self.after[chosen],
-            self.jacobian[chosen],
-            self.inverse_mass[chosen],
-        )
+    @property
+    def inverse_mass(self) -> Array:
+        """K of each impact, shape (n, 2, 2)."""
+        return np.asarray(np.einsum("kij,klj->kil", self.jacobian, self.jacobian / INERTIA))
+
+    def every_second(self, first: int) -> Ellipse:
+        """Return every second impact from a first one on."""
+        return Ellipse(self.before[first::2], self.after[first::2], self.jacobian[first::2])
 
     def predicted(
         self, law: Law, friction: float, restitution: float, **compliance: float
-    ) -> Impact:
-        """Return the impacts by a law from the contact velocities before."""
+    ) -> Array:
+        """Return the impulses by a law from the contact velocities before, N s, shape (n, 2)."""
         approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
-        return law(self.inverse_mass, approach, friction, restitution, **compliance)
+        hit = law(self.inverse_mass, approach, friction, restitution, **compliance)
+        return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
 
-    def misfit(self, hit: Impact | Array) -> Array:
-        """Return |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
-
-        ``hit`` holds the impacts, or their impulses.
-        """
-        impulse = (
-            hit
-            if isinstance(hit, np.ndarray)
-            else np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
-        )
+    def misfit(self, impulse: Array) -> Array:
+        """Return |v predicted - v measured|/|v measured| in the norm of the kinetic energy."""
         missed = (
             self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
         )
@@ -119,9 +105,6 @@ class Ellipse:
         """
         change = np.einsum("kij,kj->ki", self.jacobian, self.after - self.before)
         return np.linalg.solve(self.inverse_mass, change[..., None])[..., 0]
-
-
-INERTIA = np.array([MASS, MASS, MASS * GYRATION**2])
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
@@ -148,11 +131,6 @@ def spheres(compliance: float) -> dict[str, float]:
         for name, at in MEASURED_SPHERES.items()
     }
     return {name: float(np.sqrt(np.mean(each**2))) for name, each in missed.items()}
-
-
-def elastic_compliance(poisson_ratio: float) -> float:
-    """Return eta^2 = (2 - nu)/(2 (1 - nu)) of two bodies of one material (Stronge 2018, ch. 5)."""
-    return (2.0 - poisson_ratio) / (2.0 * (1.0 - poisson_ratio))
 
 
 # longest time to read a file, s; usual is 1 s, on a busy machine less than 10 s
@@ -205,8 +183,7 @@ def read_ellipse(path: str) -> Ellipse:
     jacobian = np.zeros((len(states), 2, 3))
     jacobian[:, 0, 1] = jacobian[:, 1, 0] = 1.0
     jacobian[:, 0, 2], jacobian[:, 1, 2] = -ahead, -height
-    inverse_mass = np.einsum("kij,klj->kil", jacobian, jacobian / INERTIA)
-    return Ellipse(states[:, 3:6], states[:, 9:12], jacobian, inverse_mass)
+    return Ellipse(states[:, 3:6], states[:, 9:12], jacobian)
 
 
 def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]:
@@ -226,125 +203,55 @@ def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]
     return bounded(minimize(mean, min(starts, key=mean), method="Nelder-Mead", options=options).x)
 
 
-def confidence(train: Ellipse, friction: float, restitution: float) -> Array:
-    """Return the limits of 95 % of mu and e*, shape (2, 2), by fits to resampled halves on a grid
-    about the fit.
-    """
-    about = (friction * np.linspace(0.7, 1.3, GRID), restitution * np.linspace(0.8, 1.2, GRID))
-    pairs = np.array([each.ravel() for each in np.meshgrid(*about, indexing="ij")])
-    hits = (train.predicted(energetic_impact, mu, min(e, 1.0)) for mu, e in pairs.T)
-    table = np.stack([train.misfit(hit) for hit in hits])
-    rng = np.random.default_rng(0)
-    count = table.shape[1]
-    best = [
-        np.argmin(table[:, rng.integers(0, count, count)].mean(axis=1)) for _ in range(RESAMPLES)
-    ]
-    return np.asarray(np.quantile(pairs[:, best], (0.025, 0.975), axis=1).T)
-
-
 def measured_impacts(measured: Measured) -> Report:
     """Predict the impacts of the spheres and, if its file is given, of the ellipse."""
     squared = measured.tangential_compliance
     names = ("restitution_error", "spin_error", "rebound_angle_error_deg")
+    units = ("1", "rad/s", "deg")
     errors = list(spheres(squared).values())
     rigid = list(spheres(0.0).values())
-    units = ("1", "rad/s", "deg")
-    tables = []
     quantities = [
         *map(Quantity, names, units, errors),
         *map(Quantity, (f"rigid_{name}" for name in names), units, rigid),
     ]
-    for nu in (0.23, 0.3):
-        ratio, spin, angle = spheres(elastic_compliance(nu)).values()
-        tables.append(
-            (
-                f"nu = {nu:g}",
-                f"{elastic_compliance(nu):.3f}",
-                f"{ratio:.4f}",
-                f"{spin:.1f}",
-                f"{angle:.3f}",
-            )
-        )
-    head = ("spheres, elastic constants", "eta^2", "velocity ratio", "spin, rad/s", "rebound, deg")
     form = "{:.3f}, spin by {:.0f} rad/s and rebound angle by {:.2f}°"
     answer = (
         f"Spheres on glass: with eta^2 = {squared:.4g} the law misses the measured velocity ratio by {form.format(*errors)};"
         f" with a rigid surface by {form.format(*rigid)}."
     )
-    table = Table("Root mean square errors", head, tuple(tables))
-    found = Report(None, tuple(quantities), tables=(table,), subject=squared, answer=answer)
-    return (
-        found
-        if measured.data is None
-        else _with_ellipse(found, read_ellipse(measured.data), squared)
+    remarks = list[str]()
+    if measured.data is not None:
+        values = _ellipse_values(read_ellipse(measured.data), squared)
+        quantities += [Quantity(name, "1", value) for name, value in values.items()]
+        remarks.append(
+            "The arms are those of the ellipse at its angle, which runs clockwise; the tangential Jacobian's last entry then has"
+            " the other sign than in the file."
+        )
+        answer += (
+            f" Ellipse: the energetic law leaves {values['energetic_error']:.3f} of the outgoing velocity, with compliance"
+            f" {values['compliant_error']:.3f}, the best point impulse {values['best_impulse_error']:.3f}."
+        )
+    return Report(
+        quantities=tuple(quantities), remarks=tuple(remarks), subject=squared, answer=answer
     )
 
 
-def _with_ellipse(spheres: Report, ellipse: Ellipse, compliance: float) -> Report:
-    """Return the report with the laws fitted to every second impact of the ellipse, and their
-    predictions of the others.
+def _ellipse_values(ellipse: Ellipse, compliance: float) -> dict[str, float]:
+    """Return friction and restitution fitted to every second impact, and the mean errors on the
+    other impacts.
     """
-    train = ellipse.part(slice(0, None, 2))
-    test = ellipse.part(slice(1, None, 2))
-    laws: dict[str, Law] = {
-        "energetic": energetic_impact,
-        "poisson": poisson_impact,
-        "newton": newton_impact,
+    train, test = ellipse.every_second(0), ellipse.every_second(1)
+    laws: dict[str, tuple[Law, dict[str, float]]] = {
+        "energetic": (energetic_impact, {}),
+        "poisson": (poisson_impact, {}),
+        "newton": (newton_impact, {}),
+        "compliant": (energetic_impact, {"tangential_compliance": compliance}),
     }
-    fits = {name: fitted(law, train) for name, law in laws.items()}
-    elastic = {"tangential_compliance": compliance}
-    hits = {name: test.predicted(law, *fits[name]) for name, law in laws.items()}
-    hits["compliant"] = test.predicted(
-        energetic_impact, *fitted(energetic_impact, train, **elastic), **elastic
-    )
-    friction, restitution = fits["energetic"]
-    limits = confidence(train, friction, restitution)
     values = {"impacts": float(len(ellipse.before))}
-    values |= {f"{name}_error": float(test.misfit(hit).mean()) for name, hit in hits.items()}
-    values |= {"best_impulse_error": float(test.misfit(test.best_impulse()).mean())}
-    values |= {"friction": friction, "restitution": restitution}
-    remarks = (
-        f"Friction {limits[0, 0]:.3f} to {limits[0, 1]:.3f} and restitution {limits[1, 0]:.3f} to {limits[1, 1]:.3f} in"
-        f" 95 of 100 of {RESAMPLES} resampled halves.",
-        "The arms are those of the ellipse at its angle, which runs clockwise; the tangential Jacobian's last entry then has"
-        " the other sign than in the file.",
-    )
-    answer = (
-        f" Ellipse: the energetic law leaves {values['energetic_error']:.3f} of the outgoing velocity, with compliance"
-        f" {values['compliant_error']:.3f}, the best point impulse {values['best_impulse_error']:.3f}."
-    )
-    return dataclasses.replace(
-        spheres,
-        quantities=(
-            *spheres.quantities,
-            *(Quantity(name, "1", value) for name, value in values.items()),
-        ),
-        remarks=remarks,
-        tables=(*spheres.tables, _motions(hits["energetic"]), _over_lever(test, hits["energetic"])),
-        answer=spheres.answer + answer,
-    )
-
-
-def _motions(hit: Impact) -> Table:
-    last = np.where(hit.phase_impulse[:, 3] > 0.0, hit.phase_slip[:, 3], hit.phase_slip[:, 2])
-    reverse = float(np.mean((last != 0.0) & (last == -hit.phase_slip[:, 0])))
-    stuck = float(np.mean(last == 0.0))
-    cells = (("slip", 1.0 - reverse - stuck), ("stick", stuck), ("reverse slip", reverse))
-    return Table(
-        "The ellipse's impacts end in",
-        ("motion", "fraction"),
-        tuple((k, f"{v:.3f}") for k, v in cells),
-    )
-
-
-def _over_lever(test: Ellipse, hit: Impact) -> Table:
-    """Return the mean misfit in quarters of the lever between the centre and the normal through the
-    contact.
-    """
-    lever = -test.jacobian[:, 0, 2]
-    misfit = test.misfit(hit)
-    edges = np.quantile(lever, (0.0, 0.25, 0.5, 0.75, 1.0))
-    quarter = np.clip(np.searchsorted(edges, lever, side="right") - 1, 0, 3)
-    spans = (f"{1e3 * low:.1f} to {1e3 * high:.1f}" for low, high in pairwise(edges))
-    cells = tuple((span, f"{misfit[quarter == i].mean():.3f}") for i, span in enumerate(spans))
-    return Table("Error over the lever", ("lever, mm", "mean error"), cells)
+    fits = {name: fitted(law, train, **elastic) for name, (law, elastic) in laws.items()}
+    for name, (law, elastic) in laws.items():
+        impulse = test.predicted(law, *fits[name], **elastic)
+        values[f"{name}_error"] = float(test.misfit(impulse).mean())
+    values["best_impulse_error"] = float(test.misfit(test.best_impulse()).mean())
+    values["friction"], values["restitution"] = fits["energetic"]
+    return values
