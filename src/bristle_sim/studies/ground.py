@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameters import Blasting
 from bristle_sim.theory.crater_body import CraterBody
 
 # Strikes between two searches for the highest cell, which bounds the places that a strike can cut;
@@ -72,10 +73,12 @@ class Ground:
     _needed: float = 0.0
 
     @classmethod
-    def plane(cls, body: CraterBody, rule: str, cell: float, length: float, width: float) -> Ground:
-        """Return a plane ground of a length along the slide and a width across it, m."""
-        along = CELLS_ALONG * round(length / cell)
-        return cls(body, rule, cell, np.zeros((round(width / cell), along)))
+    def plane(cls, body: CraterBody, blasting: Blasting) -> Ground:
+        """Return the plane ground before the first strike."""
+        cell = blasting.cell
+        along = CELLS_ALONG * round(blasting.ground_length / cell)
+        heights = np.zeros((round(blasting.ground_width / cell), along))
+        return cls(body, blasting.crater_rule, cell, heights)
 
     @property
     def step(self) -> float:
@@ -100,8 +103,8 @@ class Ground:
             ground = self.heights[place]
             outside = shape > depth
             mean = 0.0
-            if self.rule == "ground":
-                mean = float(ground[~outside].mean()) if not outside.all() else 0.0
+            if self.rule == "ground" and not outside.all():
+                mean = float(ground[~outside].mean())
             bottom = np.where(outside, math.inf, shape + (mean - depth))
         cut = np.minimum(ground, bottom)
         self.covered += int(np.count_nonzero(cut < 0.0) - np.count_nonzero(ground < 0.0))

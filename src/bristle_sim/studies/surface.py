@@ -8,12 +8,9 @@ piece of its track; ``ground`` cuts them.
 
 from __future__ import annotations
 
-import dataclasses
-import functools
 import io
 import math
 import time as clock
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +21,7 @@ from bristle_sim.comparison import Report, amount, rows
 from bristle_sim.parameters import Blasting, Bristle, Crater, Hub, Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.settings import Settings
+from bristle_sim.studies.blast import Blasted, blast, mean_rz, whole_planes
 from bristle_sim.studies.crater_study import MEASURED, swept_crater
 from bristle_sim.studies.ground import Ground
 from bristle_sim.theory.crater_body import CraterBody, Paraboloid
@@ -33,26 +31,12 @@ from bristle_sim.theory.roughness import (
     developed_area_ratio,
     profile_measures,
     roughness_profiles,
-    section_heights,
 )
 
 MEASURED_RZ = (62e-6, 83e-6)  # mean Rz on corroded API 5L, m (Stango and Khullar, NACE 09191, 2009)
 MEASURED_LENGTH = 3.25e-4  # path of the tip and width of the crater, m (Zhang 2020, figs. 4.3, 4.6)
 MEASURED_WIDTH = 6.51e-4
 LONG_CUTOFF = 2.5e-3  # the next cut-off of ISO 21920-3 above 0.8 mm, m
-
-Blasted = tuple[
-    Ground, Array, Array, dict[str, Array]
-]  # with places and depths of the strikes, and the course
-
-INSTANTS = 12  # at which roughness and coverage are recorded while the surface forms
-MOST_STRIKES = 200_000  # of a surface; some minutes
-COVERAGE_ROUNDS = 8  # of the search for the feed that gives a coverage; two to four are usual
-# Distance of the coverage from the wanted one that ends the search, and the largest one that is
-# accepted after its last round
-COVERAGE_TOLERANCE = 1e-3
-COVERAGE_ACCEPTED = 1e-2
-SPREAD = 3.0  # standard deviations at which the depths' scatter is cut off
 
 UNITS = {
     "rz": ("Rz along the slide", "m"),
@@ -132,9 +116,7 @@ class BlastedSurface(EqualByValue):
 
     def ground(self) -> Ground:
         """Return the plane ground before the first strike."""
-        ground = self.blasting
-        size = (ground.cell, ground.ground_length, ground.ground_width)
-        return Ground.plane(self.body, ground.crater_rule, *size)
+        return Ground.plane(self.body, self.blasting)
 
 
 def surface(
@@ -180,22 +162,11 @@ def blasted_surface(
     body = first_crater(tool, crater, blasting, settings)
     blasting.check_crater("crater_length", body.length)
     blasting.check_crater("crater_width", body.width)
-    blasting, pitch = _whole_planes(blasting)
     rate = blasting.planes * blasting.bristles * tool.hub.speed / (2.0 * math.pi)
     if rate == 0.0:
         raise ValueError("hub_speed = 0: must be more than 0, or nothing is struck (in rad/s)")
-    area = blasting.ground_length * blasting.ground_width
-    piece = functools.partial(_blasted, blasting, body, pitch)
-    if blasting.coverage is None:
-        number = area * (blasting.areal_ratio or 0.0) / body.area()
-        if blasting.areal_ratio is None:
-            number = blasting.passes * rate * area / (blasting.track_width * blasting.feed_speed)
-        found = piece(number)
-    elif blasting.places == "random":  # by far enough strikes: rule plane is covered least
-        found = piece(4.0 * _avrami(blasting.coverage) * area / body.area() + 100.0)
-    else:
-        found = _covering(piece, blasting.coverage, area / body.area())
-    return _measured(found, blasting, body, rate)
+    blasting = whole_planes(blasting)
+    return _measured(blast(blasting, body, rate), blasting, body, rate)
 
 
 def first_crater(
@@ -229,122 +200,10 @@ def _own_strike(tool: Tool) -> Crater:
     return Crater(speed_ratio=rate / tool.hub.speed, impact_angle_deg=angle)
 
 
-def _whole_planes(blasting: Blasting) -> tuple[Blasting, float]:
-    """Return the blasting of a ground that is whole planes wide, where they make a pattern, and the
-    planes' distance, m.
-    """
-    pitch = blasting.track_width / blasting.planes
-    if blasting.places == "random":
-        return blasting, pitch
-    width = max(1, round(blasting.ground_width / pitch)) * pitch
-    return dataclasses.replace(blasting, ground_width=width), pitch
-
-
-def _avrami(coverage: float) -> float:
-    """Return the areal ratio at which random places cover a fraction, A = -ln(1 - coverage)."""
-    return -math.log1p(-coverage)
-
-
-def _covering(piece: Callable[[float], Blasted], wanted: float, unit: float) -> Blasted:
-    """Return the pattern that covers the wanted fraction: strikes fall nearly as ln(1 - coverage).
-
-    ``unit`` is the number of strikes of an areal ratio of 1. Raises ValueError if no feed gives it.
-    """
-    number = _avrami(wanted) * unit
-    best = found = piece(number)
-    for _ in range(COVERAGE_ROUNDS):
-        reached = found[0].coverage
-        if abs(reached - wanted) < abs(best[0].coverage - wanted):
-            best = found
-        if abs(reached - wanted) <= COVERAGE_TOLERANCE:
-            break
-        number *= math.sqrt(_avrami(wanted) / _avrami(min(max(reached, 1e-3), 1.0 - 1e-6)))
-        found = piece(number)
-    if abs(best[0].coverage - wanted) > COVERAGE_ACCEPTED:
-        raise ValueError(
-            f"coverage = {wanted:g}: must be one that a feed gives, these places cover {reached:.4g}; try areal_ratio"
-        )
-    return best
-
-
-def _blasted(blasting: Blasting, body: CraterBody, pitch: float, strikes: float) -> Blasted:
-    """Return the ground after the strikes, with their places and depths and the course of the
-    ground.
-
-    The number of strikes is ``strikes``. If a coverage is wanted and the places are random, the
-    strikes end when it is reached.
-    """
-    if not 0.5 <= strikes <= MOST_STRIKES:
-        raise ValueError(
-            f"feed_speed, passes, areal_ratio: must make from 1 to {MOST_STRIKES:g} strikes on the ground, these make {strikes:.4g}"
-        )
-    number = round(strikes)
-    random = np.random.default_rng(blasting.seed)
-    depths = random.standard_normal(number).clip(-SPREAD, SPREAD)
-    depths = body.depth * (1.0 + blasting.depth_scatter * depths)
-    places = _places(blasting, pitch, number, random)
-    ground = Ground.plane(
-        body, blasting.crater_rule, blasting.cell, blasting.ground_length, blasting.ground_width
-    )
-    # The lowest point comes to rest over the middle of a cell, or the cells would miss the sharp
-    # ends of valleys
-    lowest = np.rint((places[:, 0] + body.lowest) / ground.step)
-    places[:, 0] = lowest * ground.step - body.lowest
-    stopping = blasting.coverage is not None and blasting.places == "random"
-    expected = _avrami(blasting.coverage or 0.0) * blasting.ground_length * blasting.ground_width
-    pause = max(1, math.ceil((expected / body.area() if stopping else number) / INSTANTS))
-    course: list[tuple[float, ...]] = [(0, 0.0, 0.0, 0.0)]
-    done = 0
-    for (x, y), depth in zip(places.tolist(), depths.tolist(), strict=True):
-        ground.strike(x, y, depth)
-        done += 1
-        over = stopping and ground.coverage >= (blasting.coverage or 0.0)
-        if done % pause == 0 or over or done == number:
-            rz = mean_rz(ground, blasting.cutoff_wavelength)
-            course.append((done, rz, ground.coverage, -float(ground.heights.mean())))
-        if over:
-            break
-    names = ("strikes", "rz", "coverage", "mean_depth")
-    columns = dict(zip(names, np.array(course).T, strict=True))
-    return ground, places[:done], depths[:done], columns
-
-
-def _places(blasting: Blasting, pitch: float, number: int, random: np.random.Generator) -> Array:
-    """Return the places of the strikes in order, m, shape (number, 2).
-
-    In a pattern the strikes of a pass follow each other evenly along the track, plane after plane;
-    passes after the first one begin at a random place.
-    """
-    length = blasting.ground_length
-    width = blasting.ground_width
-    if blasting.places == "random":
-        return random.uniform((0.0, 0.0), (length, width), (number, 2))
-    planes = round(width / pitch)
-    scatter = 0.5 * pitch if blasting.place_scatter is None else blasting.place_scatter
-    ends = np.rint(np.linspace(0.0, number, blasting.passes + 1)).astype(int)
-    along = list[Array]()
-    for count in np.diff(ends):
-        start = random.uniform() if along else 0.0
-        along.append((np.arange(count) / max(count, 1) + start) % 1.0 * length)
-    plane = np.concatenate([np.arange(count) % planes for count in np.diff(ends)])
-    across = (plane + 0.5) * pitch + scatter * random.standard_normal(number)
-    return np.column_stack([np.concatenate(along), across % width])
-
-
-def mean_rz(ground: Ground, cutoff: float) -> float:
-    """Return the mean Rz of all profiles along the slide, m."""
-    profiles = roughness_profiles(ground.heights, ground.step, cutoff)
-    return float(section_heights(profiles, ground.step, cutoff, SECTIONS).mean())
-
-
-def _measured(
-    found: Blasted,
-    blasting: Blasting,
-    body: CraterBody,
-    rate: float,
-) -> BlastedSurface:
+def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float) -> BlastedSurface:
     """Return the surface with its measures; the tool's ``rate`` is in strikes a second."""
-    ground, places, depths, course = found
+    ground = found.ground
+    depths = found.depths
     heights = ground.heights
     cell = blasting.cell
     area = blasting.ground_length * blasting.ground_width
@@ -362,10 +221,10 @@ def _measured(
         blasting=blasting,
         body=body,
         heights=heights,
-        places=places,
+        places=found.places,
         depths=depths,
         taken=np.array(ground.taken),
-        course=course,
+        course=found.course,
         rz=along.rz,
         rz_at_2_5_mm=mean_rz(ground, LONG_CUTOFF) if long_enough else None,
         rz_across=across.rz,
