@@ -3,8 +3,6 @@
 A table has one row for each quantity, and one rule of agreement.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Numbers with units, as a person types them, and conversion factors between units."""
 
-from __future__ import annotations
-
 import difflib
 import functools
 import math

@@ -5,8 +5,6 @@ separated by tab, semicolon, comma or blanks. Unless the comma separates columns
 decimal sign. A heading may have a unit, as ``time (ms)``; otherwise s and N are assumed.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

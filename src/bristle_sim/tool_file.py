@@ -5,8 +5,6 @@ in ``_deg``. An absent part is ``bar = false``. An omitted key has its default. 
 may also be in a table of its name.
 """
 
-from __future__ import annotations
-
 import json
 import textwrap
 import tomllib

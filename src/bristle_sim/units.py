@@ -5,8 +5,6 @@ A declaration checks every value that enters a parameter object, from Python, a 
 line. The scripts list and parse it, and it is the documentation of its field.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import functools

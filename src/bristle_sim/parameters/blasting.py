@@ -2,8 +2,6 @@
 and the measurement.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

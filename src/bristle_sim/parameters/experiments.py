@@ -1,7 +1,5 @@
 """Parameters of experiments, as a release, a strike or a pendulum, and of studies of many runs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Parameters of force history, crater, measured impacts and the map of the film."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The parts of a tool: hub, belt, bristle, bar, workpart and contact law."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ sooner the strike's friction reverses its slip. A wire of links strikes a workpa
 would keep the rigid bristle in contact for the requested duration.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

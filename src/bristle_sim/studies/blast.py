@@ -1,7 +1,5 @@
 """Strikes on a piece of the track: their number, places and depths, and the ground that they leave."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import NamedTuple

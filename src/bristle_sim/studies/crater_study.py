@@ -8,8 +8,6 @@ crater is deeper than measured. Less C makes a flatter shear plane and a shallow
 comes out of the surface (4.35): then there is a C, but no chip.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

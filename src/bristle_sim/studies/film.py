@@ -5,8 +5,6 @@ The contact's stiffness, given here as the time that a rigid bristle would be in
 Each case is a pass of a wire of links to its strike, followed for half a millisecond: the wire vibrates when it arrives.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import time as clock

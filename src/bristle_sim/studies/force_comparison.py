@@ -8,8 +8,6 @@ that form: the impulse is compared with a sum over the points, and the residuals
 which is estimated from second differences.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ Rates of pendulums are signed as in the dissertation, negative in approach; in t
 motion turns the other way.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ K (p, p_t), and p_t changes by -mu sign(v_t) dp in slip (Zhang 2020, eqs. 2.34, 
 enters only through p = integral of the normal force.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

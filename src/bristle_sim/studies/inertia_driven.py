@@ -6,8 +6,6 @@ with the relative rate -omega. The report has its tip speed when it is radial ag
 speed for the tip speed of the bar-cued tool.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable

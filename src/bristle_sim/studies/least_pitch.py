@@ -6,8 +6,6 @@ pitch beta. Let A(t) be the motion of a lone bristle. Two wires touch if the cap
 line with half the wire's diameter about it) of A(t) and of its follower A(t - beta/omega) touch.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

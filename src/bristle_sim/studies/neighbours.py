@@ -4,8 +4,6 @@ on the strike.
 Rows of bristles are simulated together and compared with the motion of a lone bristle.
 """
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import math

@@ -6,8 +6,6 @@ tool's parameters, independently of the scene. Points and directions are complex
 from the hub's centre, m; the first axis of arrays runs over n instants.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

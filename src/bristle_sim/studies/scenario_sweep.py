@@ -1,8 +1,6 @@
 """A scenario's quantities over one key or two: of passes in arrays where that is possible, else of
 single runs."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import logging

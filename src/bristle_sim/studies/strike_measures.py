@@ -1,7 +1,5 @@
 """A strike in numbers and words: the state of the bristle, impulses, works, rates and the outcome."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A pass up to its strike at other values of a tool's keys: one point of a map or sweep."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping

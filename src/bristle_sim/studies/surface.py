@@ -6,8 +6,6 @@ surface inclined (``crater_study``), or a paraboloid of given sizes. The tool pl
 piece of its track; ``ground`` cuts them.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import time as clock

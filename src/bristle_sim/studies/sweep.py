@@ -4,8 +4,6 @@ The calling process, joblib's processes (loky), threads or a Dask cluster evalua
 finished points to a store, as data and never as pickles; xarray labels and reads them.
 """
 
-from __future__ import annotations
-
 import inspect
 import sys
 import time

@@ -4,8 +4,6 @@ The source text is that of all modules of its package; of a script or a notebook
 of other packages is not seen, nor are global variables that a program sets as it runs. joblib's hash walks the bound values.
 """
 
-from __future__ import annotations
-
 import copyreg
 import functools
 import hashlib

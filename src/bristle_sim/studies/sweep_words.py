@@ -1,8 +1,6 @@
 """A sweep in sentences: how quantities run over one key or two, where the outcome changes, which
 points lack results."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

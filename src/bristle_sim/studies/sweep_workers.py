@@ -1,7 +1,5 @@
 """Batches of a sweep's points on processes, an executor or a Dask cluster; points that are lost are computed again."""
 
-from __future__ import annotations
-
 import itertools
 import logging
 import os

@@ -6,8 +6,6 @@ differ from the rigid-body limit by some per cent. Speed and stiffness are adjus
 contact in the scene has the requested values.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable

@@ -8,8 +8,6 @@ impulse is h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth
 it passes half the power.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable

@@ -5,8 +5,6 @@ its undamped belt and strikes radially, at its highest speed. Where the simulati
 independent reference has to agree within a tolerance.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from operator import attrgetter

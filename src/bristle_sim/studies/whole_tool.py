@@ -10,8 +10,6 @@ first one with a sustained contact is therefore the same, with a damped belt and
 that rebounds from every obstacle need not repeat its motion.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import dataclass
