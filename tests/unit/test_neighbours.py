@@ -158,7 +158,7 @@ def test_wires_that_turn_with_the_hub_touch_at_their_roots():
     """2 r_h sin(beta/2) = d."""
     free = Tool(bar=None, workpart=Workpart(penetration=-0.01))
     run = simulate(free, Settings(hub_turn=1.0))
-    found = least_pitch(run, 7.1e-4, largest=math.radians(5.0))
+    found = least_pitch(run, 7.1e-4, until=run.time[-1], largest=math.radians(5.0))
     assert found == pytest.approx(
         2.0 * math.asin(7.1e-4 / (2.0 * 0.0275)), rel=1e-6
     )  # tolerance of the root search

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
 from bristle_sim.parameters import (
     Bristle,
@@ -311,8 +309,7 @@ def _report(
 
 def _cells(one: ChainStrike, rate: float) -> Iterator[str]:
     """Return the cells of a law's row: rate after, impulses, works and energy ratio."""
-    first, second = one.contact.compressive_work, one.contact.restitutive_work
-    works = (None, None) if first is None or second is None else np.add(first, second)
+    works = one.contact.work or (None, None)
     values = (rate, *one.contact.impulse, *works, one.kinetic_energy_ratio)
     forms = (".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
     for value, form in zip(values, forms, strict=True):

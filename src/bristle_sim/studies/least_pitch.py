@@ -118,9 +118,9 @@ def least_pitch(
     lone: Trajectory,
     wire_diameter: float,
     *,
-    until: float | None = None,
+    until: float,
     of_follower: bool = False,
-    largest: float = LARGEST_PITCH,
+    largest: float,
 ) -> float:
     """Return the pitch above which no wire touches its neighbour, rad, by the motion of a lone
     bristle.
@@ -128,27 +128,23 @@ def least_pitch(
     Args:
         lone: run of the lone bristle, which starts at rest relative to the hub.
         wire_diameter: distance of the centre lines at a touch, m.
-        until: instant up to which touches count, s; by default the end of the run.
+        until: instant up to which touches count, s.
         of_follower: whether ``until`` is an instant of the follower's own pass, a pitch later,
             instead of the pass in front.
-        largest: pitch at which the downward search starts, rad.
+        largest: pitch at which the downward search starts, and wires do not touch, rad.
 
     Raises:
-        ValueError: if the hub is at rest, the wire has no thickness, or wires touch at the largest
-            pitch.
+        ValueError: if the wire has no thickness.
     """
-    if not lone.hub_speed:
-        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
     if not wire_diameter > 0.0:
         raise ValueError(
             f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
         )
     last = float(lone.time[-1])
-    end = last if until is None else until
 
     def gap(pitch: float) -> float:
         delay = pitch / lone.hub_speed if of_follower else 0.0
-        return nearest_approach(lone, pitch, min(end + delay, last)) - wire_diameter
+        return nearest_approach(lone, pitch, min(until + delay, last)) - wire_diameter
 
     pitch = largest
     open_gap = gap(largest)
@@ -157,10 +153,6 @@ def least_pitch(
     # Largest slope of the gap, m/rad: the follower lags by pitch/omega, and none of its points
     # moves faster.
     steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
-    if open_gap <= 0.0:
-        raise ValueError(
-            f"largest = {largest:g}: must be a pitch in rad at which wires do not touch; here they overlap by {-1e3 * open_gap:.3g} mm"
-        )
     while True:  # ends at the latest at a pitch at which the two wires would overlap
         narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
         closed = gap(narrower)

@@ -69,12 +69,8 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
     size = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field)
     if size > 0.0:
-        found["friction_work"] = 0.0
-        for each in run.contacts:
-            work = (each.compressive_work or (0.0, 0.0))[1] + (each.restitutive_work or (0.0, 0.0))[
-                1
-            ]
-            found["friction_work"] = max(found["friction_work"], work / size)
+        works = [each.work[1] for each in run.contacts if each.work is not None]
+        found["friction_work"] = max([0.0, *works]) / size
         if tool.bristle.links == 1:
             energy, uncertainty = _energy_imbalance(tool, run)
             found["energy_balance"] = energy / size
@@ -138,11 +134,8 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     for each in run.contacts:
         if _is_rigid(tool, each):
             before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
-            work = float(
-                np.dot(each.impulse, np.add(each.velocity_before, each.velocity_after) / 2.0)
-            )
-            if each.compressive_work is not None and each.restitutive_work is not None:
-                work = sum(each.compressive_work) + sum(each.restitutive_work)
+            mean = 0.5 * np.add(each.velocity_before, each.velocity_after)
+            work = float(np.dot(each.impulse, mean)) if each.work is None else sum(each.work)
             moment = float(_arms_at(tool, run, each)[0] @ each.impulse)
             found.append(abs(0.5 * inertia * (after**2 - before**2) - work + omega * moment))
     return max(found), max(uncertain)
@@ -196,12 +189,12 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
         return {}
     near = SAME_INSTANT * float(run.time[-1])
-    for each in run.contacts:
-        if (
-            each.obstacle == "bar"
-            and each.time - near <= strike.time <= each.time + each.duration + near
-        ):
-            return {}
+    at_bar = (each for each in run.contacts if each.obstacle == "bar")
+    if any(
+        abs(strike.time - each.time - 0.5 * each.duration) <= 0.5 * each.duration + near
+        for each in at_bar
+    ):
+        return {}
     pushed = strike.impulse[0]
     part = tool.workpart
     errors = dict[str, float]()
@@ -214,13 +207,11 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
     cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
     errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
-    works = strike.compressive_work, strike.restitutive_work
-    if (
-        strike.outcome != "stiction" and works[0] and works[1] and works[0][0]
-    ):  # stiction leaves no restitution
-        errors["restitution_work_error"] = abs(
-            works[1][0] + part.restitution**2 * works[0][0]
-        ) / abs(works[0][0])
+    first = (strike.compressive_work or (0.0, 0.0))[0]
+    if strike.outcome != "stiction" and first and strike.restitutive_work is not None:
+        # stiction leaves no restitution
+        second = strike.restitutive_work[0]
+        errors["restitution_work_error"] = abs(second + part.restitution**2 * first) / abs(first)
     return errors
 
 

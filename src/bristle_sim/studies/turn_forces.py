@@ -121,12 +121,7 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     scene's sums. The work of damping is the integral of c alpha'^2, by splines between the instants
     at which the acceleration jumps.
     """
-    lost = -sum(
-        sum(work)
-        for each in run.contacts
-        for work in (each.compressive_work, each.restitutive_work)
-        if work
-    )
+    lost = -sum(sum(each.work or ()) for each in run.contacts)
     if not tool.belt_damping:
         return lost
     breaks = [edge for each in turn_forces(tool, run) for edge in (each.begin, each.end)]

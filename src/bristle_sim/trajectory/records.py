@@ -246,6 +246,14 @@ class ContactRecord:
     place: tuple[float, float] | None = None
 
     @property
+    def work(self) -> tuple[float, float] | None:
+        """Work of the impulse on the body, J; None if the law has no phases."""
+        if self.compressive_work is None or self.restitutive_work is None:
+            return self.compressive_work
+        normal, tangential = np.add(self.compressive_work, self.restitutive_work).tolist()
+        return normal, tangential
+
+    @property
     def outcome_in_words(self) -> str:
         """The outcome in the words of sentences and of ``ensemble``.
 
