@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.interval import IntervalResult
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
@@ -92,16 +92,11 @@ BEGINS_POSITIVE = frozenset(
 """Kinds whose value, by the decision at the last event, is positive where a motion begins or rises
 from zero there."""
 
-TURNS = SPRING_KINDS | {Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
+TURNS = SPRING_KINDS | {Kind.DENT_LEFT}
 """Kinds whose value may change its sign twice within an interval."""
 
-DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY, Kind.HIGHEST_SPEED})
+DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
 """Kinds whose value contains a difference of rates over a step, with its rounding."""
-
-OF_THE_MOTION = frozenset(
-    {Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED, Kind.RETRACTION_LIMIT, Kind.DENT_LEFT}
-)
-"""Kinds of events that do not depend on a contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,13 +133,22 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     """Yield the events of the motion as a whole: extremes, limits, and dents that the tip
     leaves."""
     mechanism = system.mechanism
+    effects = system.scene.effects
     plan = system.plan
 
     def relative_rate(link: int, at: IntervalResult) -> float:
         return at.state.rates[link] - mechanism.hub_speed
 
-    def acceleration_of(link: int, at: IntervalResult) -> float:
-        return at.accelerations[link]
+    def acceleration(link: int, at: IntervalResult) -> float:
+        """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
+        time, angles, rates = at.state
+        pose = system.gaps.poses(at.state)[link]
+        arm = (pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1])
+        moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
+        moment += effects.damping * (mechanism.hub_speed - rates[link])
+        carried = mechanism.hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm[0]
+        own = mechanism.links[link]
+        return (moment + own.mass * carried) / own.inertia_about_joint
 
     def left(link: int, at: IntervalResult) -> float:
         """Return the angle left until a wire's first link lies on the hub, rad."""
@@ -158,7 +162,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
             yield Event(partial(relative_rate, link), 1, Kind.LARGEST_RETRACTION, wire)
         if not (plan.single_contact or in_contact or mechanism.wire_links > 1):
             # A wire of several links vibrates.
-            yield Event(partial(acceleration_of, wire), -1, Kind.HIGHEST_SPEED, wire)
+            yield Event(partial(acceleration, wire), -1, Kind.HIGHEST_SPEED, wire)
         if math.isfinite(plan.retraction_limit):
             yield Event(partial(left, link), -1, Kind.RETRACTION_LIMIT, wire)
     for number, pair in enumerate(system.pairs):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from operator import mul
 
-from bristle_sim.scene.build import Scene, damping_rate
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
@@ -223,26 +223,3 @@ class Extrapolation:
     def halves(self, scene: Scene, load: Load | None) -> bool:
         """Return whether the state in the middle of an interval is computed too."""
         return scene.engine.take_symmetric is None and load is None
-
-
-LONGEST_PROBE = 0.3
-"""Longest step of :func:`acceleration` without damping, in the scene's time units; damping of the
-rate r divides it by 1 + r. Measured: rounding and the error left by extrapolation are then both
-about 1e-12 r."""
-
-PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)  # numbers by which the longest step is divided
-
-PROBE_WEIGHTS = lagrange_weights(PROBES)
-
-
-def acceleration(scene: Scene, state: State, link: int = 0) -> float:
-    """Return a link's acceleration without contact, engine units.
-
-    It is the acceleration in the second of two engine steps, extrapolated to zero step.
-    """
-    longest = LONGEST_PROBE / (1.0 + damping_rate(scene))
-    found = []
-    for count, weight in zip(PROBES, PROBE_WEIGHTS, strict=True):
-        scene.place(state)
-        found.append(weight * scene.step(longest / count, 2)[2 * len(scene.links) + link])
-    return math.fsum(found)

@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
 
-from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event, Kind
-from bristle_sim.scene.extrapolation import acceleration
+from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event
 from bristle_sim.scene.interval import Interval, IntervalResult, at_state
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.root import locate
@@ -56,12 +54,9 @@ class Monitor:
 
     Attributes:
         event: the watched event.
-        exact: the value as a function of the state, where ``event.value`` has the error of a
-            difference over the interval; None otherwise.
         difference: whether the value contains a difference of rates over a step.
         noise: size below which a value has no sign.
         sign: the last sign; None while it is unknown.
-        reached: the value at the end of the last interval.
     """
 
     def __init__(self, event: Event, system: System) -> None:
@@ -69,12 +64,8 @@ class Monitor:
         interval is an event too.
         """
         self.event = event
-        self.exact: Callable[[State], float] | None = None
-        if event.kind is Kind.HIGHEST_SPEED:
-            self.exact = partial(acceleration, system.scene, link=event.subject)
         self.difference = event.kind in DIFFERENCES
         self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
-        self.reached = math.nan
         begins_positive = event.kind in BEGINS_POSITIVE
         self.sign = 1.0 if begins_positive else None
         value = event.value(at_state(system.state))
@@ -124,16 +115,8 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
     intervals.
     """
     event = monitor.event
-    exact = monitor.exact
-    right = event.value(interval.end)
-    monitor.reached = right
-    if (
-        monitor.sign is None
-        and exact is not None
-        and _may_have_changed(event.value, interval, right)
-    ):
-        monitor.sign = monitor.sign_of(exact(interval.start))
     sign = monitor.sign
+    right = event.value(interval.end)
     noise = (
         max(monitor.noise, RATE_ROUNDING / interval.length) if monitor.difference else monitor.noise
     )
@@ -141,12 +124,6 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
         return None
     left = event.value(interval.first)
     left = -right if math.isnan(left) else left
-    if exact is not None:
-        left = exact(interval.start)
-        right = exact(interval.end.state)
-        if sign * right > 0.0 or sign * left < -noise:  # the differences had the wrong sign
-            monitor.reached = right
-            return None
     return sign * max(sign * left, LEAST_VALUE if event.tolerance is None else math.ulp(1.0)), right
 
 
@@ -162,22 +139,12 @@ def _rise(value: Value, interval: Interval, instant: float) -> float:
     return 0.0
 
 
-def _may_have_changed(value: Value, interval: Interval, right: float) -> bool:
-    """Return whether an acceleration may have had another sign at the start, by the interval's
-    polynomial.
-    """
-    moment = 1e-3 * interval.length
-    rates = zip(interval.start.rates, interval.at(moment).rates, strict=True)
-    left = value(interval.first._replace(accelerations=tuple([(b - a) / moment for a, b in rates])))
-    return left * right < 0.2 * interval.length * right**2
-
-
 def _is_far(system: System, monitor: Monitor, interval: Interval) -> bool:
     """Return whether a force's zero must be located in a shorter interval that begins just before
     it.
     """
     longest = LONGEST_OF_A_FORCE * system.plan.time_scale
-    return monitor.difference and monitor.exact is None and interval.length > longest
+    return monitor.difference and interval.length > longest
 
 
 def _before_zero(value: Value, interval: Interval, left: float, right: float) -> IntervalResult:
@@ -193,7 +160,6 @@ def _zero(
 ) -> IntervalResult:
     """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
     integrate_to = interval.integrate_to
-    exact = monitor.exact
     instant = interval.instant
     value = monitor.event.value
     tolerance = monitor.event.tolerance
@@ -207,13 +173,13 @@ def _zero(
         )
 
     def of_state(state: State) -> float:
-        return value(at_state(state)) if exact is None else exact(state)
+        return value(at_state(state))
 
     def of_time(time: float) -> float:
-        return value(integrate_to(time)) if exact is None else exact(integrate_to(time).state)
+        return value(integrate_to(time))
 
-    near = None
-    if exact is None and (near := guess(of_state, interval, interval.length, begin)) is not None:
+    near = guess(of_state, interval, interval.length, begin)
+    if near is not None:
         found = settle(system, of_state, interval, near, tolerance)
         if found is not None:
             return found

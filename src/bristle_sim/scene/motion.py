@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.events import OF_THE_MOTION, Happening, Kind, contact_events, motion_events
+from bristle_sim.scene.events import Happening, Kind, contact_events, motion_events
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.interval import Interval, IntervalResult, Load, at_state, sums_of
 from bristle_sim.scene.locate import Monitor, first_change
@@ -209,29 +209,20 @@ def up_to_first_event(
     be shorter.
     """
     whole = interval
-    of_contacts = [
-        monitor for monitor in motion.monitors if monitor.event.kind not in OF_THE_MOTION
-    ]
-    of_motion = [monitor for monitor in motion.monitors if monitor.event.kind in OF_THE_MOTION]
     # Events of contacts come first: a link that slides onto its neighbour does not touch the
     # obstacle with it before.
-    interval, triggered = first_change(system, of_contacts, interval)
-    changed = interval
+    changed, triggered = first_change(system, motion.monitors, interval)
     active = [contact.pair for contact in motion.contacts]
-    interval, touch = first_touch_of_all(system, interval, active, motion.separating)
+    interval, touch = first_touch_of_all(system, changed, active, motion.separating)
     if interval is not changed:
         triggered = None
-    interval, later = first_change(system, of_motion, interval)
-    triggered = later or triggered
     if interval is not whole and not _is_accurate(system, motion, interval):
         return None, None
     for monitor in motion.monitors:
         if monitor is triggered:
-            monitor.sign = monitor.sign_of(monitor.reached)
+            monitor.sign = -(monitor.sign or 0.0)
         else:
-            monitor.follow(
-                monitor.reached if interval is whole else monitor.event.value(interval.end)
-            )
+            monitor.follow(monitor.event.value(interval.end))
     if triggered is None:
         return interval, touch
     return interval, Happening(triggered.event.kind, triggered.event.subject)
