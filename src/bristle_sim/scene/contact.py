@@ -98,11 +98,11 @@ class ActiveContact:
         assert self.spring is not None
         touch = gaps.closest(self.pair, state)
         penetration = self.spring.surface - touch.gap
-        normal, tangential = self.spring.forces(penetration)
+        self.force, self.tangential = self.spring.forces(penetration)
         self.spring.course.rows.append(
-            (state.time, normal, tangential, penetration, *touch.velocity)
+            (state.time, self.force, self.tangential, penetration, *touch.velocity)
         )
-        return normal
+        return self.force
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact of no duration."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
-from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory, WireMotion
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
 
 def trajectories_in_si(
@@ -31,31 +31,36 @@ def trajectories_in_si(
     """
     recording = system.recording
     scene = system.scene
-    estimate = recording.error / motion_scale(scene, recording.states[0])
-    lost = recording.lost
-    errors = (estimate, None if lost is None else lost * units.time)
-    found = []
     size = scene.mechanism.wire_links
     forces = np.array(recording.forces) * units.force
+    found = []
     for number in range(scene.mechanism.wires):
         mechanism = scene.mechanism.wire(number)
-        own = slice(number * size, (number + 1) * size)
-        motion = columns(recording.states, own)
-        hub = mechanism.hub_start + mechanism.hub_speed * motion[0]
+        motion = columns(recording.states, slice(number * size, (number + 1) * size))
+        time, angles, rates = motion
+        line, velocity = mechanism.centre_line(*motion)
+        hub = mechanism.hub_start + mechanism.hub_speed * time
         kinetic, potential = energies(mechanism, scene.effects, motion)
-        samples = _in_space(mechanism, motion, units)
         found.append(
             Trajectory(
-                **{each.name: getattr(samples, each.name) for each in dataclasses.fields(samples)},
+                time=time * units.time,
+                angles=angles,
+                rates=rates / units.time,
+                centre_line=line * units.length,
+                centre_line_velocity=velocity * units.velocity,
                 hub_angle=hub,
                 kinetic_energy=kinetic * units.energy,
                 potential_energy=potential * units.energy,
                 normal_force=forces[:, number],
                 hub_speed=parameters["tool"]["hub"]["speed"],
-                events=_events(recording, scene, number, (motion[0], hub - motion[1][:, 0]), units),
+                events=_events(recording, scene, number, (time, hub - angles[:, 0]), units),
                 contacts=contacts_in_si(recording.contacts, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
-                cost=Cost(*cost, *errors),
+                cost=Cost(
+                    *cost,
+                    recording.error / motion_scale(scene, recording.states[0]),
+                    None if recording.lost is None else recording.lost * units.time,
+                ),
                 parameters=parameters,
                 stop_detail=recording.stop_detail,
             )
@@ -69,19 +74,6 @@ def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, A
     return time, angles[:, own], rates[:, own]
 
 
-def _in_space(mechanism: Mechanism, motion: tuple[Array, Array, Array], units: Units) -> WireMotion:
-    """Return a wire's motion in SI, with its centre line."""
-    line, velocity = mechanism.centre_line(*motion)
-    time, angles, rates = motion
-    return WireMotion(
-        time * units.time,
-        angles,
-        rates / units.time,
-        line * units.length,
-        velocity * units.velocity,
-    )
-
-
 def _events(
     recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
 ) -> tuple[Event, ...]:
@@ -92,30 +84,24 @@ def _events(
     retraction at which the run stops is kept in any case. Events that never happened are named at
     the end. ``lags`` are times and retractions of the samples.
     """
-    found = []
-    names = set()
-    turns = []
-    strike = math.inf
-    for event, wires in recording.events:
-        if wire in wires:
-            found.append(event)
-            names.add(event.name)
-            turns += [event.time] if event.name == LARGEST_RETRACTION else []
-            strike = min(strike, event.time) if event.name == "strike" else strike
-    (times, lag), end = lags, float(lags[0][-1])
-    last = int(np.searchsorted(times, strike, side="right")) - 1
-    at_turns = [
-        (float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike
-    ]
-    largest, time = max(at_turns, default=(0.0, math.nan))
-    if largest <= 0.0 or largest < max(lag[0], lag[last]):
+    times, lag = lags
+    end = float(times[-1])
+    found = [event for event, wires in recording.events if wire in wires]
+    names = [event.name for event in found]
+    strike = min([event.time for event in found if event.name == "strike"], default=math.inf)
+    turns = [event.time for event in found if event.name == LARGEST_RETRACTION]
+    largest, time = max(
+        [(float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike],
+        default=(0.0, math.nan),
+    )
+    if largest <= 0.0 or largest < max(lag[0], lag[times <= strike][-1]):
         time = math.nan
     if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end:
         time = end
-    parts = {each.name for each in scene.effects.pairs}
     found = [each for each in found if each.name != LARGEST_RETRACTION or each.time == time]
-    for name, event_name in ABSENCES.items():
-        if name.split()[0] in parts and event_name not in names:
+    parts = {each.name for each in scene.effects.pairs}
+    for name, absence in ABSENCES.items():
+        if name.split()[0] in parts and absence not in names:
             found.append(Event(name, end))
     return tuple([Event(each.name, each.time * units.time) for each in found])
 
@@ -130,22 +116,20 @@ def contacts_in_si(
 
     Each record names the link in contact and the neighbouring bristle that it touches, if any.
     """
-    found = []
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
+    found = []
     for contact, links in records:
         wires = [link // size for link in links]
         if wire in wires:
             place = wires.index(wire)
-            link = links[place] % size + 1
-            neighbour = wires[place - 1] + 1
             alone = dataclasses.replace(
                 contact,
                 angles=contact.angles[own],
                 rates_before=contact.rates_before[own],
                 rates_after=contact.rates_after[own],
-                link=link if size > 1 else None,
-                neighbour=neighbour if len(wires) > 1 else None,
+                link=links[place] % size + 1 if size > 1 else None,
+                neighbour=wires[place - 1] + 1 if len(wires) > 1 else None,
             )
             found.append(contact_in_si(alone, units))
     return tuple(sorted(found, key=attrgetter("time")))
@@ -172,40 +156,29 @@ def energies(
     return kinetic, potential
 
 
-RECORD_UNITS = {
-    "time": ("time", "duration"),
-    "impulse": ("impulse", "compressive_impulse"),
-    "energy": ("compressive_work", "restitutive_work"),
-    "velocity": ("velocity_before", "velocity_after"),
-    "rate": ("rates_before", "rates_after"),
-}
-HISTORY_UNITS = {
-    "time": ("time",),
-    "force": ("normal_force", "tangential_force"),
-    "length": ("penetration",),
-    "velocity": ("normal_velocity", "tangential_velocity"),
-}
+UNIT_OF = {
+    "time": "time", "duration": "time", "impulse": "impulse", "compressive_impulse": "impulse",
+    "compressive_work": "energy", "restitutive_work": "energy", "velocity_before": "velocity",
+    "velocity_after": "velocity", "rates_before": "rate", "rates_after": "rate", "normal_force": "force",
+    "tangential_force": "force", "penetration": "length", "normal_velocity": "velocity",
+    "tangential_velocity": "velocity",
+}  # fmt: skip
+"""Names of the units of a contact record's numbers, and of its history's."""
 
 
-def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """Return a contact record converted from engine units to SI."""
-    history = contact.history and dataclasses.replace(
-        contact.history, **_in_si(contact.history, HISTORY_UNITS, units)
-    )
-    return dataclasses.replace(contact, history=history, **_in_si(contact, RECORD_UNITS, units))
+T = TypeVar("T", ContactRecord, ContactHistory)
 
 
-def _in_si(record: object, table: Mapping[str, tuple[str, ...]], units: Units) -> dict[str, Any]:
-    """Return the numbers, tuples and arrays of a record in SI by name."""
+def contact_in_si(record: T, units: Units) -> T:
+    """Return a contact record, or its history, converted from engine units to SI."""
     found: dict[str, Any] = {}
-    for unit, names in table.items():
-        size = getattr(units, unit)
-        for name in names:
-            value = getattr(record, name)
-            if value is not None:
-                found[name] = (
-                    tuple([each * size for each in value])
-                    if isinstance(value, tuple)
-                    else value * size
-                )
-    return found
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, ContactHistory):
+            found[field.name] = contact_in_si(value, units)
+        elif field.name in UNIT_OF and value is not None:
+            size = getattr(units, UNIT_OF[field.name])
+            found[field.name] = (
+                tuple([each * size for each in value]) if isinstance(value, tuple) else value * size
+            )
+    return dataclasses.replace(record, **found)
