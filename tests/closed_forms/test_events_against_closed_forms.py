@@ -8,11 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.benchmarks.hard_cases.motion import with_bar
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 
 FREE = replace(Tool(), bar=None, workpart=None)
@@ -62,25 +60,6 @@ class TestNothingElseIsMissed:
             assert len(found) == (1 if name == "largest retraction" else len(instants))
             # The requested accuracy, over the largest phase of three periods.
             assert all(np.abs(instants - each).min() <= 6.0 * math.pi * 1e-6 for each in found)
-
-    @pytest.mark.parametrize("angle", [-0.5, 0.5])
-    def test_fixed_steps_continue_where_the_search_began(self, angle: float) -> None:
-        """Events are searched for by moving the bodies about; the energy in the hub's frame tells if they come back."""
-        tool = replace(FREE, hub=Hub(speed=2618.0))
-        step = 1e-3
-        length = step * tool_units(tool).time
-        settings = Settings(hub_turn=4.0)
-        run = simulate_in_steps(
-            tool, length, settings, start_hub_angle=0.0, start_relative_angle=angle
-        )
-        field = tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * tool.hub.speed**2
-        energy = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
-        energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (
-            1.0 - np.cos(run.relative_angle)
-        )
-        assert len(run.events) >= 1
-        # First order: positions and velocities are half a step apart.
-        assert np.abs(energy / energy[0] - 1.0).max() <= step
 
 
 def test_no_belt_no_speed_no_harm() -> None:

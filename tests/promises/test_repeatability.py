@@ -19,7 +19,6 @@ import numpy as np
 import pymunk
 import pytest
 
-from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
@@ -68,7 +67,6 @@ def two_rods(law: str) -> object:
 
 RUNS: dict[str, Callable[[], object]] = {
     **{name: partial(simulate, tool, SETTINGS) for name, tool in TOOLS.items()},
-    "plain steps": partial(simulate_in_steps, Tool(), 2e-5),
     "two rods, compliant": partial(two_rods, "compliant"),
     "rods in another space": falling_rods,
 }

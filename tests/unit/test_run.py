@@ -1,4 +1,4 @@
-"""Runs: the longest plain step, starts, limits, scale in powers of two, and the advice of a law that gives up."""
+"""Runs: starts, limits, scale in powers of two, and the advice of a law that gives up."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bristle_sim.benchmarks.accuracy_cost.plain_steps import simulate_in_steps
 from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.extrapolation import CLOSE
@@ -28,19 +27,6 @@ def with_bar_at(distance: float, radius: float, angle: float = 1.2, **surface: f
         **surface,
     )
     return replace(TOOL, bar=bar, bristle=Bristle(wire_diameter=0.0, mass=8.387e-5))
-
-
-def test_too_long_a_plain_step_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"step = 0\.01: must be at most "):
-        simulate_in_steps(TOOL, 0.01)
-
-
-@pytest.mark.parametrize("step", [2e-5, 1e-5])
-def test_plain_steps_are_as_long_as_requested(step: float) -> None:
-    """But for a few that end at events: half as many again at most. The bar is touched at a graze and left after a long contact."""
-    run = simulate_in_steps(TOOL, step)
-    assert run.stop_reason is StopReason.END
-    assert run.time.size < 1.5 * run.time[-1] / step
 
 
 class TestStarts:

@@ -1,8 +1,7 @@
 """The cost of accuracy: error against CPU time, of this project's methods and of other packages.
 
 All methods solve the same cases. Modules: ``cases`` holds the cases with their exact answers.
-``own_methods`` (with ``plain_steps`` of the bare engine), ``scipy_methods`` and ``peers`` (MuJoCo,
-heyoka) list the attempts at each case. ``measure`` measures errors and CPU times in separate
+``own_methods``, ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the attempts at each case. ``measure`` measures errors and CPU times in separate
 passes. ``study`` runs the attempts and writes the report.
 """
 

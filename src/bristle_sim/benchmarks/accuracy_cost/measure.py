@@ -14,7 +14,7 @@ import timeit
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 
@@ -63,6 +63,9 @@ class Point:
     failure: str = ""
 
 
+Tried = TypeVar("Tried", Attempt, Point)
+
+
 def attempts(
     method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
 ) -> list[Attempt]:
@@ -76,12 +79,12 @@ def package_of(method: str) -> str:
     return method.split(maxsplit=1)[0]
 
 
-def by_method(points: Iterable[Point]) -> list[list[Point]]:
-    """Return the points grouped by method, one list for each method."""
-    methods: dict[str, list[Point]] = {}
-    for point in points:
-        methods.setdefault(point.method, []).append(point)
-    return [*methods.values()]
+def by_method(tried: Iterable[Tried]) -> list[list[Tried]]:
+    """Return attempts or points grouped by method, one list for each method."""
+    methods: dict[str, list[Tried]] = {}
+    for each in tried:
+        methods.setdefault(each.method, []).append(each)
+    return list(methods.values())
 
 
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
-from bristle_sim.benchmarks.accuracy_cost.plain_steps import correct_joints, simulate_in_steps
 from bristle_sim.parameters import Contact
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.scene.extrapolation import Extrapolation
@@ -20,8 +18,6 @@ from bristle_sim.settings import Settings
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
-STEPS_OF_A_PASS = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)
-"""Lengths of plain engine steps in a pass, s."""
 PASSES = 4096
 """Number of passes that are computed at once in arrays."""
 
@@ -33,10 +29,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
     models.
     """
     scene, units = build_tool(case.tool, hub_start=0.0)
-    start, end = (
-        State(0.0, (-case.retraction,), (scene.mechanism.hub_speed,)),
-        case.duration / units.time,
-    )
+    hub_speed = scene.mechanism.hub_speed
+    start = State(0.0, (-case.retraction,), (hub_speed,))
+    end = case.duration / units.time
 
     def simulated(accuracy: float) -> Run:
         """Simulate the flight by the public function at a requested accuracy."""
@@ -63,20 +58,19 @@ def flight_attempts(case: Case) -> list[Attempt]:
         """
         before = scene.engine.steps
         scene.place(start)
-        correct_joints(scene, completely=True)
+        for joint in scene.joints:
+            joint.error_bias = 0.0
         scene.step(end / count, count)
-        correct_joints(scene, completely=False)
+        for joint in scene.joints:
+            joint.error_bias = 1.0
         return flown(scene.angles()[0], scene.rates()[0], before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
         """Return the relative angle (rad), the relative rate (rad/s) and the steps since
         ``before``.
         """
-        hub_angle = scene.mechanism.hub_angle(end)
-        hub_speed = scene.mechanism.hub_speed
-        return Run(
-            (angle - hub_angle, (rate - hub_speed) / units.time), scene.engine.steps - before
-        )
+        relative = (angle - scene.mechanism.hub_angle(end), (rate - hub_speed) / units.time)
+        return Run(relative, scene.engine.steps - before)
 
     return [
         *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),
@@ -88,30 +82,25 @@ def flight_attempts(case: Case) -> list[Attempt]:
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
     """Return attempts at a strike by each contact law; the compliant law has several accuracies."""
 
-    def by_law(law: str) -> Callable[[float], Run]:
-        """Return the function that strikes by a contact law at a requested accuracy."""
-
-        def run(accuracy: float) -> Run:
-            found = strike(case.chain, case.surface, Contact(law), Settings(accuracy=accuracy))
-            return Run(found.contact.rates_after, found.steps)
-
-        return run
+    def struck(law: str, accuracy: float) -> Run:
+        found = strike(case.chain, case.surface, Contact(law), Settings(accuracy=accuracy))
+        return Run(found.contact.rates_after, found.steps)
 
     return [
-        *attempts("bristle_sim energetic", "closed phases", by_law("energetic"), (1e-6,)),
-        *attempts("bristle_sim engine", "one step", by_law("engine"), (1e-6,)),
-        *attempts("bristle_sim compliant", "accuracy={:g}", by_law("compliant"), ACCURACIES[:7]),
+        *attempts("bristle_sim energetic", "closed phases", partial(struck, "energetic"), (1e-6,)),
+        *attempts("bristle_sim engine", "one step", partial(struck, "engine"), (1e-6,)),
+        *attempts(
+            "bristle_sim compliant", "accuracy={:g}", partial(struck, "compliant"), ACCURACIES[:7]
+        ),
     ]
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by the public function, and by plain engine steps of a given
-    length.
-    """
+    """Return attempts at a pass by the public function, one pass or many at a time."""
 
-    def passed(setting: Any, run: Callable[..., Any]) -> Run:
-        found = run(case.tool, setting, stop_after="strike")
-        return Run(state_at_strike(found), found.cost.steps)
+    def simulated(accuracy: float) -> Run:
+        run = simulate(case.tool, Settings(accuracy), stop_after="strike")
+        return Run(state_at_strike(run), run.cost.steps)
 
     def in_arrays(accuracy: float) -> Run:
         """Compute the pass many times at once."""
@@ -121,17 +110,6 @@ def pass_attempts(case: Case) -> list[Attempt]:
 
     blocks = attempts("bristle_sim ensemble", "accuracy={:g}", in_arrays, ACCURACIES[1:10:4])
     return [
-        *attempts(
-            "bristle_sim simulate",
-            "accuracy={:g}",
-            lambda e: passed(Settings(e), simulate),
-            ACCURACIES[:10],
-        ),
+        *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES[:10]),
         *(dataclasses.replace(each, passes=PASSES) for each in blocks),
-        *attempts(
-            "bristle_sim plain steps",
-            "step={:g} s",
-            lambda dt: passed(dt, simulate_in_steps),
-            STEPS_OF_A_PASS,
-        ),
     ]

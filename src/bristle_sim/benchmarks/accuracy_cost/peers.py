@@ -62,29 +62,8 @@ acceleration."""
 FREE = '<flag contact="disable" constraint="disable"/>'
 """MuJoCo's options for a free motion: contacts and constraints are switched off."""
 
-FLIGHT_STEPS = (
-    2,
-    3,
-    4,
-    6,
-    8,
-    12,
-    16,
-    24,
-    32,
-    48,
-    64,
-    96,
-    128,
-    192,
-    256,
-    512,
-    1024,
-    2048,
-    4096,
-    8192,
-)
-PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
+FLIGHT_STEPS = tuple(round(2.0 ** (power / 2.0)) for power in range(2, 27))
+PASS_STEPS = tuple(250 * 2**power for power in range(8))
 
 STEPS_IN_CONTACT = 2.0
 """Time constant of the bar's critically damped spring, in steps; a stiffer spring is unstable."""
@@ -97,24 +76,18 @@ The strike comes before the end of that turn."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 
-MODEL = """<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}</option><worldbody>{bar}
-<body>{hinge} armature="{hub!r}"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-<body pos="0 {root!r} 0">{hinge} stiffness="{stiffness!r}"/>
-<inertial pos="0 -0.5 0" mass="1" diaginertia="{rod!r} {rod!r} {rod!r}"/>{wire}</body></body></worldbody></mujoco>"""
-
-BAR = """<geom name="bar" type="sphere" size="{size!r}" condim="1" pos="{x!r} {y!r} 0" contype="1" conaffinity="0"
-solimp="{hard} {hard} 1" priority="1"/>"""
-
-WIRE = """<geom type="capsule" fromto="0 0 0 0 -1 0" size="{radius!r}" contype="0" conaffinity="1" condim="1" mass="0"/>"""
-
 
 def mujoco_flight(case: Case) -> list[Attempt]:
     """Return attempts at a flight with each of MuJoCo's integrators, over numbers of steps."""
-    models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
-        each
-        for name in models
-        for each in attempts(name, "steps={}", partial(models[name].fly, case), FLIGHT_STEPS)
+        attempt
+        for each in INTEGRATORS
+        for attempt in attempts(
+            f"mujoco {each.lower()}",
+            "steps={}",
+            partial(MujocoModel(case.tool, each).fly, case),
+            FLIGHT_STEPS,
+        )
     ]
 
 
@@ -123,9 +96,12 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 
     The bar is a critically damped spring, which gets stiffer as the steps get shorter.
     """
-    models = {f"mujoco {each.lower()}": MujocoModel(case.tool, each) for each in INTEGRATORS}
     return [
-        each for name in models for each in attempts(name, "steps={}", models[name].go, PASS_STEPS)
+        attempt
+        for each in INTEGRATORS
+        for attempt in attempts(
+            f"mujoco {each.lower()}", "steps={}", MujocoModel(case.tool, each).go, PASS_STEPS
+        )
     ]
 
 
@@ -140,29 +116,28 @@ class MujocoModel:
         self.library: Any = importlib.import_module("mujoco")
         self.units = tool_units(tool)
         size = self.units.length
+        self.hub_speed = tool.hub.speed * self.units.time
+        self.hub_radius = tool.hub.radius / size
         bar = ""
         wire = ""
         option = FREE
-        self.hub_speed = tool.hub.speed * self.units.time
-        self.hub_radius = tool.hub.radius / size
         if tool.bar is not None:
-            self.depth, (x, y) = tool.workpart_depth / size, tool.bar.centre
-            bar = BAR.format(size=tool.bar.radius / size, x=x / size, y=y / size, hard=HARD)
-            wire = WIRE.format(radius=tool.bristle.wire_diameter / 2.0 / size)
+            self.depth = tool.workpart_depth / size
+            x, y = tool.bar.centre
+            contact = (
+                f'solimp="{HARD} {HARD} 1" priority="1" contype="1" conaffinity="0" condim="1"'
+            )
+            bar = f'<geom name="bar" type="sphere" size="{tool.bar.radius / size!r}" pos="{x / size!r} {y / size!r} 0" {contact}/>'
+            half = 0.5 * tool.bristle.wire_diameter / size
+            wire = f'<geom type="capsule" fromto="0 0 0 0 -1 0" size="{half!r}" contype="0" conaffinity="1" condim="1" mass="0"/>'
             option = ""
-        parts = {
-            "integrator": integrator,
-            "option": option,
-            "bar": bar,
-            "wire": wire,
-            "rod": 1.0 / 12.0,
-        }
-        numbers = {
-            "hub": HUB_INERTIA,
-            "root": -self.hub_radius,
-            "stiffness": tool.belt.stiffness / self.units.energy,
-        }
-        text = MODEL.format(hinge='<joint type="hinge" axis="0 0 1"', **parts, **numbers)
+        hinge = '<joint type="hinge" axis="0 0 1"'
+        stiffness = tool.belt.stiffness / self.units.energy
+        rod = 1.0 / 12.0
+        text = f"""<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}</option><worldbody>{bar}
+<body>{hinge} armature="{HUB_INERTIA!r}"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+<body pos="0 {-self.hub_radius!r} 0">{hinge} stiffness="{stiffness!r}"/>
+<inertial pos="0 -0.5 0" mass="1" diaginertia="{rod!r} {rod!r} {rod!r}"/>{wire}</body></body></worldbody></mujoco>"""
         self.model = self.library.MjModel.from_xml_string(text)
         self.data = self.library.MjData(self.model)
 

@@ -104,11 +104,6 @@ class Comparison(NamedTuple):
     ours: Point | None
     peer: Point | None
 
-    @property
-    def ratio(self) -> float | None:
-        """Ratio of this project's CPU time to the peer's; None if either is missing."""
-        return None if self.ours is None or self.peer is None else self.ours.cpu_s / self.peer.cpu_s
-
 
 def accuracy_cost(effort: Effort) -> Report:
     """Measure every case and compare this project's cost with the cheapest peer's at the same
@@ -161,11 +156,9 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
             if name in taking_part:
                 tried += _offered(name, offer, case, measured.missing)
         if effort.effort == "quick":
-            methods = [
-                [each for each in tried if each.method == name]
-                for name in dict.fromkeys(each.method for each in tried)
+            tried = [
+                each for own in by_method(tried) for each in own[:: -(-len(own) // QUICK_SETTINGS)]
             ]
-            tried = [each for own in methods for each in own[:: -(-len(own) // QUICK_SETTINGS)]]
         measured.points += tuple(measure(case, tried, ROUNDS[effort.effort]))
         measured.cases += (case,)
 
@@ -191,13 +184,11 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
     found = []
     for case in measured.cases:
         points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
-        sides = [
-            [each for each in points if (package_of(each.method) == OURS) is ours]
-            for ours in (True, False)
-        ]
+        ours = [each for each in points if package_of(each.method) == OURS]
+        others = [each for each in points if package_of(each.method) != OURS]
         found += [
-            Comparison(case.name, e, *(cheapest(side, e) for side in sides))
-            for e in TARGETS[case.name]
+            Comparison(case.name, target, cheapest(ours, target), cheapest(others, target))
+            for target in TARGETS[case.name]
         ]
     return found
 
@@ -214,12 +205,12 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
     law = next(each for each in measured.of("strike") if each.method == "bristle_sim energetic")
     rows.append(Quantity("strike_cpu_energetic", "s", law.cpu_s))
     for case, (method, least) in REQUESTED.items():
-        found = [
-            (float(each.setting.split("=")[1]), each.error)
+        found = {
+            float(each.setting.split("=")[1]): each.error
             for each in measured.of(case)
             if each.method == method
-        ]
-        worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
+        }
+        worst = max(error / asked for asked, error in found.items() if asked >= 0.999 * least)
         rows.append(Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0))
     return rows
 
@@ -251,41 +242,35 @@ def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
     """Yield lines to print below the comparison, none wider than a terminal."""
     for line in _lines(measured, machine):
         indent = " " * (len(line) - len(line.lstrip()) + 4)
-        yield from (
-            textwrap.wrap(line, WIDTH, subsequent_indent=indent) if len(line) > WIDTH else [line]
-        )
+        yield from textwrap.wrap(line, WIDTH, subsequent_indent=indent) or [""]
 
 
 def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
-    yield from (
-        "",
-        "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time",
-    )
+    yield ""
+    yield "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time"
     for case in measured.cases:
-        yield from ("", f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})")
+        yield ""
+        yield f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})"
         yield f"  {'method':<28}" + "".join(f"{decade:>7.0e}" for decade in DECADES)
         for own in by_method(measured.of(case.name)):
-            yield f"  {own[0].method:<28}" + "".join(
-                _cell(cheapest(own, decade)) for decade in DECADES
-            )
-            yield from (
-                f"    {each.setting} failed: {each.failure}" for each in own if each.failure
-            )
+            cells = "".join(_cell(cheapest(own, decade)) for decade in DECADES)
+            yield f"  {own[0].method:<28}{cells}"
+            failed = [each for each in own if each.failure]
+            yield from (f"    {each.setting} failed: {each.failure}" for each in failed)
         yield from (f"  {note}" for note in case.notes)
-    yield from ("", "ratio of our CPU time to the cheapest peer's:")
+    yield ""
+    yield "ratio of our CPU time to the cheapest peer's:"
     for each in comparisons(measured):
         verdict = f"reached by {'no peer' if each.ours else 'none of ours in time'}"
         if each.ours is not None and each.peer is not None:
-            verdict = f"{each.ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
+            ratio = each.ours.cpu_s / each.peer.cpu_s
+            verdict = f"{ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
         yield f"  {each.case:<16} {each.target:.0e}  {verdict}"
-    yield from (
-        "",
-        f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}",
-    )
+    versions = ", ".join(f"{name} {version}" for name, version in machine["versions"].items())
+    yield ""
+    yield f"machine: {machine['processor']}, {machine['cores']} cores, {machine['system']}"
     yield f"times: {machine['clock']}"
-    yield "versions: " + ", ".join(
-        f"{name} {version}" for name, version in machine["versions"].items()
-    )
+    yield f"versions: {versions}"
     yield f"command: {machine['command']}"
     for name, why in measured.missing.items():
         yield f"does not take part: {name}, {why}"
