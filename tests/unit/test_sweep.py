@@ -7,7 +7,6 @@ in a file, which all processes append to.
 import errno
 import functools
 import itertools
-import logging
 import math
 import os
 import re
@@ -30,7 +29,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
-from bristle_sim.studies import sweep_store, sweep_workers  # noqa: E402
+from bristle_sim.studies import sweep_store  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
@@ -100,7 +99,7 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     # In the words of README's example, which reads the impulse of a contact that there is not.
     run = SimpleNamespace(first_contact=lambda _: None)
     found = sweep(lambda x: run.first_contact("workpart").impulse[0] * x, {"x": [1.0]})
-    assert found["failure"].item().startswith("no strike: impulse was read of None")
+    assert found["failure"].item().startswith("impulse was read of None")
 
 
 class Mute(Exception):
@@ -192,8 +191,6 @@ def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
     space = {"x": np.linspace(0.1, 9.7, 40), "y": [1 / 3, 0.7]}
     expected = sweep(power, space)
     assert sweep(power, space, workers=2).identical(expected)
-    with joblib.parallel_config(backend="threading", n_jobs=2):
-        assert sweep(power, space).identical(expected)
     with ThreadPoolExecutor(2) as executor:
         assert sweep(power, space, workers=executor).identical(expected)
 
@@ -222,8 +219,8 @@ def test_a_function_that_cannot_be_sent_is_refused_in_one_line():
     with pytest.raises(ValueError, match="must be picklable, to be sent to the workers") as refusal:
         sweep(functools.partial(power, y=LOCK), {"x": [1.0, 2.0]}, workers=2)
     assert "\n" not in str(refusal.value)
-    with ProcessPoolExecutor(1) as executor, pytest.raises(ValueError, match="must be picklable"):
-        sweep(lambda x: x, {"x": [1.0]}, workers=executor)
+    with ProcessPoolExecutor(1) as executor:
+        assert sweep(lambda x: x, {"x": [1.0]}, workers=executor)["result"].item() == 1.0
     with ThreadPoolExecutor(1) as executor:
         assert (
             sweep(lambda x: x if LOCK else 0.0, {"x": [1.0]}, workers=executor)["result"].item()
@@ -244,58 +241,12 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
         silence_logs=50,
     )
     with cluster, distributed.Client(cluster) as client:
-        with joblib.parallel_config(backend="dask"):
-            found = sweep(function, space, store=tmp_path / "store")
+        found = sweep(function, space, workers=client, store=tmp_path / "store")
         for workers in (client, client.get_executor()):
             assert sweep(power, SPACE, workers=workers).identical(sweep(power, SPACE))
     assert np.array_equal(found["result"], space["x"] ** 2)
     assert (tmp_path / "death0").exists()
     assert sorted(set(calls(tmp_path))) == space["x"].tolist()
-
-
-class StandInClient:
-    """A Dask client whose cluster gets its only worker as soon as the log says that it has none."""
-
-    def __init__(self, threads: ThreadPoolExecutor) -> None:
-        self.threads = threads
-        self.started = threading.Event()
-        self.futures = list[Any]()
-
-    get_executor = scheduler_info = None
-
-    def ncores(self) -> dict[str, int]:
-        return {"worker": 1} if self.started.is_set() else {}
-
-    def submit(self, *call: Any, pure: bool) -> Any:
-        assert not pure
-        return self.threads.submit(lambda: self.started.wait() and call[0](*call[1:]))
-
-
-def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    monkeypatch.setattr(sweep_workers, "LOOK_EVERY", 0.01)
-    monkeypatch.setattr(sweep_workers, "WITHOUT_WORKER", 0.05)
-    lines = list[str]()
-    with ThreadPoolExecutor(2) as threads:
-        client = StandInClient(threads)
-
-        def heard(line: logging.LogRecord) -> bool:
-            lines.append(line.getMessage())
-            client.started.set()
-            return False
-
-        logger = logging.getLogger(sweep_workers.__name__)
-        logger.addFilter(heard)
-        try:
-            found = sweep(power, SPACE, workers=client)
-        finally:
-            logger.removeFilter(heard)
-            client.started.set()
-    assert found.identical(sweep(power, SPACE))
-    (line,) = lines
-    assert re.search(r"no worker for \d+ s; the sweep goes on as soon as one is started", line)
-    assert "\n" not in line
 
 
 class Losing(ThreadPoolExecutor):

@@ -59,7 +59,7 @@ def sweep(
             all points. The points are the product of all dimensions.
         units: of parameters and results, by name.
         workers: number of processes (-1: one per core), a Dask client or its executor, or another
-            ``concurrent.futures.Executor``. By default the active joblib backend or, without one, the calling process.
+            ``concurrent.futures.Executor``. By default the calling process.
         store: folder that keeps finished points: the same call later computes only those that are missing, damaged or lost.
             The returned Dataset loads them lazily. The folder holds only data: reading someone else's runs no code.
         version: word that changes when results change for a reason that a store does not notice. It notices changes of the
@@ -151,13 +151,8 @@ def _check(
     function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any
 ) -> None:
     """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
-    whole = (
-        isinstance(workers, int)
-        and not isinstance(workers, bool)
-        and workers != 0
-        and workers <= MOST_WORKERS
-    )
-    if not whole and not isinstance(workers, Executor | None) and client_of(workers) is None:
+    pool = isinstance(workers, Executor | None) or client_of(workers) is not None
+    if not pool and not (type(workers) is int and workers and workers <= MOST_WORKERS):
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
         raise ValueError(f"workers = {shown(workers)}: must be {allowed}")
     if store is not None and (
@@ -198,10 +193,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
         check_name("space: its parameter", str(name))
         if name == FAILURE:
             raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
-        plain = values.dtype.kind in "biufUT" or all(
-            isinstance(each, str | int | float) for each in values.values.flat
-        )
-        if not plain:
+        if not all(isinstance(each, str | int | float) for each in values.values.ravel().tolist()):
             raise ValueError(
                 f"space: {name} must hold numbers or words; functools.partial binds other arguments"
             )
@@ -214,20 +206,19 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
     """Yield the number and arguments of each point, the last dimension varying fastest."""
-    dimensions = list(grid.sizes)
+    axes = list(grid.sizes)
+    shape = tuple(grid.sizes.values())
     parameters = {
-        str(name): (each.values, [*map(dimensions.index, each.dims)])
+        str(name): (each.values, [*map(axes.index, each.dims)])
         for name, each in grid.coords.items()
     }
-    for start in range(0, numbers.size, BLOCK):
-        block = numbers[start : start + BLOCK]
-        index = np.unravel_index(block, tuple(grid.sizes.values())) if dimensions else ()
-        columns = [
-            np.broadcast_to(values[tuple(index[axis] for axis in axes)], block.shape).tolist()
-            for values, axes in parameters.values()
-        ]
-        for number, *arguments in zip(block.tolist(), *columns, strict=True):
-            yield number, dict(zip(parameters, arguments, strict=True))
+    for number in numbers.tolist():
+        place = np.unravel_index(number, shape)
+        arguments = {
+            name: values.item(tuple(place[axis] for axis in own))
+            for name, (values, own) in parameters.items()
+        }
+        yield number, arguments
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
@@ -235,10 +226,10 @@ def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | No
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()
     options = {
-        "disable": progress is False or sys.stderr is None,
+        "disable": progress is False,
         "delay": 0.0 if progress else PATIENCE,
+        "mininterval": 0.1 if sys.stderr.isatty() else PATIENCE,
     }
-    options["mininterval"] = 0.1 if sys.stderr is not None and sys.stderr.isatty() else PATIENCE
     with closing(outcomes), tqdm(total=total, unit="point", **options) as bar:
         try:
             for outcome in outcomes:

@@ -1,8 +1,5 @@
 """The outcome of a sweep's points; worker processes import no more than this module."""
 
-from __future__ import annotations
-
-import dataclasses
 import functools
 import pickle
 import time
@@ -12,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.trajectory.records import ContactRecord
 
 Function = Callable[..., Any]
 Point = tuple[int, dict[str, Any]]  # number of a point in its grid, and its arguments
@@ -20,8 +16,6 @@ Outcome = tuple[
     dict[str, Array], str
 ]  # results of a point by name, and the reason why there are none, or empty
 FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
-
-CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
 
 # Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with
 # it
@@ -63,15 +57,12 @@ def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
         reason = _readable(named.pop(FAILURE, ""))
         return {str(name): np.asarray(value, dtype=float) for name, value in named.items()}, reason
     except (Exception, SystemExit) as error:
-        if isinstance(error, AttributeError) and error.obj is None and error.name in CONTACT_FIELDS:
-            return (
-                {},
-                f"no strike: {error.name} was read of None, the first_contact of a run without that contact",
-            )
         reason = _readable(error)
-        return {}, reason if reason and isinstance(
-            error, ValueError
-        ) else f"{type(error).__name__}: {reason}"
+        if isinstance(error, AttributeError) and error.obj is None:
+            reason = f"{error.name} was read of None; first_contact is None in a run without that contact"
+        elif not reason or not isinstance(error, ValueError):
+            reason = f"{type(error).__name__}: {reason}"
+        return {}, reason
 
 
 def _readable(reason: Any) -> str:

@@ -4,9 +4,6 @@ In zarr a part of an array is a file of its own with a checksum, which is replac
 intact, and xarray reads no more than is used. Descriptions and coordinates can be made anew, so that a damaged one costs no point.
 """
 
-from __future__ import annotations
-
-import errno
 import json
 import logging
 import math
@@ -32,8 +29,6 @@ UNWRITTEN = 9.969209968386869e36
 ABANDONED = 60.0  # Age from which a half-written file counts as left by a killed program, s
 BLOCK = 4096  # Most points of a chunk, which is a file
 GROUP = "zarr.json"  # Description of a group or an array, a file in its folder
-# Refusals of a disk that is full or read-only and may still hold all points
-REFUSALS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 class SweepStore(Results):
@@ -101,8 +96,8 @@ class SweepStore(Results):
             if before != content:
                 try:
                     _replace(path, content)
-                except OSError as error:
-                    if before is None or error.errno not in REFUSALS:
+                except OSError:  # a disk that is full or read-only may hold all points
+                    if before is None:
                         raise
         group = zarr.open_group(self.folder, mode="r+")
         self.arrays = {name: group[name] for name in (FAILURE, *self.shapes)}
