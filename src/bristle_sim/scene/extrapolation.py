@@ -96,12 +96,7 @@ class Extrapolation:
 
     Attributes:
         noise: error that an interval may have.
-        interpolation_error: bound of the distance of a link's tip from the cubic through an
-            interval's ends, beyond the cubic's own error, over the interval's length times the
-            change of the rates.
     """
-
-    interpolation_error = 0.0
 
     def __init__(
         self,

@@ -213,14 +213,12 @@ def find_touch(
 
 def _error(system: System, interval: Interval) -> float:
     """Return a bound of the gap's deviation from its value on the interval's polynomial."""
-    start = interval.start
-    end = interval.end
     length = interval.length
-    changes = (abs(b - a) for a, b in zip(start.rates, end.state.rates, strict=True))
-    error = system.stepper.interpolation_error * length * sum(changes)
+    middle = interval.end.middle
+    error = CUBIC_ERROR * length**4 if middle is None else QUINTIC_ERROR * length**6
     if system.mechanism.wire_links > 1:
         error += CUBIC_ERROR * length * (length / system.plan.time_scale) ** 3
-    return error + (CUBIC_ERROR * length**4 if end.middle is None else QUINTIC_ERROR * length**6)
+    return error
 
 
 Gap = Callable[[State], tuple[float, float]]
