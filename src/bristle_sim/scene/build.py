@@ -106,7 +106,9 @@ class Scene:
         for pose, angle, rate in zip(
             self.mechanism.poses(state), state.angles, state.rates, strict=True
         ):
-            (x, y), (u, v) = pose.centre, pose.centre_velocity
+            x, y = pose.centre
+            u = pose.joint_velocity[0] - rate * (y - pose.joint[1])
+            v = pose.joint_velocity[1] + rate * (x - pose.joint[0])
             values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
         self.engine.place(values)
 

@@ -21,7 +21,7 @@ from bristle_sim.scene.collisions import (
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import SPRING_KINDS, Happening, Kind
 from bristle_sim.scene.motion import Motion
-from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
 from bristle_sim.scene.spring import ContactLoad, Spring
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
@@ -139,9 +139,8 @@ def _engage(
             contact.slip = sense_of_slip(
                 gaps, contact.pair, system.state, system.slip_error(system.state)
             )
-    pairs = [contact.pair for contact in ordered]
-    slips = [contact.slip for contact in ordered]
-    motion.rigid = RigidContacts(system.scene, pairs, slips, paired=paired)
+    closed = [ClosedPair(contact.pair, None, contact.slip) for contact in ordered]
+    motion.rigid = RigidContacts(system.scene, closed, paired=paired)
     system.state = motion.rigid.set_back(gaps, system.state)
     if system.mechanism.single_link and paired:
         # From here on the geometry gives angle and rate, whatever their errors before.

@@ -187,7 +187,7 @@ class EngineSteps:
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
         for _ in range(2):
             self._kept.keep()
-            self._step(length)
+            self._engine_step(length)
             self._kept(None)
         for joint in self.joints:
             joint.max_force = math.inf

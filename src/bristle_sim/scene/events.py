@@ -187,7 +187,7 @@ def contact_events(
         assert rigid is not None
         yield from _rigid_events(system, contact, rigid, index)
         if isinstance(contact.pair, BarPair):
-            yield from _bar_events(system, contact, contact.pair, rigid.pieces[index] or 0)
+            yield from _bar_events(system, contact, contact.pair, rigid.closed[index].piece or 0)
 
 
 def _rigid_events(

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector, cross
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, cross
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
 # largest distance from a link's end, over the link's length, at which a contact is at that end
 AT_JOINT = 1e-9
@@ -60,66 +60,51 @@ change the rate by less than any accuracy."""
 NEWTON_ROUNDS = 3
 
 
-def contact_row(
+def contact_rows(
     mechanism: Mechanism,
     turn: Complexes,
-    pair: ContactPair,
-    touch: ClosestApproach,
-    direction: Vector,
-) -> Array:
-    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,).
+    contacts: Sequence[ClosedPair],
+    touches: Sequence[ClosestApproach],
+) -> tuple[Array, Array]:
+    """Return the rows d(relative velocity)/d(rates) of the contacts along their normals and along
+    their tangents, each of shape (contacts, links).
 
     The rate of the touching link acts by the lever of the contact point about the link's joint; the
-    rate of a link that carries it acts by the lever of the link's tip. ``turn`` is e^{i angle} of
-    each link.
+    rate of a link that carries it acts by the lever of the link's tip. With points as complex
+    numbers, the lever of the normal n about the start of an arm r is Re(i conj(n) r), that of the
+    tangent -Im(i conj(n) r). ``turn`` is e^{i angle} of each link.
     """
-    row = np.zeros(len(turn))
-    for link, arm, sign in (
-        (pair.link, touch.arm, 1.0),
-        (pair.partner, touch.partner_arm, -1.0),
-    ):
-        if link is not None and arm is not None:
-            carriers = slice(link - link % mechanism.wire_links, link)
-            reaches = mechanism.constants.tips[carriers] * turn[carriers]
-            row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
-            row[link] += sign * cross(arm, direction)
-    return row
+    rows = np.zeros((len(contacts), len(turn)), complex)
+    for row, (pair, _, _), touch in zip(rows, contacts, touches, strict=True):
+        across = 1j * complex(*touch.normal).conjugate()
+        for link, arm, factor in (
+            (pair.link, touch.arm, across),
+            (pair.partner, touch.partner_arm, -across),
+        ):
+            if link is not None and arm is not None:
+                carriers = slice(link - link % mechanism.wire_links, link)
+                row[carriers] += factor * mechanism.constants.tips[carriers] * turn[carriers]
+                row[link] += factor * complex(*arm)
+    return rows.real, -rows.imag
 
 
-def set_back(
-    gaps: Gaps,
-    pairs: Sequence[ContactPair],
-    state: State,
-    pieces: Sequence[int | None] | None = None,
-    slips: Sequence[int | None] = (),
-) -> State:
+def set_back(gaps: Gaps, contacts: Sequence[ClosedPair], state: State) -> State:
     """Return the nearest state in which all contacts are closed and stay closed, by Newton's
     method.
 
     Nearest is meant in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times
     the gaps and their rates. In contacts that stick the slip velocity is removed too.
     """
-    pieces = pieces or [None] * len(pairs)
     mechanism = gaps.mechanism
+    stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
     for _ in range(NEWTON_ROUNDS):
-        poses = mechanism.poses(state)
         turn = np.exp(1j * np.array(state.angles))
-        touches = [
-            each.closest(poses, state.rates, piece)
-            for each, piece in zip(pairs, pieces, strict=True)
-        ]
-        stuck = [index for index, each in enumerate(slips) if each == 0]
-        across = [
-            contact_row(mechanism, turn, o, t, t.normal)
-            for o, t in zip(pairs, touches, strict=True)
-        ]
-        along = [
-            contact_row(mechanism, turn, pairs[i], touches[i], touches[i].tangent) for i in stuck
-        ]
+        touches = [gaps.closest(each.pair, state, each.piece) for each in contacts]
+        normals, tangents = contact_rows(mechanism, turn, contacts, touches)
+        speeds, slips = np.array([touch.velocity for touch in touches]).T
         mass = mechanism.mass_matrix(turn)
-        angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
-        speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
-        rates = _nearest(mass, np.array([*across, *along]), speeds)
+        angles = _nearest(mass, normals, [touch.gap for touch in touches])
+        rates = _nearest(mass, np.array([*normals, *tangents[stuck]]), [*speeds, *slips[stuck]])
         state = State(
             state.time,
             tuple(a - b for a, b in zip(state.angles, angles, strict=True)),

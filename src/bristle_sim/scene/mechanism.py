@@ -59,16 +59,12 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Positions of a link's joint, centre, tip and knees, and the velocities of its joint, centre
-    and tip.
-    """
+    """Positions of a link's joint, centre, tip and knees, and the velocity of its joint."""
 
     joint: Vector
     centre: Vector
     tip: Vector
     joint_velocity: Vector
-    centre_velocity: Vector
-    tip_velocity: Vector
     knees: tuple[Vector, ...] = ()
 
     @property
@@ -147,36 +143,25 @@ class Mechanism:
             if known is state:
                 return poses
         poses = []
-        speed = self.hub_speed
-        hub = self.hub_start + self.hub_speed * state.time
         for number, (link, angle, rate) in enumerate(
             zip(self.links, state.angles, state.rates, strict=True)
         ):
             if number % self.wire_links == 0:
-                root = hub - number // self.wire_links * self.pitch
-                x, y = joint = self.hub_radius * math.sin(root), -self.hub_radius * math.cos(root)
-                u, v = joint_velocity = -speed * y, speed * x
-            cosine, sine = math.cos(angle), math.sin(angle)
-            (a, b), (c, d) = link.centre, link.tip
-            a, b, c, d = (
-                cosine * a - sine * b,
-                sine * a + cosine * b,
-                cosine * c - sine * d,
-                sine * c + cosine * d,
-            )
-            tip = (x + c, y + d)
-            tip_velocity = (u - rate * d, v + rate * c)
-            knees: tuple[Vector, ...] = ()
-            if link.knees:
-                knees = tuple(
-                    [(x + cosine * p - sine * q, y + sine * p + cosine * q) for p, q in link.knees]
-                )
-            centre = (x + a, y + b)
-            centre_velocity = (u - rate * b, v + rate * a)
-            poses.append(
-                Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees)
-            )
-            (x, y), (u, v) = joint, joint_velocity = tip, tip_velocity
+                root = self.root_angle(number, state.time)
+                x = self.hub_radius * math.sin(root)
+                y = -self.hub_radius * math.cos(root)
+                u = -self.hub_speed * y
+                v = self.hub_speed * x
+            cosine = math.cos(angle)
+            sine = math.sin(angle)
+            centre, tip, *knees = [
+                (x + cosine * a - sine * b, y + sine * a + cosine * b)
+                for a, b in (link.centre, link.tip, *link.knees)
+            ]
+            poses.append(Pose((x, y), centre, tip, (u, v), tuple(knees)))
+            u -= rate * (tip[1] - y)
+            v += rate * (tip[0] - x)
+            x, y = tip
         self._known.append((state, poses))
         return poses
 

@@ -17,7 +17,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.gaps import (
     MOMENT,
     Gaps,
-    contact_row,
+    contact_rows,
     set_back,
     slip_acceleration,
     turned_back,
@@ -42,50 +42,40 @@ class RigidContacts:
 
     Attributes:
         scene: the scene.
-        pairs: the pairs in contact.
-        pieces: for each contact, number of the touching straight piece of its link.
-        slips: for each contact, the sense of slip that friction opposes until an event changes it.
-            0 sticks; None is without friction, or a single link that does not slip.
+        closed: the contacts. Each sense of slip is the one that friction opposes until an event
+            changes it; None is without friction, or a single link that does not slip.
     """
 
     symmetric = True  # rigid contacts act alike forwards and backwards in time
 
-    def __init__(
-        self,
-        scene: Scene,
-        pairs: Sequence[ContactPair],
-        slips: Sequence[int | None],
-        *,
-        paired: bool,
-    ) -> None:
+    def __init__(self, scene: Scene, closed: Sequence[ClosedPair], *, paired: bool) -> None:
         self.scene = scene
-        self.pairs = tuple(pairs)
-        self.slips = list(slips)
-        self.pieces: list[int | None] = [None] * len(pairs)
-        self._pushes: Sequence[float] = ()
-        self._paired = paired and scene.engine.joint_solver.reversible
+        self.closed = list(closed)
+        self._solver = scene.engine.joint_solver
+        self._paired = paired and self._solver.reversible
         self._step = 0.0
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contacts act from a state on; return their least compliance in slip."""
-        self.pieces = [self._next_piece(each, state) for each in self.pairs]
-        self.scene.engine.keep_closed(
-            [ClosedPair(*each) for each in zip(self.pairs, self.pieces, self.slips, strict=True)]
-        )
-        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.pairs)))
+        self.closed = [
+            each._replace(piece=self._next_piece(each.pair, state)) for each in self.closed
+        ]
+        self.scene.engine.keep_closed(self.closed)
+        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.closed)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which the contacts are closed, and in which those that stick
         do not slip.
         """
         if self.scene.mechanism.single_link:
-            return turned_back(gaps, self.pairs[0], state, self.pieces[0])
-        return set_back(gaps, self.pairs, state, self.pieces, self.slips)
+            (contact,) = self.closed
+            return turned_back(gaps, contact.pair, state, contact.piece)
+        return set_back(gaps, self.closed, state)
 
     def begin(self, step: float) -> None:
         """Reset the impulses, which the solver records in each step."""
         self._step = step
-        self.scene.engine.joint_solver.impulses = []
+        self._solver.impulses = []
 
     def totals(self) -> list[float]:
         """Return the numbers of each contact's ``Sums`` in one list.
@@ -94,9 +84,7 @@ class RigidContacts:
         have had to pull.
         """
         found = list[float]()
-        steps = self.scene.engine.joint_solver.impulses
-        self._pushes = [min(push for push, _, _ in step) for step in steps]
-        for each in zip(*steps, strict=True):
+        for each in zip(*self._solver.impulses, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)
             normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
             force = (
@@ -110,7 +98,7 @@ class RigidContacts:
         """Return the fraction of the last interval after which the first normal force vanishes,
         from the forces of its steps.
         """
-        pushes = self._pushes
+        pushes = [min(push for push, _, _ in step) for step in self._solver.impulses]
         count = next((index for index, push in enumerate(pushes) if push <= 0.0), len(pushes))
         if count < 2:
             return 0.5 / max(len(pushes), 1)
@@ -121,7 +109,7 @@ class RigidContacts:
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
-        return totals[: NUMBERS * len(self.pairs) : NUMBERS]
+        return totals[: NUMBERS * len(self.closed) : NUMBERS]
 
     def fails(self, totals: Sequence[float]) -> bool:
         """Return whether a contact would have to pull."""
@@ -130,13 +118,13 @@ class RigidContacts:
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
         """Return the friction limit of a contact less the size of its tangential force."""
         sums = sums_of(totals, index)
-        return self.pairs[index].friction * sums.normal - abs(sums.tangential)
+        return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
         """Return the index of the first sticking contact whose tangential force exceeds the
         friction limit, or None.
         """
-        stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
+        stuck = (index for index, each in enumerate(self.closed) if each.slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
     def compliance_in_slip(self, gaps: Gaps, state: State, index: int = 0) -> float:
@@ -146,17 +134,12 @@ class RigidContacts:
         Where the compliance is not positive, friction or geometry locks the link: no force keeps
         the contact closed.
         """
-        pair = self.pairs[index]
+        pair, _, sense = self.closed[index]
         mechanism = self.scene.mechanism
         touch = gaps.closest(pair, state)
         poses = gaps.poses(state)
-        slip: float | None = self.slips[index]
-        if slip is None:
-            slip = (
-                math.copysign(1.0, touch.velocity[1])
-                if abs(touch.velocity[1]) > LEAST_SLIP
-                else 0.0
-            )
+        if sense is None and abs(touch.velocity[1]) > LEAST_SLIP:
+            sense = int(math.copysign(1.0, touch.velocity[1]))
         if mechanism.single_link:
             lever = cross(touch.arm, touch.normal)
             along = cross(touch.arm, touch.tangent)
@@ -165,10 +148,7 @@ class RigidContacts:
             coupling = lever * along / inertia
         else:
             turn = np.exp(1j * np.array(state.angles))
-            directions = (touch.normal, touch.tangent)
-            rows = np.array(
-                [contact_row(mechanism, turn, pair, touch, each) for each in directions]
-            )
+            rows = np.concatenate(contact_rows(mechanism, turn, [self.closed[index]], [touch]))
             normal, coupling = (
                 rows @ np.linalg.solve(mechanism.mass_matrix(turn), rows[0])
             ).tolist()
@@ -182,7 +162,7 @@ class RigidContacts:
                     pose.joint[1] + arm[1] - pose.centre[1],
                 )
                 free += 1.0 / link.mass + cross(to_centre, touch.normal) ** 2 / link.inertia
-        return (normal - pair.friction * slip * coupling) / free
+        return (normal - pair.friction * (sense or 0) * coupling) / free
 
     def _next_piece(self, pair: ContactPair, state: State) -> int:
         """Return the piece that touches a moment from now; at a corner two pieces touch."""

@@ -35,104 +35,16 @@ import pymunk
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import Placer
-from bristle_sim.scene.gaps import contact_row
+from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose
-from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach
 
 # least singular value, over the largest: below it a contact repeats joints or other contacts
 DEPENDENT = 1e-12
 
 
-class _Chains:
-    """The links of all wires, one wire after the other, and the velocities that obey their joints.
-
-    Attributes:
-        solve: solves a linear system with the mass matrix.
-        mechanism: the chains of links.
-        constants: constants of the wires.
-        velocities: velocities of the links' centres, as complex numbers.
-        rates: rates of the links.
-        turn: e^{i angle} of each link in the last solution.
-        matrix: mass matrix of the last solution, with damping.
-    """
-
-    def __init__(
-        self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array
-    ) -> None:
-        from scipy.linalg.lapack import dposv  # imported where it is needed only
-
-        self.solve = dposv
-        size = mechanism.wire_links
-        links = mechanism.links
-        self.mechanism = mechanism
-        self.constants = mechanism.constants
-        self._links = links
-        self._damping = None
-        if any(damping):
-            twists = np.eye(size) - np.eye(size, k=-1)
-            of_wire = np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)
-            self._damping = np.kron(np.eye(mechanism.wires), of_wire)
-        self._belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
-        lag = mechanism.pitch * (np.arange(len(links)) // size)
-        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
-        self._hub = hub
-        self._places = numbers[:, :2].view(np.complex128)[:, 0]
-        self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
-        self._angles = numbers[:, 2]
-        self.rates = numbers[:, 5]
-        self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
-
-    def close(self, time: float) -> None:
-        """Set the velocities to the nearest ones that obey the joints, with damping that acts for
-        ``time``.
-        """
-        constants = self.constants
-        self.turn = turn = np.exp(1j * self._angles)
-        places = self._roots * cmath.exp(1j * self._hub[2])
-        carried = 1j * self._hub[5] * places
-        self.matrix = matrix = self.mechanism.mass_matrix(turn)
-        momenta = (
-            turn.conj() * self.each(self.velocities - carried, constants.moments)
-        ).imag + constants.inertias * self.rates
-        if self._damping is not None:
-            matrix += time * self._damping
-            momenta += time * self._hub[5] * self._belt
-        self.rates[:] = rates = self.solve(matrix, momenta)[1]
-        self.velocities[:] = carried + self.each(1j * turn * rates, constants.arms)
-
-    def each(self, values: Complexes, matrix: Complexes) -> Complexes:
-        return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
-
-    def closest(self, pair: ContactPair, piece: int | None) -> ClosestApproach:
-        """Return a pair's closest approach from the bodies in the engine, with their drift off the
-        joints.
-        """
-        poses: Any = {}
-        rates: Any = {}
-        for link in (pair.link, pair.partner):
-            if link is not None:
-                turn = complex(self.turn[link])
-                rate = float(self.rates[link])
-                to_centre = complex(self.constants.centres[link]) * turn
-                joint = self._places[link] - to_centre
-                carried = self.velocities[link] - 1j * rate * to_centre
-                corners = [
-                    joint + complex(*each) * turn
-                    for each in (*self._links[link].knees, self._links[link].tip)
-                ]
-                start, moving, *knees, tip = [
-                    (each.real, each.imag) for each in (joint, carried, *corners)
-                ]
-                # The velocities of centre and tip are not used.
-                rates[link], poses[link] = (
-                    rate,
-                    Pose(start, start, tip, moving, moving, moving, tuple(knees)),
-                )
-        return pair.closest(poses, rates, piece)
-
-
 class WireVelocities:
-    """Sets the velocities of all links of a mechanism after an engine step.
+    """Sets the velocities of all links, one wire after the other, after an engine step.
 
     Attributes:
         symmetric: whether the steps are symmetric in time.
@@ -149,17 +61,33 @@ class WireVelocities:
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
     ) -> None:
+        from scipy.linalg.lapack import dposv  # imported where it is needed only
+
+        self._solve = dposv
         self.symmetric = False
         self.impulses: list[list[tuple[float, float, float]]] = []
         self._contacts: Sequence[ClosedPair] = ()
-        has_hub = hub is not None
-        self._bodies = Placer([hub, *links] if hub is not None else links)
-        rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
-        self._velocities = rows[has_hub:, 3:]
-        self._old = self._velocities.copy()
-        self._chains = _Chains(
-            mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:]
-        )
+        self._mechanism = mechanism
+        size = mechanism.wire_links
+        self._damping = None
+        if any(damping):
+            twists = np.eye(size) - np.eye(size, k=-1)
+            of_wire = np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)
+            self._damping = np.kron(np.eye(mechanism.wires), of_wire)
+        self._belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
+        lag = mechanism.pitch * (np.arange(len(links)) // size)
+        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
+        bodies = [*links] if hub is None else [hub, *links]
+        self._bodies = Placer(bodies)
+        rows = np.frombuffer(self._bodies.values)[: 6 * len(bodies)].reshape(-1, 6)
+        self._hub = np.zeros(6) if hub is None else rows[0]
+        numbers = rows[-len(links) :]
+        self._places = numbers[:, :2].view(np.complex128)[:, 0]
+        self._angles = numbers[:, 2]
+        self._motion = numbers[:, 3:]
+        self._velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
+        self._rates = numbers[:, 5]
+        self._old = self._motion.copy()
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep these sustained contacts closed from now on."""
@@ -170,66 +98,98 @@ class WireVelocities:
         velocities.
         """
         self._bodies.keep()
-        self._old[:] = self._velocities
+        self._old[:] = self._motion
         self.symmetric = True
 
     def solve(self, step: float) -> None:
         """Change the bodies' velocities after an engine step so that they obey joints and contacts."""
         self._bodies.keep()
-        velocities = self._velocities
+        motion = self._motion
         old = self._old
         if self.symmetric:
-            velocities += old
-            velocities *= 0.5
-        self._chains.close(0.5 * step if self.symmetric else step)
+            motion += old
+            motion *= 0.5
+        turn = np.exp(1j * self._angles)
+        matrix = self._close_joints(turn, 0.5 * step if self.symmetric else step)
         if self._contacts:
-            self._push()
+            self._close_contacts(turn, matrix)
         if self.symmetric:
-            velocities *= 2.0
-            velocities -= old
-            old[:] = velocities
+            motion *= 2.0
+            motion -= old
+            old[:] = motion
         self._bodies(None)
 
-    def _push(self) -> None:
+    def _close_joints(self, turn: Complexes, time: float) -> Array:
+        """Set the velocities to the nearest ones that obey the joints, with damping that acts for
+        ``time``; return the mass matrix with damping.
+        """
+        constants = self._mechanism.constants
+        places = self._roots * cmath.exp(1j * self._hub[2])
+        carried = 1j * self._hub[5] * places
+        matrix = self._mechanism.mass_matrix(turn)
+        momenta = (
+            turn.conj() * self._of_each_wire(self._velocities - carried, constants.moments)
+        ).imag + constants.inertias * self._rates
+        if self._damping is not None:
+            matrix += time * self._damping
+            momenta += time * self._hub[5] * self._belt
+        self._rates[:] = rates = self._solve(matrix, momenta)[1]
+        self._velocities[:] = carried + self._of_each_wire(1j * turn * rates, constants.arms)
+        return matrix
+
+    def _of_each_wire(self, values: Complexes, matrix: Complexes) -> Complexes:
+        return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
+
+    def _close_contacts(self, turn: Complexes, matrix: Array) -> None:
         """Add the contacts' impulses to the velocities."""
-        chains = self._chains
-        mechanism = chains.mechanism
+        mechanism = self._mechanism
         contacts = self._contacts
-        touches = [chains.closest(each.pair, each.piece) for each in contacts]
-        pairs = list(enumerate(zip(contacts, touches, strict=True)))
-        across = [
-            contact_row(mechanism, chains.turn, each.pair, touch, touch.normal)
-            for _, (each, touch) in pairs
-        ]
-        along = {
-            at: contact_row(mechanism, chains.turn, each.pair, touch, touch.tangent)
-            for at, (each, touch) in pairs
-            if each.pair.friction
-        }
-        ratios = [-each.pair.friction * (each.slip or 0) for each in contacts]
-        pushes = [
-            row + ratio * along[at] if ratio else row
-            for at, (row, ratio) in enumerate(zip(across, ratios, strict=True))
-        ]
-        stuck = [at for at in along if contacts[at].slip == 0]
-        sticking = [along[at] for at in stuck]
-        response = chains.solve(chains.matrix, np.array([*pushes, *sticking]).T)[1]
-        rigid = np.array([*across, *sticking]) @ response
-        stopped = -np.array(
-            [touch.velocity[0] for touch in touches] + [touches[at].velocity[1] for at in stuck]
-        )
+        touches = [self._closest(turn, each) for each in contacts]
+        normals, tangents = contact_rows(mechanism, turn, contacts, touches)
+        speeds, slips = np.array([touch.velocity for touch in touches]).T
+        ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
+        stuck = [at for at, each in enumerate(contacts) if each.slip == 0]
+        pushes = [*(normals + ratios[:, None] * tangents), *tangents[stuck]]
+        response = self._solve(matrix, np.array(pushes).T)[1]
+        rigid = np.array([*normals, *tangents[stuck]]) @ response
+        stopped = -np.array([*speeds, *slips[stuck]])
         if len(stopped) == 1:  # a contact without lever bears no force
             impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
         else:
             impulses = np.linalg.lstsq(rigid, stopped, rcond=DEPENDENT)[0]
         change = response @ impulses
-        chains.rates += change
-        chains.velocities += chains.each(1j * chains.turn * change, chains.constants.arms)
+        self._rates += change
+        self._velocities += self._of_each_wire(1j * turn * change, mechanism.constants.arms)
         # The mean of old and new velocities changes by half of an impulse.
-        whole: list[float] = (impulses * (2.0 if self.symmetric else 1.0)).tolist()
-        rubs = dict(zip(stuck, whole[len(across) :], strict=True))
-        found = []
-        for at, (push, touch) in enumerate(zip(whole, touches, strict=False)):
-            slip = float(touch.velocity[1] + along[at] @ change) if at in along else 0.0
-            found.append((push, rubs.get(at, ratios[at] * push), slip))
-        self.impulses.append(found)
+        impulses *= 2.0 if self.symmetric else 1.0
+        push = impulses[: len(contacts)]
+        rub = ratios * push
+        rub[stuck] = impulses[len(contacts) :]
+        self.impulses.append(np.array([push, rub, slips + tangents @ change]).T.tolist())
+
+    def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
+        """Return a pair's closest approach from the bodies in the engine, with their drift off the
+        joints.
+        """
+        mechanism = self._mechanism
+        poses: Any = {}
+        rates: Any = {}
+        for number in (contact.pair.link, contact.pair.partner):
+            if number is not None:
+                link = mechanism.links[number]
+                rates[number] = rate = float(self._rates[number])
+                to_centre = complex(mechanism.constants.centres[number]) * complex(turn[number])
+                joint = complex(self._places[number]) - to_centre
+                velocity = complex(self._velocities[number]) - 1j * rate * to_centre
+                *knees, tip = [
+                    joint + complex(*corner) * complex(turn[number])
+                    for corner in (*link.knees, link.tip)
+                ]
+                poses[number] = Pose(
+                    joint=(joint.real, joint.imag),
+                    centre=(self._places[number].real, self._places[number].imag),
+                    tip=(tip.real, tip.imag),
+                    joint_velocity=(velocity.real, velocity.imag),
+                    knees=tuple([(knee.real, knee.imag) for knee in knees]),
+                )
+        return contact.pair.closest(poses, rates, contact.piece)

@@ -320,4 +320,4 @@ def _probe(
         spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf
     )
     probe = spring.expected.stepper.advance(system.scene, system.state, length, load)
-    return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.pairs))
+    return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.closed))
