@@ -52,7 +52,7 @@ HOMES = {
 }
 """The only layers that may import a library."""
 
-ALONE = {"contact_space": ("arrays", "theory", "contact_space")}
+ALONE = {"contact_space": ("arrays", "units", "theory", "contact_space")}
 """The only layers that a layer may import which serves anybody's scene, without the tool."""
 
 ANNOTATED = {"trajectory.py": "matplotlib"}

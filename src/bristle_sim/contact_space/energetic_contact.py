@@ -15,12 +15,13 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact, refusal
+from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
 from bristle_sim.contact_space.tunnelling import TunnellingWatch
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.theory.numbers import checked_numbers
+from bristle_sim.units import shown
 
 
 class EnergeticContact:
@@ -76,9 +77,11 @@ class EnergeticContact:
         report: Callable[[LocatedImpact], None] | None = None,
     ) -> None:
         if not isinstance(space, pymunk.Space):
-            raise refusal("space", space, "must be a pymunk.Space")
+            raise ValueError(f"space = {shown(space)}: must be a pymunk.Space")
         if not (report is None or callable(report)):
-            raise refusal("report", report, "must be None or a function of one LocatedImpact")
+            raise ValueError(
+                f"report = {shown(report)}: must be None or a function of one LocatedImpact"
+            )
         if self.of(space) is not None:
             raise ValueError(
                 "space: has an EnergeticContact already; use its add_pair for further collision types"
@@ -89,7 +92,6 @@ class EnergeticContact:
         self.time = 0.0
         self.pairs: dict[tuple[int, int], CollisionRule] = {}
         self._filter = RestFilter(space)
-        self._callbacks: dict[tuple[int, int], Any] = {}
         self._tunnelling = TunnellingWatch()
         self.add_pair(
             collision_type_a,
@@ -118,8 +120,6 @@ class EnergeticContact:
             friction, restitution, restitution_friction, tangential_compliance: as for the class;
                 ``law`` interprets them.
             law: function with the arguments of :func:`~bristle_sim.theory.impact.energetic_impact`.
-            It gets ``stick_compliance`` if it accepts that argument, and ``tangential_compliance``
-            unless that is 0.
         """
         given = (collision_type_a, collision_type_b)
         pair = CollisionRule(
@@ -184,18 +184,16 @@ class EnergeticContact:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state to copy: everything except the ``report`` function."""
-        return {**self.__dict__, "report": None, "_callbacks": {}}
+        return {**self.__dict__, "report": None}
 
     def _attach(self) -> None:
         """Register the callbacks of all pairs before callbacks that users have registered since."""
         for types, pair in self.pairs.items():
             handler = self.space._handlers[types]
-            if types not in self._callbacks or handler.pre_solve is not self._callbacks[types]:
-                if _owner(handler.pre_solve) is not self:
-                    handler.data.setdefault("pre_solve", None)
-                    pair.chained = handler.pre_solve
-                    handler.pre_solve = functools.partial(self._notice, pair)
-                self._callbacks[types] = handler.pre_solve
+            if _owner(handler.pre_solve) is not self:
+                handler.data.setdefault("pre_solve", None)
+                pair.chained = handler.pre_solve
+                handler.pre_solve = functools.partial(self._notice, pair)
 
     def _notice(
         self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any
@@ -205,7 +203,7 @@ class EnergeticContact:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)
         finally:
-            self._filter.filter_impact(pair, arbiter._arbiter)
+            self._filter.filter_impact(pair, arbiter)
 
 
 def _owner(callback: Any) -> object:

@@ -24,7 +24,8 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -40,8 +41,9 @@ from bristle_sim.contact_space.joints import (
     joined,
     joint_rows,
     of_length_one,
-    point_entry,
+    point_entries,
     scaled_columns,
+    set_in_motion,
     span,
 )
 
@@ -58,6 +60,21 @@ WEAK = 1e-2  # motion in stick over the normal column below which its lost digit
 OPENS = 1e-9
 
 
+class Limits(NamedTuple):
+    """Joints at a limit.
+
+    Attributes:
+        rows: their rows.
+        response: impulse of each of them, which must be >= 0, per unit impulse at the contact, shape
+            (limits, 2), in the norm of the kinetic energy.
+        sizes: lengths of the contact's own rows in that norm, for comparison.
+    """
+
+    rows: list[JointRow]
+    response: Array
+    sizes: Array
+
+
 @dataclass(slots=True)
 class ContactSpace:
     """The data of a contact that an impact law uses.
@@ -72,10 +89,7 @@ class ContactSpace:
         bodies,).
         stick_compliance: gain of v_n per unit normal impulse in stick, 1/kg; 0 if the point cannot
             move.
-        limits: rows of the joints that are at a limit; they are treated as rigid.
-        limit_response: impulse of each limit, which must be >= 0, per unit impulse, shape (limits,
-        2), in the norm of the kinetic energy.
-        sizes: lengths of the contact's own rows in that norm, for comparison.
+        limits: the joints that are at a limit; they are treated as rigid.
     """
 
     inverse_mass: Array
@@ -84,40 +98,33 @@ class ContactSpace:
     response: Array
     in_stick: Array
     stick_compliance: float
-    limits: tuple[JointRow, ...] = ()
-    limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    sizes: Array = field(default_factory=lambda: np.zeros(2))
+    limits: Limits | None = None
 
     def pulling_limit(self, impulse: Vector) -> JointRow | None:
         """Return the limit that pulls hardest at a contact impulse; None if no limit pulls beyond
         rounding.
         """
-        if not self.limits:
+        if self.limits is None:
             return None
-        pushes = self.limit_response @ impulse
+        rows, response, sizes = self.limits
+        pushes = response @ impulse
         least = int(pushes.argmin())
-        return (
-            self.limits[least] if pushes[least] < -OPENS * (self.sizes @ np.abs(impulse)) else None
-        )
+        return rows[least] if pushes[least] < -OPENS * (sizes @ np.abs(impulse)) else None
 
-    def apply(self, impulse: Vector, velocity_after: Vector | None = None) -> None:
+    def apply(self, impulse: Vector, velocity_after: Vector) -> None:
         """Apply an impulse to the velocities of all bodies.
 
         ``velocity_after``, the contact velocity after the impulse, keeps the result accurate under
         cancellation.
         """
         change = self.response @ impulse
-        if velocity_after is not None and self.stick_compliance > 0.0:
+        if self.stick_compliance > 0.0:
             coupling, tangential = self.inverse_mass[1].tolist()
             parts = abs(coupling * impulse[0]) + abs(tangential * impulse[1])
             if parts > CANCELS * (abs(self.velocity[1]) + abs(velocity_after[1])):
                 gain = (velocity_after[1] - self.velocity[1]) / tangential
                 change = self.in_stick * impulse[0] + self.response[:, 1] * gain
-        for body, (x, y, turn) in zip(self.bodies, change.reshape(-1, 3).tolist(), strict=True):
-            raw = body._body
-            velocity = lib.cpBodyGetVelocity(raw)
-            lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
-            lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
+        set_in_motion(self.bodies, change)
 
 
 def contact_space(
@@ -147,14 +154,10 @@ def contact_space(
     ends = [body] if other is None else [body, other]
     bodies, joints = connected or joined(ends)
     rows = [row for joint in joints for row in joint_rows(joint)]
-    limited = any(row.limit for row in rows)
-    if limited:
-        rows = [
-            row
-            for row in rows
-            if not (row.limit and (row.joint in released or _opens(row, bodies)))
-        ]
-    contact, velocity = _relative_motion(ends, point, normal, surface_velocity)
+    rows = [
+        row for row in rows if not (row.limit and (row.joint in released or _opens(row, bodies)))
+    ]
+    contact, velocity = relative_motion(ends, point, normal, surface_velocity)
     columns, scale = scaled_columns([*[row.entries for row in rows], *contact], bodies)
     basis, triangle = _free_part(columns, len(rows))
     stick, compliance = _in_stick(columns, basis, triangle)
@@ -166,33 +169,34 @@ def contact_space(
         in_stick=scale * stick,
         stick_compliance=compliance,
     )
-    if limited and any(limits := [row.limit for row in rows]):
+    if any(limits := [row.limit for row in rows]):
         touch = columns[:, :-3:-1]
         impulses = np.asarray(
-            np.linalg.lstsq(of_length_one(columns[:, :-2]), touch, rcond=DEPENDENT)[0], dtype=float
+            np.linalg.lstsq(of_length_one(columns[:, :-2])[0], touch, rcond=DEPENDENT)[0],
+            dtype=float,
         )
-        space.limits = tuple(row for row in rows if row.limit)
-        space.limit_response = -impulses[limits]
-        space.sizes = np.sqrt((touch**2).sum(axis=0))
+        sizes = np.sqrt((touch**2).sum(axis=0))
+        space.limits = Limits([row for row in rows if row.limit], -impulses[limits], sizes)
     return space
 
 
-def _relative_motion(
+def relative_motion(
     ends: Sequence[pymunk.Body], point: Vector, normal: Vector, surface_velocity: Vector
-) -> tuple[list[list[Entry]], Vector]:
+) -> tuple[list[tuple[Entry, ...]], Vector]:
     """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
     x, y = normal
     relative_x = -surface_velocity[0]
     relative_y = -surface_velocity[1]
-    tangential = []
-    across = []
+    entries = []
     for body, sign in zip(ends, (1.0, -1.0), strict=False):
         moving = lib.cpBodyGetVelocityAtWorldPoint(body._body, point)
         relative_x += sign * moving.x
         relative_y += sign * moving.y
-        tangential.append(point_entry(body, point, (y, -x), sign))
-        across.append(point_entry(body, point, (x, y), sign))
-    return [tangential, across], (relative_x * x + relative_y * y, relative_x * y - relative_y * x)
+        entries.append(point_entries(body, point, ((y, -x), (x, y)), sign))
+    return list(zip(*entries, strict=True)), (
+        relative_x * x + relative_y * y,
+        relative_x * y - relative_y * x,
+    )
 
 
 def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:

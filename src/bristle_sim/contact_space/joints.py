@@ -24,7 +24,7 @@ impact of the joints. Limits take part only if they would be passed, and only pu
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -87,19 +87,17 @@ def mass_centre(body: pymunk.Body) -> Vector:
     return world(body, lib.cpBodyGetCenterOfGravity(body._body))
 
 
-def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Return a body's entry in the Jacobian row of a world point's velocity along a direction."""
-    x, y = direction
-    arm_x, arm_y = _arm(body, point)
-    return body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)
+def point_entries(
+    body: pymunk.Body, point: Vector, directions: Iterable[Vector], sign: float
+) -> list[Entry]:
+    """Return a body's entries in the Jacobian rows of a world point's velocity along directions."""
+    centre_x, centre_y = mass_centre(body)
+    arm_x = point[0] - centre_x
+    arm_y = point[1] - centre_y
+    return [(body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)) for x, y in directions]
 
 
-def _arm(body: pymunk.Body, point: Vector) -> Vector:
-    centre = mass_centre(body)
-    return point[0] - centre[0], point[1] - centre[1]
-
-
-def joined(ends: Sequence[pymunk.Body]) -> Connected:
+def joined(ends: Iterable[pymunk.Body]) -> Connected:
     """Return the dynamic bodies that joints connect to ``ends``, the lightest first, and those
     joints.
 
@@ -164,12 +162,12 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 
 
 def _across(
-    joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
-) -> JointRow:
-    """Return the row of the velocity of body a's end relative to body b's end along a direction."""
-    a = point_entry(joint.a, ends[0], direction, 1.0)
-    b = point_entry(joint.b, ends[1], direction, -1.0)
-    return JointRow(joint, (a, b), 0.0, limit)
+    joint: pymunk.Constraint, ends: tuple[Vector, Vector], *directions: Vector, limit: bool = False
+) -> list[JointRow]:
+    """Return the rows of the velocity of body a's end relative to body b's end along directions."""
+    a = point_entries(joint.a, ends[0], directions, 1.0)
+    b = point_entries(joint.b, ends[1], directions, -1.0)
+    return [JointRow(joint, pair, 0.0, limit) for pair in zip(a, b, strict=True)]
 
 
 def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
@@ -179,19 +177,16 @@ def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) ->
     """
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
-        a_x, a_y = _arm(joint.a, ends[0])
-        b_x, b_y = _arm(joint.b, ends[1])
-        first = JointRow(joint, ((joint.a, 1.0, 0.0, -a_y), (joint.b, -1.0, 0.0, b_y)))
-        return [first, JointRow(joint, ((joint.a, 0.0, 1.0, a_x), (joint.b, 0.0, -1.0, -b_x)))]
+        return _across(joint, ends, (1.0, 0.0), (0.0, 1.0))
     distance, (x, y) = _between(*ends)
     if distance == 0.0:
         return []
     if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
-        return [_across(joint, ends, (x, y))]
+        return _across(joint, ends, (x, y))
     margin = REACHED * max(distance, joint.max)
     if distance >= joint.max - margin:
-        return [_across(joint, ends, (x, y), limit=True)]
-    return [_across(joint, ends, (-x, -y), limit=True)] if distance <= joint.min + margin else []
+        return _across(joint, ends, (x, y), limit=True)
+    return _across(joint, ends, (-x, -y), limit=True) if distance <= joint.min + margin else []
 
 
 def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
@@ -211,11 +206,11 @@ def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
     reached = (anchor[0] - start[0]) * x + (anchor[1] - start[1]) * y
     within = min(max(reached, 0.0), length)
     ends = (start[0] + x * within, start[1] + y * within), anchor
-    rows = [_across(joint, ends, (-y, x))]
+    rows = _across(joint, ends, (-y, x))
     if reached <= REACHED * length:
-        rows.append(_across(joint, ends, (-x, -y), limit=True))
+        rows += _across(joint, ends, (-x, -y), limit=True)
     elif reached >= length * (1.0 - REACHED):
-        rows.append(_across(joint, ends, (x, y), limit=True))
+        rows += _across(joint, ends, (x, y), limit=True)
     return rows
 
 
@@ -223,49 +218,47 @@ def _turning(joint: Any) -> list[JointRow]:
     """Return the row of a joint between two angles."""
     a = joint.a
     b = joint.b
-    on_a = -1.0
-    on_b = 1.0
+    angle = b.angle - a.angle
+    margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
+    way = 1.0
+    ratio = 1.0
     rate = 0.0
     limit = False
-    margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
-    if isinstance(joint, pymunk.RotaryLimitJoint) and joint.min < joint.max:
-        angle = b.angle - a.angle
-        limit = True
-        if angle >= joint.max - margin:
-            on_a = 1.0
-            on_b = -1.0
-        elif angle > joint.min + margin:
+    if isinstance(joint, pymunk.RotaryLimitJoint):
+        limit = joint.min < joint.max
+        if limit and angle >= joint.max - margin:
+            way = -1.0
+        elif limit and angle > joint.min + margin:
             return []
     elif isinstance(joint, pymunk.RatchetJoint):
-        way = math.copysign(1.0, joint.ratchet)
         limit = True
-        on_a = -way
-        on_b = way
-        if (b.angle - a.angle - joint.angle) * way > margin:
+        way = math.copysign(1.0, joint.ratchet)
+        if (angle - joint.angle) * way > margin:
             return []
     elif isinstance(joint, pymunk.GearJoint):
-        on_b = joint.ratio
+        ratio = joint.ratio
     elif isinstance(joint, pymunk.SimpleMotor):
         rate = -joint.rate
-    elif not isinstance(joint, pymunk.RotaryLimitJoint):
+    else:
         raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
-    return [JointRow(joint, ((a, 0.0, 0.0, on_a), (b, 0.0, 0.0, on_b)), rate, limit)]
+    return [JointRow(joint, ((a, 0.0, 0.0, -way), (b, 0.0, 0.0, way * ratio)), rate, limit)]
 
 
-def of_length_one(columns: Array) -> Array:
-    """Return the columns scaled to length 1.
+def of_length_one(columns: Array) -> tuple[Array, Array]:
+    """Return the columns scaled to length 1, and their lengths, with 1 for a length of 0.
 
     Joints of rotation and of translation have different units.
     """
     lengths = np.sqrt((columns**2).sum(axis=0))
-    return np.asarray(columns / np.where(lengths > 0.0, lengths, 1.0))
+    lengths[lengths == 0.0] = 1.0
+    return columns / lengths, lengths
 
 
 def span(columns: Array) -> Array:
     """Return an orthonormal basis of the span of columns, shape (rows, rank); the columns may be
     dependent.
     """
-    directions, sizes, _ = np.linalg.svd(of_length_one(columns), full_matrices=False)
+    directions, sizes, _ = np.linalg.svd(of_length_one(columns)[0], full_matrices=False)
     return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
 
 
@@ -311,14 +304,18 @@ def close_joints(
     if not (np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes).any():
         return
     columns, scale = scaled_columns([row.entries for row in rows], bodies)
-    lengths = np.sqrt((columns**2).sum(axis=0))
-    lengths[lengths == 0.0] = 1.0
-    change = scale * _least_change(
-        columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits
-    )
+    columns, lengths = of_length_one(columns)
+    change = _least_change(columns, rates / lengths, CLOSED * sizes / lengths, limits)
+    set_in_motion(bodies, scale * change)
+
+
+def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
+    """Change (v_x, v_y, angular velocity) of bodies, shape (3 bodies,)."""
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
-        body.velocity += (x, y)
-        body.angular_velocity += turn
+        raw = body._body
+        velocity = lib.cpBodyGetVelocity(raw)
+        lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
+        lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
 
 
 def _least_change(

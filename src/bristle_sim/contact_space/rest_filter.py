@@ -5,6 +5,7 @@ Contacts are read by direct engine calls, without wrappers, since a space at res
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import pymunk
@@ -17,9 +18,8 @@ from bristle_sim.contact_space.touching import (
     Collision,
     Shapes,
     StepMotion,
-    overlaps,
     room_for_bodies,
-    shapes_of,
+    seen,
 )
 
 STEPS_OF_GRAVITY = 2.0
@@ -52,7 +52,7 @@ class RestFilter:
         self.motion = StepMotion()
         self.resting_speed = 0.0
         self.resting = -1.0
-        self.at_rest: list[tuple[Any, CollisionRule]] = []
+        self.at_rest: list[tuple[pymunk.Arbiter, CollisionRule]] = []
         self.impacts: list[Collision] = []
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
@@ -83,53 +83,50 @@ class RestFilter:
 
     def collisions(self) -> list[Collision]:
         """Return the contacts of the step, including those at rest."""
-        return [*[Collision(raw, rule) for raw, rule in self.at_rest], *self.impacts]
+        return [*itertools.starmap(Collision, self.at_rest), *self.impacts]
 
-    def filter_impact(self, rule: CollisionRule, raw: Any) -> None:
+    def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
         """Let the engine resolve a contact at rest, or make it ignore an impact.
 
-        At rest the contact has the rule's friction and no restitution. ``raw`` is the engine's own
-        arbiter. Contacts at rest are many, so their shapes are not looked up.
+        At rest the contact has the rule's friction and no restitution. Contacts at rest are many,
+        so their shapes are not looked up.
         """
         if self._bodies is None:
             return
         if self.resting < 0.0:
             gravity = STEPS_OF_GRAVITY * self.space.gravity.length * self.space.current_time_step
             self.resting = max(self.resting_speed, gravity)
+        raw = arbiter._arbiter
         lib.cpArbiterSetRestitution(raw, 0.0)
         approach, speeds = _approach(raw, self._bodies)
         rests = approach <= self.resting or approach <= APPROACH_ROUNDING * speeds
         if self.jammed:
-            shapes = frozenset(shapes_of(raw))
+            shapes = frozenset(arbiter.shapes)
             if shapes in self.jammed:
                 self._still_jammed.add(shapes)
                 rests = True
         if rests:
             lib.cpArbiterSetFriction(raw, rule.friction)
-            self.at_rest.append((raw, rule))
+            self.at_rest.append((arbiter, rule))
         else:
-            self._skip(rule, raw)
+            self._skip(rule, arbiter)
 
-    def _skip(self, rule: CollisionRule, raw: Any) -> None:
+    def _skip(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
         """Make the engine ignore a contact, but keep it and wake its bodies.
 
         The engine takes the contact to separate, without an overlap to reduce.
         """
-        shapes = shapes_of(raw)
-        for shape in shapes:
-            if shape.body is not None:
-                self.motion.note(joined([shape.body]))
-        slide = lib.cpArbiterGetSurfaceVelocity(raw)
-        contact = lib.cpArbiterGetContactPointSet(raw)
-        self.skipped.add(frozenset(shapes))
-        self.impacts.append(Collision(raw, rule, (shapes, overlaps(contact), (slide.x, slide.y))))
-        lib.cpArbiterSetFriction(raw, 0.0)
+        for body in arbiter.bodies:
+            self.motion.note(joined([body]))
+        self.skipped.add(frozenset(arbiter.shapes))
+        self.impacts.append(Collision(arbiter, rule, seen(arbiter)))
+        arbiter.friction = 0.0
+        # pymunk's own setter of the points gives all of them the place of the first one.
+        contact = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
         for index in range(contact.count):
             contact.points[index].pointB = contact.points[index].pointA
-        lib.cpArbiterSetContactPointSet(raw, ffi.addressof(contact))
-        lib.cpArbiterSetSurfaceVelocity(
-            raw, (OUT_OF_REACH * contact.normal.x, OUT_OF_REACH * contact.normal.y)
-        )
+        lib.cpArbiterSetContactPointSet(arbiter._arbiter, ffi.addressof(contact))
+        arbiter.surface_velocity = OUT_OF_REACH * arbiter.normal
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:

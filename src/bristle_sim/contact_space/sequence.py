@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from operator import attrgetter
-from typing import Any
 
 import pymunk
 
@@ -22,13 +21,10 @@ from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, Shapes, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
-# impacts at one point after which its group is resolved at once, against endless bounces
-COLLAPSE = 12
-
-MOST = 40
-"""Number of single impacts after which a whole group is resolved at once, to bound the cost of a
-step."""
-LOOKED = 8  # impacts of a group between two counts of its approaching points; a divisor of MOST
+COLLAPSE = 12  # number of impacts at one point after which its group is resolved at once: some bounces have no end
+MOST = (
+    40  # number of impacts of a group after which it is resolved at once; bounds the cost of a step
+)
 
 
 class Groups:
@@ -46,7 +42,7 @@ class Groups:
         for met in contacts:
             for body in met.bodies():
                 self._met.setdefault(body, []).append(met)
-        self._read: dict[Any, list[TouchingPoint]] = {}
+        self._read: dict[Collision, list[TouchingPoint]] = {}
         self._heads: dict[pymunk.Body, pymunk.Body] = {}
         self.points: dict[pymunk.Body, list[TouchingPoint]] = {}
         self.impacts: dict[pymunk.Body, int] = {}
@@ -58,11 +54,11 @@ class Groups:
             if body not in self.points:
                 self.points[body] = []
                 for met in self._met.get(body, ()):
-                    if met.arbiter not in self._read:
-                        self._read[met.arbiter] = met.points()
-                        new += self._read[met.arbiter]
+                    if met not in self._read:
+                        self._read[met] = met.points()
+                        new += self._read[met]
                         self.unite(met.bodies())
-                    self.points[body] += self._read[met.arbiter]
+                    self.points[body] += self._read[met]
         return new
 
     def head(self, body: pymunk.Body) -> pymunk.Body:
@@ -117,21 +113,11 @@ class ImpactSequence:
             point = max(self._approaching, key=attrgetter("time", "approach"))
             head = groups.head(point.bodies[0])
             impacts = groups.impacts.get(head, 0)
-            if point.impacts == COLLAPSE or (
-                impacts % LOOKED == 0 and self._too_many(head, impacts)
-            ):
+            if point.impacts == COLLAPSE or impacts == MOST:
                 self._strike_all(point)
             else:
                 groups.impacts[head] = impacts + 1
                 self._strike(point)
-
-    def _too_many(self, head: pymunk.Body, impacts: int) -> bool:
-        """Return whether a group has had ``MOST`` impacts, or is expected to.
-
-        The expectation is based on its impacts so far and its approaching points.
-        """
-        waiting = sum(1 for each in self._approaching if self._groups.head(each.bodies[0]) is head)
-        return impacts + waiting > MOST or impacts * waiting > 2 * MOST or impacts == MOST
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
         """Measure points, and add them to the approaching points or remove them."""
@@ -152,13 +138,6 @@ class ImpactSequence:
         """
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
-    def _rests(self, approach: float, point: TouchingPoint) -> bool:
-        return approach <= max(self._filter.resting, APPROACH_ROUNDING * point.speed)
-
-    def _record(self, point: TouchingPoint, impact: Impact) -> None:
-        if self._report is not None:
-            self._report(point.located(impact, self._end))
-
     def _strike(self, point: TouchingPoint) -> None:
         """Resolve the impact at one point at the instant of its touch."""
         point.impacts += 1
@@ -177,7 +156,7 @@ class ImpactSequence:
         motion.kick(bodies, -steps)
         if joints:
             close_joints(bodies, joints)
-        space, impact = self._impact(point, connected)
+        space, impact, rests = self._impact(point, connected)
         space.apply(
             (impact.impulse_normal, impact.impulse_tangential),
             (impact.velocity_normal, impact.velocity_tangential),
@@ -188,8 +167,8 @@ class ImpactSequence:
             close_joints(bodies, joints, with_limits=False)
         if impact.outcome == JAM:
             self.jammed.add(point.key)
-        if not self._rests(-space.velocity[0], point):
-            self._record(point, impact)
+        if self._report is not None and not rests:
+            self._report(point.located(impact, self._end))
         self.struck.update(dict.fromkeys(bodies, point.time))
         self._measure(
             dict.fromkeys(each for body in bodies for each in groups.points[body]), point.time
@@ -200,33 +179,31 @@ class ImpactSequence:
 
         The group includes bodies that are connected over further bodies.
         """
-        reached: dict[pymunk.Body, None] = {}
         groups = self._groups
-        waiting = [body for body in point.bodies if body.body_type == pymunk.Body.DYNAMIC]
-        while waiting:
-            connected = [each for each in joined(waiting)[0] if each not in reached]
-            reached.update(dict.fromkeys(connected))
-            groups.read(connected)
-            touched = dict.fromkeys(
-                end for body in connected for each in groups.points[body] for end in each.bodies
-            )
-            waiting = [
-                each
-                for each in touched
-                if each not in reached and each.body_type == pymunk.Body.DYNAMIC
-            ]
+        reached: dict[pymunk.Body, None] = {}
+        waiting: Iterable[pymunk.Body] = point.bodies
+        while new := [body for body in joined(waiting)[0] if body not in reached]:
+            reached.update(dict.fromkeys(new))
+            groups.read(new)
+            waiting = [end for body in new for each in groups.points[body] for end in each.bodies]
         every = dict.fromkeys(each for body in reached for each in groups.points[body])
         points = [each for each in every if each.key not in self.jammed]
-        impacts = resolve_at_once(points, self._rests, self._motion)
+        impacts = resolve_at_once(points, joined(reached), self._motion, self._filter.resting)
         self.struck.update(dict.fromkeys(reached, 0.0))
         for each, impact in zip(points, impacts, strict=True):
             self._approaching.pop(each, None)
-            if impact.impulse_normal > 0.0:
-                each.time = 0.0
-                self._record(each, impact)
+            each.time = 0.0
+            if self._report is not None and impact.impulse_normal > 0.0:
+                self._report(each.located(impact, self._end))
 
-    def _impact(self, point: TouchingPoint, connected: Connected) -> tuple[ContactSpace, Impact]:
-        """Return the impact in which joint limits only push; a limit that would pull takes no part."""
+    def _impact(
+        self, point: TouchingPoint, connected: Connected
+    ) -> tuple[ContactSpace, Impact, bool]:
+        """Return the impact in which joint limits only push; a limit that would pull takes no part.
+
+        Returns:
+            The contact space, the impact, and whether the point approaches as slowly as at rest.
+        """
         first, second = point.bodies
         place, normal, _ = point.overlap
         slide = point.surface_velocity
@@ -241,8 +218,11 @@ class ImpactSequence:
                 released=released,
                 connected=connected,
             )
-            impact = point.pair.impact(space, rests=self._rests(-space.velocity[0], point))
+            rests = -space.velocity[0] <= max(self._filter.resting, APPROACH_ROUNDING * point.speed)
+            impact = point.pair.impact(
+                space.inverse_mass, space.velocity, space.stick_compliance, rests=rests
+            )
             pulling = space.pulling_limit((impact.impulse_normal, impact.impulse_tangential))
             if pulling is None:
-                return space, impact
+                return space, impact, rests
             released.append(pulling.joint)

@@ -24,7 +24,13 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact
-from bristle_sim.contact_space.joints import Connected, Vector, allowed_part, mass_centre
+from bristle_sim.contact_space.joints import (
+    Connected,
+    Vector,
+    allowed_part,
+    mass_centre,
+    set_in_motion,
+)
 from bristle_sim.theory.impact import Impact
 
 APPROACH_ROUNDING = 1e-9  # approach over the bodies' speed at a point, below which it is rounding
@@ -38,7 +44,6 @@ FARTHER = 1.5
 
 Shapes = frozenset[pymunk.Shape]
 
-_SHAPE = ffi.typeof("cpShape *[1]")
 _BODY = ffi.typeof("cpBody *[1]")
 
 
@@ -128,14 +133,9 @@ class StepMotion:
             place = lib.cpBodyGetPosition(raw)
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
-    def kick(self, bodies: Iterable[pymunk.Body], steps: float) -> None:
+    def kick(self, bodies: Sequence[pymunk.Body], steps: float) -> None:
         """Add a multiple of the gains to the velocities of bodies."""
-        for body in bodies:
-            if body in self.gains:
-                x, y, w = velocity_of(body)
-                u, v, turn = self.gains[body]
-                lib.cpBodySetVelocity(body._body, (x + steps * u, y + steps * v))
-                lib.cpBodySetAngularVelocity(body._body, w + steps * turn)
+        set_in_motion(bodies, steps * np.array([self.gains.get(each, NONE) for each in bodies]))
 
 
 class Overlap(NamedTuple):
@@ -161,63 +161,52 @@ class Overlap(NamedTuple):
         )
 
 
-def overlaps(found: Any) -> list[Overlap]:
+def overlaps(contact: Any) -> list[Overlap]:
     """Return the overlaps of the engine's contact points, with normals towards the first shape."""
-    x, y = found.normal.x, found.normal.y
-    ends = [
-        (found.points[index].pointA, found.points[index].pointB) for index in range(found.count)
-    ]
-    # The sign of the engine's own distance is right for one order of the shapes only.
-    return [
-        Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), (a.x - b.x) * x + (a.y - b.y) * y)
-        for a, b in ends
-    ]
+    x, y = contact.normal.x, contact.normal.y
+    found = []
+    for index in range(contact.count):
+        a = contact.points[index].pointA
+        b = contact.points[index].pointB
+        # The sign of the engine's own distance is right for one order of the shapes only.
+        depth = (a.x - b.x) * x + (a.y - b.y) * y
+        found.append(Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), depth))
+    return found
 
 
-def shapes_of(arbiter: Any) -> tuple[pymunk.Shape, pymunk.Shape]:
-    """Return the two shapes of the engine's own arbiter."""
-    first = ffi.new(_SHAPE)
-    second = ffi.new(_SHAPE)
-    lib.cpArbiterGetShapes(arbiter, first, second)
-    return ffi.from_handle(lib.cpShapeGetUserData(first[0])), ffi.from_handle(
-        lib.cpShapeGetUserData(second[0])
-    )
+Seen = tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector]
+"""The shapes of a contact, their overlaps, and the surface velocity of the second one less that of
+the first."""
 
 
-class Collision(NamedTuple):
-    """A contact that the engine found: its arbiter, its rule and, if the engine ignores it, its
-    earlier data.
+def seen(arbiter: pymunk.Arbiter) -> Seen:
+    """Return the geometry of the engine's contact."""
+    points = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
+    return arbiter.shapes, overlaps(points), arbiter.surface_velocity
 
-    The data are the shapes, overlaps and surface velocity from before the engine was made to ignore
-    the contact. Outside callbacks an arbiter may have its shapes in the other order.
+
+@dataclass(slots=True, eq=False)
+class Collision:
+    """A contact that the engine found: its arbiter, its rule, and its geometry from before the
+    engine was made to ignore it, if it was.
+
+    Outside callbacks an arbiter may have its shapes in the other order.
     """
 
-    arbiter: Any
+    arbiter: pymunk.Arbiter
     pair: CollisionRule
-    data: tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector] | None = None
+    before: Seen | None = None
 
     def bodies(self) -> list[pymunk.Body]:
         """Return the dynamic bodies of the contact, in any order."""
-        first, second = room_for_bodies()
-        lib.cpArbiterGetBodies(self.arbiter, first, second)
-        both = [ffi.from_handle(lib.cpBodyGetUserData(each[0])) for each in (first, second)]
-        return [each for each in both if each.body_type == pymunk.Body.DYNAMIC]
+        return [each for each in self.arbiter.bodies if each.body_type == pymunk.Body.DYNAMIC]
 
     def points(self) -> list[TouchingPoint]:
         """Return the points where the shapes touch; an empty list for a sensor and for contacts
         that users ignore.
         """
-        arbiter = self.arbiter
-        if not lib.cpArbiterGetProcessCollision(arbiter):
-            return []
-        if self.data is None:
-            slide = lib.cpArbiterGetSurfaceVelocity(arbiter)
-            shapes = shapes_of(arbiter)
-            found = overlaps(lib.cpArbiterGetContactPointSet(arbiter))
-            x, y = slide.x, slide.y
-        else:
-            shapes, found, (x, y) = self.data
-        if lib.cpShapeGetSensor(shapes[0]._shape) or lib.cpShapeGetSensor(shapes[1]._shape):
+        shapes, found, (x, y) = self.before or seen(self.arbiter)
+        if not self.arbiter.process_collision or shapes[0].sensor or shapes[1].sensor:
             return []
         bodies: Any = [each.body for each in shapes]
         if bodies[0].body_type != pymunk.Body.DYNAMIC:
@@ -321,10 +310,10 @@ class TouchingPoint:
 
         Of several overlaps it is the one nearest to the known point.
         """
-        first, second = (each._shape for each in self.shapes)
-        lib.cpShapeCacheBB(first)
-        lib.cpShapeCacheBB(second)
-        found = overlaps(lib.cpShapesCollide(first, second))
+        first, second = self.shapes
+        first.cache_bb()
+        second.cache_bb()
+        found = overlaps(lib.cpShapesCollide(first._shape, second._shape))
         return min(found, key=lambda each: math.dist(each.point, self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
