@@ -10,7 +10,6 @@ pass includes: the impact of the first touch, and the swing after the last touch
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,7 +20,15 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
 from bristle_sim.dissertation.printed import printed_cue
-from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.parameters import (
+    PRINTED_BELT_STIFFNESS,
+    RETRACTION_AT_RELEASE,
+    Bar,
+    Belt,
+    Bristle,
+    Hub,
+    Tool,
+)
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_measures import beside_radial
@@ -118,41 +125,28 @@ def cue_timing(
     """
     require_rigid(tool)
 
-    @functools.cache
-    def timed(stiffness: float) -> CueTiming:
-        """Return the release and passes of the tool with another belt stiffness, N m/rad."""
-        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        return _timed(
-            read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference
-        )
-
-    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
     readings = {
         "per radian": PRINTED_BELT_STIFFNESS,
         "per degree": math.degrees(PRINTED_BELT_STIFFNESS),
+        "from 254 Hz": tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2,
     }
-    readings["from 254 Hz"] = filmed
-    same = (tool.hub, tool.bristle, tool.workpart) == (Tool().hub, Tool().bristle, Tool().workpart)
-    as_printed = same and not tool.belt.damping_ratio and retraction == math.radians(44.5)
-    printed = (
-        dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True)) if as_printed else {}
-    )
-    own = timed(tool.belt.stiffness)
-    found = _rows(own, settings, QUANTITIES, printed if tool.belt == Belt() else {})
-    for reading, stiffness in readings.items():
-        units = {
-            name: (f"{QUANTITIES[name][0]}, {reading}", QUANTITIES[name][1])
-            for name in ("cue_time", "bar_direction_deg")
-        }
-        suffix = f"_{reading.replace(' ', '_').lower()}"
-        read = _rows(timed(stiffness), settings, units, printed)
-        found += tuple(dataclasses.replace(each, name=each.name + suffix) for each in read)
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
-    timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
+    timings = dict[str, CueTiming]()
+    for reading, stiffness in readings.items():
+        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
+        timings[reading] = _timed(
+            read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference
+        )
+    own = next(each for each in timings.values() if each.tool == tool)
+    whole = Tool()
+    same = (tool.hub, tool.bristle, tool.workpart) == (whole.hub, whole.bristle, whole.workpart)
+    as_printed = same and tool.belt == whole.belt and retraction == RETRACTION_AT_RELEASE
+    printed = dict(zip((*QUANTITIES,)[2:], printed_cue().values(), strict=True))
+    quantities = _rows(own, settings, printed if as_printed else {})
     passes = [row for each in timings.values() for row in each.passes]
     return Report(
-        quantities=found,
+        quantities=quantities,
         **run_fields(own.trajectory),
         extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
         remarks=(
@@ -161,7 +155,7 @@ def cue_timing(
         ),
         tables=(_readings_table(timings),),
         subject=dataclasses.replace(own, readings=timings),
-        answer=_answer(found[3], own.passes[0]["lag_deg_at_contact"]),
+        answer=_answer(quantities[3], own.passes[0]["lag_deg_at_contact"]),
     )
 
 
@@ -260,9 +254,7 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
     )
 
 
-def _rows(
-    timing: CueTiming, settings: Settings, units: Mapping[str, tuple[str, str]], printed: Values
-) -> tuple[Quantity, ...]:
+def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quantity, ...]:
     """Compare the bar position by the release with those by the formula and by the reference.
 
     The speed is highest where the torques of belt and damping balance; there alpha''' = -(K/I)
@@ -272,23 +264,18 @@ def _rows(
     """
     tool = timing.tool
     cue = timing.reference
-    magnified = dict.fromkeys(units, 1.0)
-    if cue is not None and cue.cue_time:
-        damped = tool.belt_damping / (
-            (tool.belt.stiffness + cueing.field_stiffness(tool)) * cue.cue_time
-        )
-        magnified = dict.fromkeys(units, max(1.0, damped)) | {"highest_relative_speed": 1.0}
+    within = dict[str, float]()
+    if cue is not None:
+        stiffness = tool.belt.stiffness + cueing.field_stiffness(tool)
+        damped = tool.belt_damping / (stiffness * cue.cue_time) if cue.cue_time else 0.0
+        allowed = _tolerance(settings)
+        within = dict.fromkeys(QUANTITIES, allowed * max(1.0, damped))
+        within["highest_relative_speed"] = allowed
         for name in ("bar_horizontal", "bar_vertical"):
             leverage = cue.bar_distance / max(abs(getattr(cue, name)), 1e-300)
-            magnified[name] = max(1.0, damped) * max(1.0, cue.bar_direction) * leverage
-    within = {
-        name: None if cue is None else _tolerance(settings) * factor
-        for name, factor in magnified.items()
-    }
-    simulated, theory, reference = (
-        _values(each) for each in (timing.simulated, timing.formula, cue)
-    )
-    return rows(units, simulated, theory, reference, printed, within.get)
+            within[name] *= max(1.0, cue.bar_direction) * leverage
+    simulated, theory, reference = map(_values, (timing.simulated, timing.formula, cue))
+    return rows(QUANTITIES, simulated, theory, reference, printed, within.get)
 
 
 def _tolerance(settings: Settings) -> float:
