@@ -3,14 +3,12 @@
 A table has one row for each quantity, and one rule of agreement.
 """
 
-import math
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
 from types import MappingProxyType
 from typing import Any
 
-from bristle_sim.conversion import plain_number
+from bristle_sim.readable import WIDTH, aligned, amount, finite, readable_unit, relative_text
 
 Values = Mapping[str, float | None]
 """Numbers by the names of their quantities; None for an unknown number."""
@@ -212,13 +210,6 @@ class Unfinished(KeyboardInterrupt):
         self.report = report
 
 
-def finite(value: float | None) -> float | None:
-    """Return the number, or None if it is absent or not finite."""
-    return float(value) if value is not None and math.isfinite(value) else None
-
-
-WIDTH = 100  # largest width of a table, in characters
-
 LAYOUTS = (
     (6, ()),
     (5, ()),
@@ -228,28 +219,6 @@ LAYOUTS = (
     (4, ("reference", "within")),
 )
 """Digits and omitted columns of tables, widest first."""
-
-PREFIXES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
-
-LARGEST_PREFIX = {
-    "s": "",
-    "m": "",
-    "N s": "",
-    "Pa": "G",
-    **dict.fromkeys(("g", "N", "N m", "J", "W", "Hz"), "k"),
-}
-"""Units that are shown with a prefix, and the largest customary prefix."""
-
-SMALLEST_PREFIX = {"N s": "m", "N": "m"}
-"""Smallest customary prefix of some units; for all others it is n."""
-
-CUSTOMARY = {
-    "m^2": ("mm^2", 1e-6),
-    "m^3": ("mm^3", 1e-9),
-    "m^3/s": ("mm^3/s", 1e-9),
-    "m^2/s": ("m^2/h", 1.0 / 3600.0),
-}
-"""Units that are shown as others, with the size of one."""
 
 
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
@@ -296,72 +265,9 @@ def cells(
     return list(map(list, zip(*kept, strict=True)))
 
 
-def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
-    """Return the rows of a table as text; the first ``left`` columns are aligned to the left, the
-    others to the right.
-    """
-    columns = list(zip(*lines, strict=True))
-    return side_by_side(
-        columns, [max(map(len, column)) for column in columns], range(left, len(columns))
-    )
-
-
-def side_by_side(
-    columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()
-) -> list[str]:
-    """Join cells of several lines each into the lines of a row; columns in ``right`` are aligned to
-    the right.
-    """
-    lines = []
-    for parts in zip_longest(*columns, fillvalue=""):
-        padded = zip(parts, widths, strict=True)
-        shown = [
-            part.rjust(width) if i in right else part.ljust(width)
-            for i, (part, width) in enumerate(padded)
-        ]
-        lines.append("  ".join(shown).rstrip())
-    return lines
-
-
-def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
-    """Return the unit with a readable prefix, and its size in the given unit.
-
-    The largest value then has one to three digits before the decimal point.
-    """
-    if unit in CUSTOMARY:
-        return CUSTOMARY[unit]
-    base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
-    largest = max(map(abs, filter(None, map(finite, values))), default=0.0)
-    shown = unit, 1.0
-    if base in LARGEST_PREFIX and largest:
-        most, least = PREFIXES[LARGEST_PREFIX[base]], PREFIXES[SMALLEST_PREFIX.get(base, "n")]
-        for prefix, size in PREFIXES.items():
-            if size == least or (least < size <= most and largest >= size * own * (1.0 - 1e-9)):
-                shown = prefix + base, size * own
-    return shown
-
-
-def relative_text(value: float | None, sign: str = "") -> str:
-    """Return a relative number in per cent; as a power of ten if it is small, as a multiple if it
-    is large.
-    """
-    if not value or not math.isfinite(value):
-        return "0" if value == 0.0 else "-"
-    if 1e-4 <= abs(value) < 10.0:
-        return f"{100.0 * value:{sign}.3g} %"
-    return f"{value:{sign}.0e}" if abs(value) < 1.0 else f"{value:{sign}.2g} times"
-
-
 LEAST_SIZE = 1e-12
 """Smallest value, in SI units, from which a relative difference is computed; a smaller one is
 zero."""
-
-
-def amount(value: float, unit: str, digits: int = 3) -> str:
-    """Return a number with its unit and a readable prefix, for example ``2.75 mN s``."""
-    shown, factor = readable_unit(unit, [value])
-    written = {"deg": "°", "1": ""}.get(shown, f" {shown}")
-    return f"{plain_number(value / factor, digits)}{written}"
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:

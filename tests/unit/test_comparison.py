@@ -9,7 +9,8 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, Report, agreement, amount, differences, rows, table
+from bristle_sim.comparison import Quantity, Report, agreement, differences, rows, table
+from bristle_sim.readable import amount
 from bristle_sim.studies.strike_measures import beside_radial
 
 INFINITE = math.inf

@@ -23,7 +23,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "arrays conversion",
-    "version units files",
+    "version units files readable",
     "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",

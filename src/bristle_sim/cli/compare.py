@@ -11,15 +11,9 @@ from typing import Any
 
 from bristle_sim.cli.output import csv_text, format_value, print_line, write_text
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.comparison import (
-    Quantity,
-    Report,
-    aligned,
-    amount,
-    readable_unit,
-    relative_text,
-)
+from bristle_sim.comparison import Quantity, Report
 from bristle_sim.files import checked_target
+from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.units import displayed
 

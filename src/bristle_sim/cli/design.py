@@ -12,9 +12,9 @@ from typing import Any
 from bristle_sim.cli.main import MISSED
 from bristle_sim.cli.output import json_of, print_error, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
-from bristle_sim.comparison import aligned, readable_unit
 from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
 from bristle_sim.tool_file import write_tool
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from bristle_sim.cli.output import json_of, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.comparison import aligned
 from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import aligned
 from bristle_sim.studies.limits import Change, limits
 from bristle_sim.units import Range, displayed, likely_key
 

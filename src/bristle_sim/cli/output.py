@@ -23,8 +23,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from bristle_sim.comparison import WIDTH, Report, finite, table
+from bristle_sim.comparison import Report, table
 from bristle_sim.files import complete_or_absent
+from bristle_sim.readable import WIDTH, finite
 from bristle_sim.version import __version__, named_commit
 
 SILENCE = 15.0  # longest time between two reports on the progress of long work, s

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from bristle_sim.comparison import WIDTH, Report
+from bristle_sim.comparison import Report
 from bristle_sim.parameters import CONTACT_KEYS, PARTS, SHAPE_KEYS, Tool
+from bristle_sim.readable import WIDTH
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
 from bristle_sim.units import (
     Choice,

@@ -15,9 +15,10 @@ from typing import Any
 
 from bristle_sim.cli.output import csv_text, json_of, print_error, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.comparison import WIDTH, Report, aligned, readable_unit
+from bristle_sim.comparison import Report
 from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.readable import WIDTH, aligned, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import unable
 from bristle_sim.studies.scenario_sweep import Swept, sweep_in_arrays, sweep_of_runs

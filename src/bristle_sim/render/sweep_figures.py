@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import readable_unit
 from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import key_unit, tool_keys
 from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
+from bristle_sim.readable import readable_unit
 from bristle_sim.render import style
 from bristle_sim.render.colours import (
     BLACK,

@@ -15,8 +15,9 @@ from typing import Literal
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, amount
+from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import compression_end

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Values, amount, rows
+from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
 from bristle_sim.theory import crater as chapter_4

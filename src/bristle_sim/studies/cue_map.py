@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import UNKNOWN, Report, Values, amount, rows
+from bristle_sim.comparison import UNKNOWN, Report, Values, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
 from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import (
     PRINTED_BELT_STIFFNESS,
@@ -29,6 +29,7 @@ from bristle_sim.parameters import (
     Hub,
     Tool,
 )
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_measures import beside_radial

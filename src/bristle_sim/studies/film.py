@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, amount, finite, rows
+from bristle_sim.comparison import Quantity, Report, Table, rows
 from bristle_sim.parameters import FilmGrid, Tool
+from bristle_sim.readable import amount, finite
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import slide_of

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, amount, rows
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import (
     Belt,
     Bristle,
@@ -28,6 +28,7 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.readable import amount
 from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import crater_depth

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, amount, rows
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import TimedContact, contact_fields, timed_contact
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.comparison import Quantity, Report, Table, agreement, amount
+from bristle_sim.comparison import Quantity, Report, Table, agreement
 from bristle_sim.parameters import (
     Bristle,
     Contact,
@@ -21,6 +21,7 @@ from bristle_sim.parameters import (
     Strike,
     Surface,
 )
+from bristle_sim.readable import amount
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_measures import IMPACT, contact_quantities, impulse_caution

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq, newton
 
-from bristle_sim.comparison import Report, Values, amount, rows
+from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_pass import require_result, require_rigid

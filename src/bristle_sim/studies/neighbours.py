@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, Values, amount, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, rows
 from bristle_sim.parameters import Neighbours, Tool
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched

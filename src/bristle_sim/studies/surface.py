@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array, EqualByValue
-from bristle_sim.comparison import Report, amount, rows
+from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Blasting, Bristle, Crater, Hub, Tool
 from bristle_sim.passes.ensemble import ensemble
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.blast import Blasted, blast, mean_rz, whole_planes
 from bristle_sim.studies.crater_study import MEASURED, swept_crater

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bristle_sim.comparison import amount
 from bristle_sim.conversion import display_unit, plain_number
+from bristle_sim.readable import amount
 from bristle_sim.studies.scenario_sweep import Swept
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")

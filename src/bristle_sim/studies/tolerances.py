@@ -28,8 +28,9 @@ from scipy.stats import sobol_indices, t
 from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, amount
+from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene, unable
 from bristle_sim.studies.strike_measures import IMPACT, STATE

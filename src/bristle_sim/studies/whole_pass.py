@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.comparison import UNKNOWN, Report, Values, amount, differences, rows
+from bristle_sim.comparison import UNKNOWN, Report, Values, differences, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words

@@ -24,7 +24,8 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
     package_of,
 )
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
-from bristle_sim.comparison import WIDTH, Quantity, Report, Unfinished, amount, finite
+from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.readable import WIDTH, amount, finite
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 

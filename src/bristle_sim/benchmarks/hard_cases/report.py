@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 
 from bristle_sim.benchmarks.hard_cases import HardCaseChoice, contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
-from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
+from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.readable import side_by_side
 
 TABLES = {
     theme.__name__: theme
