@@ -6,7 +6,10 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
+
+import bristle_sim as bs
 
 pytest.importorskip("flask")
 
@@ -136,6 +139,75 @@ def test_parts_are_dragged_and_the_state_is_kept(
     page.reload()
     settle(page)
     assert page.evaluate("shown.values") == pytest.approx(kept)
+    assert errors == []
+
+
+def type_in(page: Any, key: str, text: str) -> None:
+    page.fill(f"#knob-{key}", text)
+    page.press(f"#knob-{key}", "Tab")
+
+
+def test_a_page_without_a_run_yet_takes_no_moves(
+    browser: Any, address: str, errors: list[str]
+) -> None:
+    """A link with a refused value has no picture to be moved in; the first run opens the page."""
+    page = tab(browser, address + "?friction=oops", errors)
+    for part in ("tool", "panel-rate", "map"):
+        x, y = page.evaluate(
+            "(id) => { const { x, y } = el(id).getBoundingClientRect(); return [x + 50, y + 50]; }",
+            part,
+        )
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 5.0, y + 5.0)
+        page.mouse.up()
+    assert errors == []
+    type_in(page, "friction", "0.4")
+    page.wait_for_selector("body[data-shown='friction=0.4']")
+    page.click("#play")
+    assert errors == []
+
+
+def test_a_search_neither_stops_the_run_nor_outlives_its_tool(
+    browser: Any, address: str, errors: list[str]
+) -> None:
+    page = tab(browser, address, errors, viewport={"width": 1400, "height": 900})
+    page.select_option("#map-x", "friction")
+    page.select_option("#map-y", "hub_speed")
+    page.evaluate("turn({ hub_speed: 2800 }); el('limits').click()")
+    page.wait_for_selector("#found:not(:empty)")
+    settle(page)
+    assert page.evaluate("outdated()") == []
+    # The second key of the map has its present value.
+    (change,) = bs.limits(bs.Tool(hub=bs.Hub(speed=2800.0 * np.pi / 30.0)), friction=(0.0, 1.0))
+    assert f"changes at {change.at:.4f}"[:-1] in page.inner_text("#found")
+    page.evaluate("turn({ friction: 0.4 })")
+    settle(page)
+    assert page.inner_text("#found")  # the first key of the map may move
+    page.evaluate("turn({ hub_speed: 2600 })")
+    settle(page)
+    assert not page.inner_text("#found")
+    page.evaluate("window.searching = search('design?' + mapQuery(), ''); turn({ penetration: 3 })")
+    page.evaluate("searching")
+    settle(page)
+    assert page.evaluate("String(assigned())") == "hub_speed=2600+rpm&friction=0.4&penetration=3+mm"
+    assert not page.inner_text("#status")
+    assert errors == []
+
+
+def test_a_refused_tool_leaves_no_map_of_another(
+    browser: Any, address: str, errors: list[str]
+) -> None:
+    page = tab(browser, address, errors, viewport={"width": 1400, "height": 900})
+    page.wait_for_selector("#map-note:not(:empty)")
+    type_in(page, "wire_diameter", "-1 mm")
+    page.wait_for_selector("#map.outdated")
+    page.evaluate("dispatchEvent(new Event('resize'))")  # draws it again, while it is computed
+    assert page.evaluate("el('map').classList.contains('outdated')")
+    page.evaluate("until(() => !map.busy)")
+    assert "wire_diameter" in page.inner_text("#map-note")
+    page.evaluate("el('reset').click()")
+    page.wait_for_selector("#map:not(.outdated)")
     assert errors == []
 
 

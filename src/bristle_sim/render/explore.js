@@ -122,6 +122,7 @@ async function restore() { // the state in the address
 
 async function changed() {
   const query = assigned();
+  if (String(answered.subject()) !== answered.query) el("found").textContent = "";
   document.body.dataset.state = "asking";
   for (const [name, { key, text, box }] of knobs) {
     box.classList.toggle("changed", query.has(name));
@@ -151,13 +152,13 @@ async function watch(number) { // the fraction of a slow run that is done
   }
 }
 function say(text, wrong = false) { el("status").textContent = text; el("status").classList.toggle("wrong", wrong); }
-function refuse(text) { say(text, true); el("result").classList.add("outdated"); }
+function refuse(text) { say(text, true); el("result").classList.add("outdated"); redraw(false); }
 
 // Showing a run
 
 function show(run) {
   shown = run;
-  say(run.warnings.join(" ")); el("result").classList.remove("outdated");
+  say(run.warnings.join(" ")); el("result").classList.remove("outdated"); el("result").inert = false;
   for (const [name, { key }] of knobs) if (key.range && document.activeElement !== key.range) setSlider(key, run.values[name]); // also a value in another unit
   el("answer").textContent = run.answer;
   el("command").textContent = run.command;
@@ -327,7 +328,7 @@ const shade = (fraction) => {
 };
 function drawMap() {
   const canvas = el("map"), { found } = map;
-  canvas.classList.toggle("outdated", !found?.size);
+  canvas.classList.toggle("outdated", !found?.size || String(mapQuery()) !== map.asked);
   if (!canvas.clientWidth || !found?.size) return;
   const { pen, width, height, colour } = penOf(canvas), size = found.size, picture = new ImageData(size, size);
   found.values ??= bytes(found.shades); found.words ??= bytes(found.outcomes);
@@ -371,17 +372,20 @@ el("map-box").addEventListener("toggle", () => redraw(false));
 
 // Buttons
 
-async function search(path, words) { // a search that sets knobs
-  say(words); watch(newest);
-  const found = await get(path).catch(() => ({ error: "the server does not answer" }));
-  el("progress").hidden = true;
+const answered = { subject: assigned, query: "" }; // the sentence of the last search
+let searches = 0;
+async function search(path, words, subject = assigned) { // subject: the knobs that the answer depends on
+  const asked = String(subject()), number = ++searches;
+  say(words);
+  const found = await get(path, "-search").catch(() => ({ error: "the server does not answer" }));
+  if (number !== searches || String(subject()) !== asked) return; // a newer search, or a knob has moved on
   if (found.error) { say(found.error, true); return; }
+  const query = assigned();
+  for (const [name, value] of Object.entries(found.assignments ?? {})) query.set(name, value);
+  if (found.assignments) setKnobs(query); else say("");
+  Object.assign(answered, { subject, query: String(subject()) });
   el("found").textContent = found.answer ?? "";
-  if (found.assignments) {
-    const query = assigned();
-    for (const [name, value] of Object.entries(found.assignments)) query.set(name, value);
-    setKnobs(query); changed(); commit();
-  } else say("");
+  if (found.assignments) { changed(); commit(); }
 }
 el("pin").onclick = () => {
   pinned = pinned ? null : shown;
@@ -391,7 +395,11 @@ el("pin").onclick = () => {
 el("reset").onclick = () => { setKnobs(new URLSearchParams()); changed(); commit(); };
 el("preset").onchange = () => { setKnobs(new URLSearchParams(el("preset").value), "preset"); el("preset").value = "-"; changed(); commit(); };
 el("radial").onclick = () => search("radial?" + assigned(), "searching the bar's place");
-el("limits").onclick = () => search("limits?" + mapQuery(), "searching the changes of the outcome");
+el("limits").onclick = () => { // the second key of the map has its present value
+  const query = assigned(), [x] = axes(), others = () => { const found = assigned(); found.delete(x); return found; };
+  query.set("on", mapQuery().get("on"));
+  search("limits?" + query, "searching the changes of the outcome", others);
+};
 el("design").onclick = () => {
   const query = mapQuery(), on = JSON.parse(query.get("on"));
   on.want = Object.fromEntries(["1", "2"].map((n) => [el("want-" + n).value, el("wanted-" + n).value.trim()]).filter(([, value]) => value));
