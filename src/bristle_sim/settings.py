@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from bristle_sim.units import ANY, Declared, quantity, shown
+from bristle_sim.declared import ANY, Declared, quantity
+from bristle_sim.units import shown
 
 MAXIMUM_STEPS = 500_000
 """Default step budget of a run: sixty whole passes of a rigid bristle, or one pass of a wire of 8

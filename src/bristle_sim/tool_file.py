@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.conversion import exact_text
+from bristle_sim.declared import Computed
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.units import Choice, Computed, Range, likely_key, shown
+from bristle_sim.units import Choice, Range, likely_key, shown
 
 ABSENT = "false"  # text of an absent part, as ``read_keys`` returns it
 

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from bristle_sim.units import UnusualValueWarning
+from bristle_sim.declared import UnusualValueWarning
 
 T = TypeVar("T")
 

@@ -17,19 +17,17 @@ from hypothesis import strategies as st
 import bristle_sim as bs
 from bristle_sim.cli.scripts import load_scenario, script_paths
 from bristle_sim.conversion import conversion, exact_text, plain_number
-from bristle_sim.parameters import Bristle
-from bristle_sim.units import (
+from bristle_sim.declared import (
     ANY,
-    Choice,
     Declared,
-    Range,
     UnusualValueWarning,
     choice,
     count,
     declarations,
-    displayed,
     quantity,
 )
+from bristle_sim.parameters import Bristle
+from bristle_sim.units import Choice, Range, displayed
 from bristle_sim.units import unusual_value as unusual
 
 FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")

@@ -24,6 +24,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 ORDER = (
     "arrays conversion",
     "version units files readable",
+    "declared",
     "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",

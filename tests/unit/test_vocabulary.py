@@ -9,9 +9,10 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.declared import declarations
 from bristle_sim.parameters import PARTS, tool_keys
 from bristle_sim.settings import EVENTS
-from bristle_sim.units import Choice, Range, declarations
+from bristle_sim.units import Choice, Range
 
 SCENARIOS = {name: load_scenario(path) for name, path in script_paths().items()}
 DECLARED = {part: declarations(part) for each in SCENARIOS.values() for part in each.parts}

@@ -27,10 +27,11 @@ from bristle_sim.cli.output import (
 )
 from bristle_sim.cli.scenario import Columns, Scenario, Values, build_parameters
 from bristle_sim.comparison import Report, Unfinished
+from bristle_sim.declared import UnusualValueWarning
 from bristle_sim.files import checked_target, is_special
 from bristle_sim.parameters import Tool
 from bristle_sim.tool_file import write_tool
-from bristle_sim.units import Range, UnusualValueWarning
+from bristle_sim.units import Range
 
 KINDS = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),

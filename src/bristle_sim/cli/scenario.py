@@ -12,18 +12,11 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 from bristle_sim.comparison import Report
+from bristle_sim.declared import declared_fields
 from bristle_sim.parameters import CONTACT_KEYS, PARTS, SHAPE_KEYS, Tool
 from bristle_sim.readable import WIDTH
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
-from bristle_sim.units import (
-    Choice,
-    Range,
-    declared_fields,
-    displayed,
-    displayed_range,
-    likely_key,
-    unusual_value,
-)
+from bristle_sim.units import Choice, Range, displayed, displayed_range, likely_key, unusual_value
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Any]

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.declared import Declared, choice
 from bristle_sim.dissertation import crater_figures, force_figures, impact_figures, pendulum_figures
 from bristle_sim.dissertation.redrawn import SOURCES, Redrawn, largest_differences
-from bristle_sim.units import Declared, choice
 
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},

@@ -5,7 +5,7 @@ and the measurement.
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.units import ANY, Declared, choice, count, quantity
+from bristle_sim.declared import ANY, Declared, choice, count, quantity
 
 MOST_CELLS = 1e7  # cells across times along of a ground; twice as many are kept, 160 MB a copy
 LEAST_CELLS = 2.0  # cells of a crater along and across, below which its shape is lost

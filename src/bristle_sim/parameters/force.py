@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.declared import Declared, count, declared_field, quantity, words_of
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.units import Declared, count, declared_field, quantity, shown, words_of
+from bristle_sim.units import shown
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.arrays import Number
-from bristle_sim.units import ANY, Computed, Declared, Range, choice, count, declarations, quantity
+from bristle_sim.declared import ANY, Computed, Declared, choice, count, declarations, quantity
+from bristle_sim.units import Range
 
 Vector = tuple[float, float]
 

@@ -11,18 +11,9 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.declared import Computed, Declared, declarations, quantity
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.units import (
-    Choice,
-    Computed,
-    Declared,
-    Range,
-    declarations,
-    displayed,
-    likely_key,
-    quantity,
-    shown,
-)
+from bristle_sim.units import Choice, Range, displayed, likely_key, shown
 
 # Hub angle at the start of a pass, rad: a quarter turn before the direction of the workpart.
 START = -math.pi / 2.0

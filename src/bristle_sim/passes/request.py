@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
+from bristle_sim.declared import Computed
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
-from bristle_sim.units import Choice, Computed, Range, likely_key
+from bristle_sim.units import Choice, Range, likely_key
 
 MOST_RADIANS = 1e5  # longest pass, times the fastest rate, rad; a step is some 2 rad
 OVERLAP_ROUNDING = 1e-11  # largest overlap at the start that is rounding, over the bristle's length

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from bristle_sim.declared import ANY, quantity, validate
 from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.reference.contacts import Bar, Point, WirePairs, Workpart, obstacles_of
 from bristle_sim.reference.decisions import close_contact
@@ -21,7 +22,6 @@ from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import State, System
 from bristle_sim.settings import EVENTS, StopReason, checked_name
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
-from bristle_sim.units import ANY, quantity, validate
 
 METHOD = "scipy DOP853"  # mark of the reference in a trajectory's parameters
 PERIODS_AT_REST = 3.0  # duration of a run on a resting hub, in natural periods of the bristle

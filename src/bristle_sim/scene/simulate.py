@@ -8,6 +8,7 @@ import time as clock
 from dataclasses import dataclass
 from typing import Any
 
+from bristle_sim.declared import Declared, quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.scene.build import (
@@ -27,7 +28,7 @@ from bristle_sim.scene.system import Plan, System
 from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool
 from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Declared, quantity, shown
+from bristle_sim.units import shown
 
 # names in a trajectory's parameters
 METHOD = "pymunk"

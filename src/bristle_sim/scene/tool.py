@@ -12,12 +12,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from bristle_sim.declared import Declared, count, quantity
 from bristle_sim.parameters import START, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
-from bristle_sim.units import Declared, count, quantity
 
 SLOWEST_MOTION = 1e-100
 """Slowest rate that counts as motion, rad/s; the unit of energy that follows from a slower rate

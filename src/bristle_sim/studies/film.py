@@ -18,6 +18,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Table, rows
+from bristle_sim.declared import UnusualValueWarning
 from bristle_sim.parameters import FilmGrid, Tool
 from bristle_sim.readable import amount, finite
 from bristle_sim.scene.simulate import simulate
@@ -29,7 +30,6 @@ from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_e
 from bristle_sim.studies.whole_pass import require_result, run_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import UnusualValueWarning
 
 # Time for which the run continues after a strike, s: one and a half periods of the wire's first bending mode
 FOLLOWED = 5e-4

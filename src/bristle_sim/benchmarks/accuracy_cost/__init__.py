@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bristle_sim.units import Declared, choice
+from bristle_sim.declared import Declared, choice
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from bristle_sim.cli.output import csv_text, document, format_value
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import cells
 from bristle_sim.conversion import exact_text, plain_number
+from bristle_sim.declared import Computed, declarations
 from bristle_sim.parameters import PARTS, Tool, tool_keys
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
@@ -26,7 +27,7 @@ from bristle_sim.render.story import key_events
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Computed, Range, declarations, displayed
+from bristle_sim.units import Choice, Range, displayed
 
 OFTEN = ("hub", "bristle", "bar", "workpart")
 """Parts whose knobs are visible when the page is loaded."""
