@@ -57,9 +57,6 @@ class Scene:
         rates: reads the links' rates.
         placed: state and drift of the last call of ``place``.
         turned: whole turns subtracted from the angles that the engine is given, rad.
-
-    Raises:
-        ValueError: unless there is one hinge for each joint between two links.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -174,11 +171,6 @@ def _add_springs(scene: Scene, space: pymunk.Space) -> None:
     joints = [
         pair for number, pair in enumerate(itertools.pairwise(scene.links), 1) if number % size
     ]
-    if effects.hinges and len(effects.hinges) != len(joints):
-        raise ValueError(
-            f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
-            f" {len(effects.hinges)}"
-        )
     for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
 

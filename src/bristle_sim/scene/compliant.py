@@ -11,12 +11,15 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
+from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
-from bristle_sim.scene.mechanism import Mechanism, State, cross
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Expectation, Spring
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
@@ -170,21 +173,11 @@ def rigid_stiffness(
     k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn = (lever of the normal about the root)^2/(moment of
     inertia of the straight wire about the root).
     """
+    turn = np.exp(1j * np.array(state.angles))
+    normals, _ = contact_rows(mechanism, turn, [ClosedPair(pair, None, None)], [touch])
     size = mechanism.wire_links
-    poses = mechanism.poses(state)
-    link = pair.link % len(mechanism.links)
-    wire = Mechanism(mechanism.links[link - link % size :][:size])
-    unstressed = wire.poses(State(0.0, (0.0,) * size, (0.0,) * size))
-    inertia = sum(
-        each.inertia + each.mass * math.hypot(*pose.centre) ** 2
-        for each, pose in zip(wire.links, unstressed, strict=True)
-    )
-    joint = poses[link].joint
-    root = poses[link - link % size].joint
-    lever = cross(
-        (joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal
-    )
-    return frictionless_stiffness(lever**2 / inertia, pair.restitution, duration)
+    inertia = mechanism.constants.products[:size, :size].real.sum()
+    return frictionless_stiffness(float(normals.sum() ** 2 / inertia), pair.restitution, duration)
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:

@@ -178,9 +178,10 @@ class EngineSteps:
         """
         self.steps += count
         self.work += count * self._price
-        longest = (LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO) * self._last_length
+        ratio = LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO
+        warm = length <= ratio * self._last_length
         self._last_length = length
-        if length <= longest:
+        if warm:
             return
         for joint in self.joints:
             joint.max_force = 0.0

@@ -170,6 +170,7 @@ ENERGETIC = EnergeticLaw()  # the law of every pair but those with the workpart
 # step of an engine impact, scene time units: so short that forces and motion within it are below
 # rounding
 ENGINE_STEP = 1e-12
+ENGINE_ITERATIONS = 10  # iterations of the engine's solver in that step: its default
 
 
 @dataclass(frozen=True)
@@ -179,11 +180,9 @@ class EngineLaw(ContactLaw):
 
     It serves for comparison. The coefficient of restitution is the engine's ``elasticity``. The law
     has no phases and only one friction coefficient, and may gain energy where bodies are joined in
-    a chain. ``iterations`` is the number of the engine solver's iterations, by default the engine's
-    own 10.
+    a chain.
     """
 
-    iterations: int = 10
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
@@ -191,9 +190,7 @@ class EngineLaw(ContactLaw):
         state after it and the contact record.
         """
         touch, _ = contact_at(scene, state, pair)
-        impulse = engine_impact(
-            scene, pair, touch.piece, touch.normal, self.iterations, ENGINE_STEP
-        )
+        impulse = engine_impact(scene, pair, touch)
         rates = tuple(scene.rates())
         scene.place(State(state.time, state.angles, rates))
         velocity = pair.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
@@ -206,19 +203,11 @@ class EngineLaw(ContactLaw):
         return self._after(scene, pair, state, outcome=outcome, **entries)
 
 
-def engine_impact(
-    scene: Scene, pair: ContactPair, piece: int, normal: Vector, iterations: int, step: float
-) -> Vector:
-    """Take one engine step that resolves an impact; return the normal and the tangential impulse on
-    the link.
+def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Vector:
+    """Take one engine step that resolves an impact of a placed scene; return the normal and the
+    tangential impulse on the link.
 
-    Args:
-        scene: the scene, placed at the instant of the impact.
-        pair: the pair, whose coefficients the engine uses as elasticity and friction.
-        piece: number of the link's straight piece that touches.
-        normal: unit vector out of the obstacle.
-        iterations: number of iterations of the engine's solver.
-        step: length of the step, so short that only the impact happens in it.
+    The engine uses the pair's coefficients as elasticity and friction.
     """
     assert not isinstance(pair, WirePair), (
         "the engine's own contacts are those of a link with a fixed obstacle"
@@ -229,7 +218,7 @@ def engine_impact(
         (x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)
     ]
     obstacle, *pieces = pair.shapes(space, scene.links[pair.link], corners)
-    touching = pieces[piece]
+    touching = pieces[touch.piece]
     for shape in (obstacle, touching):
         shape.friction = shape.elasticity = 1.0
     obstacle.friction = pair.friction
@@ -243,15 +232,15 @@ def engine_impact(
     space.add(obstacle, touching)
     space.on_collision(post_solve=note)
     before = space.iterations
-    space.iterations = iterations
-    scene.engine.step_alone(step)
+    space.iterations = ENGINE_ITERATIONS
+    scene.engine.step_alone(ENGINE_STEP)
     space.iterations = before
     space.on_collision()
     space.remove(obstacle, touching)
     if not impulses:
         return (0.0, 0.0)
     (x, y) = impulses[0]
-    push = x * normal[0] + y * normal[1]
-    rub = x * normal[1] - y * normal[0]
+    push = x * touch.normal[0] + y * touch.normal[1]
+    rub = x * touch.tangent[0] + y * touch.tangent[1]
     # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
     return (push, rub) if push >= 0.0 else (-push, -rub)

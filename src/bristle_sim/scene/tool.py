@@ -12,6 +12,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from bristle_sim.declared import Declared, count, quantity
 from bristle_sim.parameters import START, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
@@ -178,16 +180,9 @@ def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
     """Return the corners of the centre line between two distances along it from the root."""
     ends = [0.0, *itertools.accumulate(itertools.starmap(math.dist, itertools.pairwise(corners)))]
     inner = [each for each in ends if low + SHORTEST_PIECE < each < high - SHORTEST_PIECE]
-    found: list[Vector] = []
-    for place in (low, *inner, high):
-        piece = next(
-            (number for number, end in enumerate(ends[1:]) if place <= end + SHORTEST_PIECE),
-            len(ends) - 2,
-        )
-        (x, y), (u, v) = corners[piece : piece + 2]
-        fraction = (place - ends[piece]) / (ends[piece + 1] - ends[piece])
-        found.append((x + fraction * (u - x), y + fraction * (v - y)))
-    return found
+    places = [low, *inner, high]
+    x, y = (np.interp(places, ends, each).tolist() for each in zip(*corners, strict=True))
+    return list(zip(x, y, strict=True))
 
 
 def _link(corners: list[Vector]) -> Link:
