@@ -1,6 +1,9 @@
 """Processes that compute for the bench, so that a run can be stopped and a fault ends a run but not
 the server.
 
+Their linear algebra has one thread. The systems of a run are of three rows, and threads that wait
+for each other made a move take three times as long while the map is computed.
+
 A worker reads jobs from its standard input, one in each line, and writes its progress and its
 answer in one line each; all are JSON. A line with the number of a job stops that job. A worker ends
 when its input ends, and therefore with the server, however that ends.
@@ -21,6 +24,8 @@ import time
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, BinaryIO
+
+from bristle_sim.studies.sweep_workers import THREADS
 
 TIME_LIMIT = 60.0
 """Longest time of an answer, s.
@@ -52,8 +57,12 @@ class Worker:
         self.reason = ""
         self.progress = 0.0
         self._number = 0  # of its job
-        command = [sys.executable, "-c", f"from {__name__} import work; work()"]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", f"from {__name__} import work; work()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=dict.fromkeys(THREADS, "1") | os.environ,
+        )
         self._finalize = weakref.finalize(self, _end, self._process)
 
     def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
