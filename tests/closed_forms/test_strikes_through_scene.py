@@ -12,10 +12,18 @@ import pymunk
 import pytest
 
 from bristle_sim.contact_space.impulse import contact_space
-from bristle_sim.parameters import Contact, DoublePendulum, SinglePendulum, Surface
+from bristle_sim.parameters import (
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    SinglePendulum,
+    Strike,
+    Surface,
+)
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import double_pendulum, single_pendulum
+from bristle_sim.studies.impacts import double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.monofilament import monofilament_impact
 
@@ -120,3 +128,11 @@ def test_a_hinged_rod_met_on_its_axis_cannot_slip_by_an_impulse(slip: float) -> 
         )
         assert impact.outcome_name == "rebound"
         assert impact.impulse_normal == pytest.approx(1.5 * 0.9 / (3.0 * 0.9**2), rel=1e-12)
+
+
+def test_a_tangential_work_that_is_rounding_agrees() -> None:
+    """A wire along the surface has no velocity along it: W_x = 0."""
+    report = oblique_impact(
+        Hub(), Bristle(), Strike(impact_angle_deg=90.0), Surface(), Contact(), Settings()
+    )
+    assert all(row.ok for row in report.quantities), report.quantities

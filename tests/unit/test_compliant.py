@@ -272,3 +272,24 @@ class TestStick:
             ).history
             excess = np.abs(course.tangential_force) - friction * course.normal_force
             assert excess.max() <= 1e-6 * course.normal_force.max()
+
+
+@pytest.mark.parametrize("squared", [0.0, 1e-3, 1.2])
+@pytest.mark.parametrize("duration", [None, 1e-4, 1e-2])
+@pytest.mark.parametrize("degrees", [89.999999, 90.0, 90.001])
+@pytest.mark.parametrize("hub", [(0.0, 0.0), (1.0, 0.3)])
+def test_friction_cannot_stop_the_slip_of_a_rod_along_the_surface(
+    hub: tuple[float, float], degrees: float, duration: float | None, squared: float
+) -> None:
+    """K_tt passes through zero, and the slip with it: p_n = (1 + e) v/K_nn with v of the tip, K_nn = 3, and abs(p_t) <= mu p_n.
+
+    The rod turns by its rate times the duration in the contact; friction then acts with this lever.
+    """
+    mu, e = 0.3, 0.5
+    angle = -math.radians(degrees)
+    chain = Chain((1.0,), (1.0,), (angle,), (1.0,), *hub, angle)
+    law = Contact("compliant", duration, squared)
+    record = strike(chain, Surface(mu, None, e), law, Settings()).contact
+    normal, along = record.impulse
+    assert normal == pytest.approx((1.0 + e) * (1.0 + hub[0] * hub[1]) / 3.0, rel=5e-3)
+    assert abs(along) <= mu * normal * (1.0 + 1e-9)

@@ -79,6 +79,19 @@ def test_rounding_does_not_decide_what_ends_together(
         )
 
 
+@pytest.mark.parametrize("restitution", [0.99, 0.999, 1.0])
+@pytest.mark.parametrize("degrees", [40.0, 60.0])
+def test_the_foot_of_a_rod_on_a_turning_hub_stops_with_compression(
+    degrees: float, restitution: float
+) -> None:
+    """Within the rounding of the shortest contact stick and slip would follow each other for ever."""
+    angle = -math.radians(degrees)
+    chain = Chain((1.0,), (1.0,), (angle,), (1.0,), 1.0, 0.3, angle)
+    surface = Surface(0.3, None, restitution)
+    law = struck(chain, surface, Contact(tangential_compliance=1.2))
+    assert np.abs(struck(chain, surface, Contact("compliant", None, 1.2)) - law).max() < 1e-5
+
+
 def test_compression_that_a_swing_along_the_surface_ends() -> None:
     """The first swing after slip carries the tip of two rods out of compression and would carry it back in."""
     chain = Chain((0.564, 1.395), (1.0, 1.0), (-0.283, -0.266), (0.56, 0.792))

@@ -327,5 +327,5 @@ def _spring_events(
         yield Event(above_deepest, -1, Kind.PRESSED_ON, contact, at_deepest)
     if spring.slip:
         yield Event(slip, -1, Kind.FOOT_STOPS, contact, tolerance)
-    elif spring.compliance_in_stick:
+    elif spring.elastic or spring.compliance_in_stick:
         yield Event(spare, -1, Kind.CONE_REACHED, contact, tolerance)

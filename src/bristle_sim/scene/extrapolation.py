@@ -168,6 +168,9 @@ class Extrapolation:
                     if self.damped_step < math.inf:
                         error = min(max(error, LEAST_GAIN * known.get(row - 1, 0.0)), self.noise)
                     break
+        if error == math.inf:
+            # The engine turns a body at its old angle to the place that is set; a second placing is free of NaN.
+            scene.engine.place(None)
         weights = table.weights[len(results) - 1]
         others = table.first_order[len(results) - 1]
         best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]

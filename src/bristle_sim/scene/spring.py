@@ -36,6 +36,12 @@ NO_SLIP_TO_STOP = 1e-14
 """Least ratio K_tt/K_nn. A smaller K_tt is rounding: the tip moves along the normal and has no slip
 to stop."""
 
+NO_GRIP = 0.1
+MOST_TURN = 1e-3
+"""Turn of a link from the direction with K_tt = 0 within which its tip cannot stick, over the
+contact's duration in scene units, and the largest such turn, rad. There K_tt changes by more than
+itself in one interval, and no friction within the cone stops the slip."""
+
 # largest distance of a force from the friction cone's edge, over the friction limit, at which it is
 # on the edge
 EDGE_ROUNDING = 1e-9
@@ -186,9 +192,10 @@ class Spring:
 
     @property
     def compliance_in_stick(self) -> float:
-        """K_tt; 0 where the tip has no slip to stop."""
+        """K_tt; 0 where friction cannot stop the tip's slip."""
         normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
-        return tangential if tangential > NO_SLIP_TO_STOP * normal else 0.0
+        least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.expected.duration, MOST_TURN) ** 2)
+        return tangential if tangential > least * normal else 0.0
 
     @property
     def present_stiffness(self) -> float:

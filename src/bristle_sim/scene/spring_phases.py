@@ -160,15 +160,17 @@ def _change(
                 _settle_slip(system, motion, contact, spring)
         case Kind.CONE_REACHED:
             spring.slip = -1 if spring.stick_force > 0.0 else 1
-        case Kind.FOOT_STOPS if spring.elastic:
-            sense = spring.slip
-            _settle_foot(system, motion, contact, spring)
-            # The foot's velocity falls through zero: the force turns back from the cone's edge.
-            # Without friction the point swings.
-            spring.slip = 0 if spring.friction else -sense
         case Kind.FOOT_STOPS:
-            _settle_slip(system, motion, contact, spring)
-            stopped = not spring.slip and _ends_in_stiction(system, spring)
+            stopped = False
+            if spring.elastic:
+                sense = spring.slip
+                _settle_foot(system, motion, contact, spring)
+                # The foot's velocity falls through zero: the force turns back from the cone's edge.
+                # Without friction the point swings.
+                spring.slip = 0 if spring.friction else -sense
+            else:
+                _settle_slip(system, motion, contact, spring)
+                stopped = not spring.slip and _ends_in_stiction(system, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
             together = -system.approach(contact.pair) <= STOPS_TOGETHER * course.approach
             if spring.loading and (stopped or together):
@@ -275,7 +277,10 @@ def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring:
         force = sums.tangential
         penetration = spring.surface - system.gaps.gap(contact.pair, probe.state)
     limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
-    if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
+    if not spring.compliance_in_stick:  # the probe is free of friction
+        slip = system.gaps.closest(contact.pair, probe.state).velocity[1]
+        spring.slip = int(math.copysign(1.0, slip)) if slip else 0
+    elif spring.spare_friction(penetration, force) < -limit:
         spring.slip = -1 if force > 0.0 else 1
 
 

@@ -63,7 +63,9 @@ class Impacts:
     elastic: bool = False
 
 
-AT_REST = 1e-13  # largest rate after an impact that is zero, over the fastest rate before it
+AT_REST = 1e-13
+"""Largest rate after an impact that is zero, over the fastest rate before it; also the largest
+tangential work that is zero, over the normal work."""
 # Relative rounding of the distance of a position from the hub's centre. The height of the tip over
 # the root is the
 # difference of two positions.
@@ -162,7 +164,11 @@ def _bristle_rows(
         "rebound_ratio": at_rest,
         "tangential_compressive_work": hidden / math.cos(gamma),
     }
-    least = {"final_bristle_rate": AT_REST * abs(before), "rebound_ratio": AT_REST}
+    least = {
+        "final_bristle_rate": AT_REST * abs(before),
+        "rebound_ratio": AT_REST,
+        "tangential_compressive_work": AT_REST * abs(float(theory.normal_compressive_work)),
+    }
     simulated = contact_quantities(impacts.strikes[contact.law].contact)
     found = []
     for name in names:
