@@ -136,3 +136,13 @@ def test_a_tangential_work_that_is_rounding_agrees() -> None:
         Hub(), Bristle(), Strike(impact_angle_deg=90.0), Surface(), Contact(), Settings()
     )
     assert all(row.ok for row in report.quantities), report.quantities
+
+
+def test_a_bristle_at_rest_on_a_turning_hub_has_no_rebound_ratio() -> None:
+    """Its root moves, so its tip strikes; only a ratio to the rate 0 has no value."""
+    report = oblique_impact(
+        Hub(), Bristle(), Strike(speed_ratio=0.0), Surface(), Contact(), Settings()
+    )
+    judged = {row.name: row.ok for row in report.quantities}
+    assert judged.pop("rebound_ratio") is None
+    assert all(judged.values()), report.quantities

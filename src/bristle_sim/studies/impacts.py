@@ -158,18 +158,18 @@ def _bristle_rows(
     hidden = HEIGHT_ROUNDING * (1.0 + chain.hub_radius / chain.lengths[0])
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), hidden / math.sin(gamma))
     # A rate after the impact has the rounding of the rate before it.
-    at_rest = HEIGHT_ROUNDING / max(abs(theory.rebound_ratio), AT_REST)
+    at_rest = HEIGHT_ROUNDING / max(abs(theory.rebound_ratio), AT_REST) if before else 0.0
     rounding = {
         "final_bristle_rate": at_rest,
         "rebound_ratio": at_rest,
         "tangential_compressive_work": hidden / math.cos(gamma),
     }
+    simulated = contact_quantities(impacts.strikes[contact.law].contact)
     least = {
         "final_bristle_rate": AT_REST * abs(before),
         "rebound_ratio": AT_REST,
-        "tangential_compressive_work": AT_REST * abs(float(theory.normal_compressive_work)),
+        "tangential_compressive_work": AT_REST * abs(simulated["normal_compressive_work"] or 0.0),
     }
-    simulated = contact_quantities(impacts.strikes[contact.law].contact)
     found = []
     for name in names:
         known = name != "rebound_ratio" or before != 0.0
