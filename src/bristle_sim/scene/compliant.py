@@ -20,7 +20,7 @@ from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
-from bristle_sim.scene.spring import Expectation, Spring
+from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE
@@ -121,13 +121,19 @@ class CompliantLaw(ContactLaw):
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         stepper = self._stepper(longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
-        expected = Expectation(
-            duration, longest, rigid.outcome_name, self.duration is not None, stepper
-        )
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
         )
-        return Spring(law, pair, expected, touch.gap, space.inverse_mass)
+        return Spring(
+            law=law,
+            pair=pair,
+            duration=duration,
+            predicted=rigid.outcome_name,
+            finite_duration=self.duration is not None,
+            stepper=stepper,
+            surface=touch.gap,
+            inverse_mass=space.inverse_mass,
+        )
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""

@@ -119,10 +119,8 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
                 if contact.spring is not None
             }
         )
-    shortest = min(
-        (spring.expected for spring in springs), key=lambda expected: expected.longest, default=None
-    )
-    system.stepper = system.flight if shortest is None else shortest.stepper
+    steppers = [spring.stepper for spring in springs]
+    system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
     motion.watch(system)
     return motion
 
@@ -222,7 +220,7 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
         system.event("jam", wires)
         return Contacts(staying)
     # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
-    spent = outcome is Outcome.NO_REBOUND and spring.expected.finite_duration
+    spent = outcome is Outcome.NO_REBOUND and not system.follows_law(spring)
     leaves = outcome is Outcome.REBOUND and system.approach(pair) > system.slow
     again = None if leaves else pressed_on(system, replace(motion, contacts=tuple(staying)), pair)
     if again is not None:
@@ -239,7 +237,7 @@ def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> 
     """Add the difference from the impact law to the run's error, for a contact that stands for the
     rigid-body limit.
     """
-    if contact.start is None or spring.expected.finite_duration:
+    if contact.start is None or not system.follows_law(spring):
         return
     limit, _ = system.law_of(contact.pair).resolve(system.scene, contact.start, contact.pair)
     system.recording.error += max(

@@ -269,8 +269,8 @@ def _spring_events(
     """
     pair = contact.pair
     gaps = system.gaps
-    duration = spring.expected.duration
-    tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
+    duration = spring.duration
+    tolerance = max(LOCATED_VELOCITY * spring.stepper.noise, math.ulp(1.0))
 
     @lru_cache(maxsize=1)
     def touch(state: State) -> ClosestApproach:
@@ -302,7 +302,7 @@ def _spring_events(
     def spare(at: IntervalResult) -> float:
         """Return the margin of the tangential force to the friction limit, scaled to a velocity."""
         if spring.elastic:
-            force = spring.elastic_force(gaps.along(pair, at.state))
+            force = spring.law.tangential_force(gaps.along(pair, at.state), spring.foot)
         elif at.totals:
             force = at.sums(index).tangential
         else:

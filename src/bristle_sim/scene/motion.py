@@ -134,9 +134,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     if system.stepper.accepts(result, length):
         before = (motion.before or at_state(start))._replace(state=start)
         return Interval(before, result, integrate_to), None
-    durations = [
-        SHORTEST_CONTACT_INTERVAL * spring.expected.duration for _, spring in motion.springs
-    ]
+    durations = [SHORTEST_CONTACT_INTERVAL * spring.duration for _, spring in motion.springs]
     if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
     return None, None
@@ -314,7 +312,7 @@ def _proposed(system: System, motion: Motion) -> float:
     stepper = system.stepper
     left = plan.end - system.state.time
     longest = min(plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
-    lengths = [spring.expected.longest for _, spring in motion.springs]
+    lengths = [spring.stepper.longest for _, spring in motion.springs]
     if lengths:
         longest = min(longest, *lengths)
         return stepper.propose(
@@ -331,14 +329,11 @@ def overdue(system: System, motion: Motion) -> Happening | None:
     """Return the event that ends a contact lasting over ``OVERDUE_DURATIONS`` times as long as
     expected; None without one.
 
-    It ends only contacts in the rigid-body limit and single contacts of rigid links, which would
-    not end otherwise.
+    It ends only contacts that follow the impact law, which would not end otherwise.
     """
-    single = system.plan.single_contact and not system.scene.effects.hinges
     for contact, spring in motion.springs:
         since = 0.0 if contact.start is None else system.state.time - contact.start.time
-        if since > OVERDUE_DURATIONS * spring.expected.duration and (
-            single or not spring.expected.finite_duration
-        ):
+        overdue = since > OVERDUE_DURATIONS * spring.duration
+        if overdue and system.follows_law(spring):
             return Happening(Kind.OVERDUE, contact)
     return None

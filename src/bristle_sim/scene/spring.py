@@ -116,25 +116,6 @@ class ContactCourse:
         return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
 
 
-class Expectation(NamedTuple):
-    """The contact that the impact law predicts, and how it is integrated.
-
-    Attributes:
-        duration: predicted duration.
-        longest: longest interval of its integration.
-        outcome: predicted outcome.
-        finite_duration: whether the duration is given, so that the bodies move noticeably in the
-            contact. Otherwise the contact is short enough for the rigid-body limit.
-        stepper: integrator.
-    """
-
-    duration: float
-    longest: float
-    outcome: str
-    finite_duration: bool
-    stepper: Extrapolation
-
-
 @dataclass(slots=True, eq=False)
 class Spring:
     """Normal spring with energetic restitution, Coulomb friction, and a tangential spring if the
@@ -143,7 +124,11 @@ class Spring:
     Attributes:
         law: constitutive law, in engine units.
         pair: the touched pair.
-        expected: prediction of the contact.
+        duration: predicted duration of the contact.
+        predicted: outcome that the impact law predicts.
+        finite_duration: whether the duration is given, so that the bodies move noticeably in the
+            contact. Otherwise the contact is short enough for the rigid-body limit.
+        stepper: integrator of the contact.
         surface: gap at the first touch, from which the penetration is measured.
         inverse_mass: K at the first touch, or at the last update from the bodies.
         deepest: penetration at which unloading, which is steeper, began; None while the spring
@@ -159,7 +144,10 @@ class Spring:
 
     law: ContactSpring
     pair: WorkpartPair
-    expected: Expectation
+    duration: float
+    predicted: str
+    finite_duration: bool
+    stepper: Extrapolation
     surface: float
     inverse_mass: Array
     deepest: float | None = None
@@ -238,19 +226,13 @@ class Spring:
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
-        return rise / (SHORTEST_SWING * self.expected.duration)
+        return rise / (SHORTEST_SWING * self.duration)
 
     def foot_speed(self, velocity: Vector) -> float:
         """Return the velocity at which the tangential spring's foot slides; without such a spring,
         that of the contact point.
         """
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
-
-    def elastic_force(self, place: float) -> float:
-        """Return the tangential spring's force at a position of the contact point, while the
-        spring's foot stands.
-        """
-        return self.law.tangential_force(place, self.foot)
 
     def set_foot(self, penetration: float, place: float) -> bool:
         """Set the foot so that the force, limited to the friction cone, does not jump; return

@@ -102,32 +102,25 @@ def change_spring(
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, contact, spring, kind)
     # Vibrating bodies may press the contact point on again.
-    quiet = not spring.loading and (
-        system.mechanism.single_link or not spring.expected.finite_duration
-    )
+    quiet = not spring.loading and (system.mechanism.single_link or system.follows_law(spring))
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
     if outcome is None and quiet and penetration - spring.residual < least:
         return Outcome.REBOUND
     if outcome is not None or before == (spring.loading, spring.slip):
         return outcome
     _note_phase(contact, spring)
-    course = spring.course
-    if (
-        spring.expected.outcome == Outcome.JAM
-        and spring.loading
-        and not spring.slip
-        and not spring.elastic
-    ):
-        if not spring.expected.finite_duration:
+    jams = spring.predicted == Outcome.JAM
+    if jams and spring.loading and not spring.slip and not spring.elastic:
+        if not spring.finite_duration:
             return Outcome.JAM
-        if course.stopped is None:
+        if spring.course.stopped is None:
             # The bodies move during the contact and may still leave it.
-            course.stopped = (
+            spring.course.stopped = (
                 system.state,
                 contact.impulse,
                 contact.work,
-                len(course.rows),
-                len(course.phases),
+                len(spring.course.rows),
+                len(spring.course.phases),
             )
     return None
 
@@ -136,7 +129,6 @@ def _change(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
 ) -> Outcome | None:
     """Apply an event; return the contact's outcome if it is over, else None."""
-    expected = spring.expected
     course = spring.course
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         _leave_rest(system, contact, spring)
@@ -150,8 +142,8 @@ def _change(
                 system.state, contact.impulse, contact.work, rows, phases = course.stopped
                 del course.rows[rows:], course.phases[phases:]
                 course.compression = None
-            stuck = expected.outcome in (Outcome.JAM, Outcome.STICTION)
-            return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
+            stuck = spring.predicted in (Outcome.JAM, Outcome.STICTION)
+            return Outcome(spring.predicted) if stuck else Outcome.NO_REBOUND
         case Kind.PRESSED_ON:
             spring.pressed_on = spring.at_rest
             spring.at_rest = False
@@ -243,14 +235,8 @@ def _penetration(system: System, contact: ActiveContact, spring: Spring) -> floa
 
 
 def _ends_in_stiction(system: System, spring: Spring) -> bool:
-    """Return whether a contact ends where the rigid-body law predicts stiction.
-
-    It ends there in the rigid-body limit, and in a single contact of a single link.
-    """
-    halts = not spring.expected.finite_duration or (
-        system.plan.single_contact and system.mechanism.single_link
-    )
-    return halts and spring.expected.outcome == Outcome.STICTION
+    """Return whether a contact follows the impact law, and the law predicts stiction."""
+    return system.follows_law(spring) and spring.predicted == Outcome.STICTION
 
 
 def _slip_error(system: System, contact: ActiveContact) -> float:
@@ -321,8 +307,6 @@ def _probe(
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
     normal, coupling = spring.inverse_mass[0].tolist()
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
-    length = PROBED_FRACTION * min(
-        spring.expected.duration, math.pi / math.sqrt(most) if most else math.inf
-    )
-    probe = spring.expected.stepper.advance(system.scene, system.state, length, load)
+    length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)
+    probe = spring.stepper.advance(system.scene, system.state, length, load)
     return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.closed))

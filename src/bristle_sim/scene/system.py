@@ -14,6 +14,7 @@ from bristle_sim.scene.gaps import AT_JOINT, GAP_ROUNDING, Gaps
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair
+from bristle_sim.scene.spring import Spring
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
@@ -160,6 +161,13 @@ class System:
     def law_of(self, pair: ContactPair) -> ContactLaw:
         """Return the impact law of a pair."""
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
+
+    def follows_law(self, spring: Spring) -> bool:
+        """Return whether a contact with a spring ends as the impact law predicts: in the rigid-body
+        limit, and as the single contact of rigid links. In others the links may move noticeably.
+        """
+        single = self.plan.single_contact and not self.scene.effects.hinges
+        return single or not spring.finite_duration
 
     def slip_error(self, fastest: State) -> float:
         """Return the possible error of a slip velocity in a motion whose fastest state is given; a
