@@ -114,11 +114,8 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     def lost(at: Array) -> float:
         """Integrate the power over samples by the trapezoidal rule with end slopes, of fourth order, J."""
         step = np.diff(run.time[at])
-        return float(
-            (
-                0.5 * step * (power[at][1:] + power[at][:-1]) - step**2 / 12.0 * np.diff(slope[at])
-            ).sum()
-        )
+        mean = 0.5 * (power[at][1:] + power[at][:-1])
+        return float(step @ (mean - step / 12.0 * np.diff(slope[at])))
 
     found = [0.0]
     uncertain = [0.0]

@@ -90,21 +90,16 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
     }
 
 
-def outcome_of(contact: ContactRecord | None) -> str:
-    """Return the report's word for the end of a contact; a jam is reported as stiction."""
-    if contact is None:
-        return "no contact"
-    return "stiction" if contact.outcome == "jam" else contact.outcome
-
-
 def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
     """Return the outcome of a contact as fields of a report: its name, the words for it in
-    sentences, and the contact's phases.
+    sentences, and the contact's phases. A jam is reported as stiction.
     """
+    if contact is None:
+        return {"outcome": "no contact", "outcome_in_words": "does not strike"}
     return {
-        "outcome": outcome_of(contact),
-        "outcome_in_words": "does not strike" if contact is None else contact.outcome_in_words,
-        "phases": () if contact is None else contact.phases,
+        "outcome": "stiction" if contact.outcome == "jam" else contact.outcome,
+        "outcome_in_words": contact.outcome_in_words,
+        "phases": contact.phases,
     }
 
 

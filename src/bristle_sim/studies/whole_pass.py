@@ -99,15 +99,17 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     )
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
-    estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    estimate += (
-        ""
-        if cost.holds_until is None
-        else f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
-    )
-    excess = cost.error_estimate is not None and cost.error_estimate > settings.accuracy
-    if excess and not run.accuracy_not_reached:
-        estimate += f", above the requested accuracy {settings.accuracy:g}: request a smaller one"
+    estimate = ""
+    if cost.error_estimate is not None:
+        estimate = f", error estimate {cost.error_estimate:.1e}"
+        if cost.holds_until is not None:
+            estimate += (
+                f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
+            )
+        if cost.error_estimate > settings.accuracy and not run.accuracy_not_reached:
+            estimate += (
+                f", above the requested accuracy {settings.accuracy:g}: request a smaller one"
+            )
     remarks = [
         invariants_in_words(invariants),
         f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
@@ -146,13 +148,9 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
         if value is not None:
             unit = QUANTITIES[name][1]
             # Angles are differences of two of some radians, the relative speed one of rates of the hub's size.
-            size = (
-                tool.hub.speed
-                if name == "relative_speed_at_contact"
-                else math.degrees(1.0)
-                if unit == "deg"
-                else 0.0
-            )
+            size = math.degrees(1.0) if unit == "deg" else 0.0
+            if name == "relative_speed_at_contact":
+                size = tool.hub.speed
             own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
             within[name] = own * max(1.0, size / abs(value) if value else size)
     return within
@@ -194,10 +192,13 @@ def measures_of(tool: Tool, run: Trajectory) -> Values:
     """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
-    release = retraction = None
-    for each in run.contacts:
-        if each.obstacle == "bar" and each.time <= until:
-            release = max(release or 0.0, each.time + each.duration)
+    ends = (
+        each.time + each.duration
+        for each in run.contacts
+        if each.obstacle == "bar" and each.time <= until
+    )
+    release = max(ends, default=None)
+    retraction = None
     if release is not None:
         retraction = math.degrees(run.retraction[int(abs(run.time - release).argmin())])
     return {
@@ -224,11 +225,9 @@ def _formulas(tool: Tool) -> Values:
         or not hub.speed
     ):
         return UNKNOWN
-    geometry = (hub.radius, bristle.length)
+    place = (bar.horizontal, bar.vertical, tool.bar_reach)
     try:
-        retraction = float(
-            cueing.retraction_at_bar(bar.horizontal, bar.vertical, tool.bar_reach, *geometry)
-        )
+        retraction = float(cueing.retraction_at_bar(*place, hub.radius, bristle.length))
         cue = cueing.cue(tool, retraction)
     except ValueError:
         return UNKNOWN
@@ -247,10 +246,9 @@ def _formulas(tool: Tool) -> Values:
     }
     if not cue.impact_angle > 0.0:
         return values
-    wire = (bristle.mass, bristle.length, hub.radius, hub.speed)
-    ratio = rate / hub.speed
+    wire = (bristle.mass, bristle.length, hub.radius, hub.speed, rate / hub.speed)
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
-    impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
+    impact = monofilament_impact(*wire, cue.impact_angle, *coefficients)
     return {**values, **{name: float(getattr(impact, name)) for name in IMPACT}}
 
 
@@ -266,18 +264,20 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 
 def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
     """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
-    cost_fields = {"wall_s": cost.wall_s, "steps": cost.steps}
-    return {**outcome_fields(contact), "events": tuple(events.items()), **cost_fields}
+    return {
+        **outcome_fields(contact),
+        "events": tuple(events.items()),
+        "wall_s": cost.wall_s,
+        "steps": cost.steps,
+    }
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:
     """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
-    reason = run.stop_reason
-    time = float(run.time[-1])
     return {
-        "reason": str(reason),
-        "time": time,
-        "complete": not reason.gives_up,
+        "reason": str(run.stop_reason),
+        "time": float(run.time[-1]),
+        "complete": not run.stop_reason.gives_up,
         "remedy": run.stop_advice,
     }
 
