@@ -1,8 +1,7 @@
 """A tool in a TOML file: the keys of ``--set``, each with unit, meaning and source in a comment.
 
 A text such as ``"27 mm"`` has its unit. A bare number is in SI units, or in degrees if the key ends
-in ``_deg``. An absent part is ``bar = false``. An omitted key has its default. The keys of a part
-may also be in a table of its name.
+in ``_deg``. An absent part is ``bar = false``. An omitted key has its default.
 """
 
 import json
@@ -15,7 +14,7 @@ from typing import Any
 from bristle_sim.conversion import exact_text
 from bristle_sim.declared import Computed
 from bristle_sim.files import complete_or_absent
-from bristle_sim.parameters import PARTS, Tool, tool_keys
+from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.units import Choice, Range, likely_key, shown
 
@@ -35,8 +34,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         Text by key, and ``"false"`` by the name of each absent part.
 
     Raises:
-        ValueError: in one line, for a file that is not TOML, an unknown key or table, and a key
-            both in a table and outside.
+        ValueError: in one line, for a file that is not TOML, an unknown key, or a table.
         OSError: for a file that cannot be read.
     """
     content = Path(path).read_bytes()
@@ -46,37 +44,26 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         )  # some editors write a byte order mark first
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
-    known = tool_keys()
+    known = {key for keys in tool_keys().values() for key in keys} | {*further}
     typed = dict[str, str]()
-    every = {key for keys in known.values() for key in keys} | {*further}
-    for name, value in found.items():
+    for key, value in found.items():
         if isinstance(value, dict):
-            if name not in PARTS:
-                raise ValueError(f"{path}: unknown table [{name}]; {likely_key(name, PARTS)}")
-            for key, each in value.items():
-                if not isinstance(found.get(key, {}), dict):
-                    raise ValueError(
-                        f"{path}: {shown(key)}: must stand once, either in the table [{name}] or outside"
-                    )
-                typed[key] = _text(path, key, each, known[name], f"[{name}] ")
-        elif value is False and name in MAY_BE_ABSENT:
-            typed[name] = ABSENT
-        elif name in PARTS and name not in every:
-            absent = ", or false where there is none" if name in MAY_BE_ABSENT else ""
-            raise ValueError(f"{path}: {name} = {shown(value)}: must be a table [{name}]{absent}")
-        else:
-            typed[name] = _text(path, name, value, every)
+            raise ValueError(f"{path}: [{key}]: must have no tables, but one line for each key")
+        if key in MAY_BE_ABSENT:
+            if value is not False:
+                raise ValueError(
+                    f"{path}: {key} = {shown(value)}: must be false, where the tool has none"
+                )
+            typed[key] = ABSENT
+            continue
+        if key not in known:
+            raise ValueError(f"{path}: unknown key {shown(key)}; {likely_key(key, known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise ValueError(
+                f"{path}: {key} = {shown(value)}: must be a number or a text with a unit"
+            )
+        typed[key] = value if isinstance(value, str) else repr(value)
     return typed
-
-
-def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: str = "") -> str:
-    if key not in known:
-        raise ValueError(f"{path}: {where}unknown key {shown(key)}; {likely_key(key, known)}")
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(
-            f"{path}: {where}{key} = {shown(value)}: must be a number or a text with a unit"
-        )
-    return value if isinstance(value, str) else repr(value)
 
 
 def read_tool(path: str | Path) -> Tool:

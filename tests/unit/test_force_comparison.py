@@ -73,8 +73,6 @@ def test_a_contact_of_given_time_and_impulse(friction):
 @pytest.mark.parametrize(
     ("asked", "line"),
     [
-        ({}, "exactly one"),
-        ({"rate": 1.0, "impulse": 1.0}, "exactly one"),
         ({"rate": -1e3}, "approaches at"),
         (
             {"rate": RATE, "compression_time": 2e-4, "angle": 0.001},

@@ -210,16 +210,16 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
     cut = (crater.friction, gamma, crater.shear_yield_stress)
     straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
-    simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
-    face = TipFace(short_axis=bristle.wire_diameter)
-    limits = [depth_from_force(force, straight, gamma, face)]
-    limits += [depth_from_energy(energy, specific, gamma, face) for specific in (straight, leaning)]
-    known = list(CONTACT_DEPTHS)[0 if parallel.shear_plane_emerges else 2 :]
-    sides = (
-        dict(zip(CONTACT_DEPTHS, map(float, each), strict=True)) for each in (simulated, limits)
-    )
-    first, second = ({name: each[name] for name in known} for each in sides)
-    return first, second
+    at_face = (gamma, TipFace(short_axis=bristle.wire_diameter))
+    by_force, by_energy, by_energy_inclined = CONTACT_DEPTHS
+    simulated = {by_energy_inclined: float(inclined.depth_from_energy)}
+    theory = {by_energy_inclined: float(depth_from_energy(energy, leaning, *at_face))}
+    if parallel.shear_plane_emerges:
+        simulated[by_force] = float(parallel.depth_from_force)
+        simulated[by_energy] = float(parallel.depth_from_energy)
+        theory[by_force] = float(depth_from_force(force, straight, *at_face))
+        theory[by_energy] = float(depth_from_energy(energy, straight, *at_face))
+    return simulated, theory
 
 
 def cut_of(crater: Crater, wire_diameter: float = PRINTED_FACE.short_axis) -> dict[str, Any]:

@@ -204,15 +204,12 @@ def timed_contact(
         hub, bristle, surface, settings: parameters of the strike.
         impact_angle: gamma, rad.
         compression_time: time from first touch to deepest penetration, s.
-        rate: rate of the bristle before the strike, rad/s; either ``rate`` or ``impulse`` must be
-            given.
+        rate: rate of the bristle before the strike, rad/s, if ``impulse`` is not given.
         impulse: compressive impulse, N s.
 
     Raises:
         ValueError: if there is no such contact.
     """
-    if (rate is None) == (impulse is None):
-        raise ValueError("rate, impulse: must be exactly one of the two")
     requested = [compression_time]
     speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
     if impulse is not None:
