@@ -21,8 +21,15 @@ from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.readable import WIDTH, aligned, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import unable
-from bristle_sim.studies.scenario_sweep import Swept, sweep_in_arrays, sweep_of_runs
-from bristle_sim.studies.sweep_words import FIRST, constants_in_words, shown_value, sweep_in_words
+from bristle_sim.studies.scenario_sweep import (
+    FIRST,
+    Swept,
+    constants_in_words,
+    shown_value,
+    sweep_in_arrays,
+    sweep_in_words,
+    sweep_of_runs,
+)
 from bristle_sim.units import Range, likely_key
 
 MOST_POINTS = 10**6

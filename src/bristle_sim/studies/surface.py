@@ -20,9 +20,8 @@ from bristle_sim.parameters import Blasting, Bristle, Crater, Hub, Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
-from bristle_sim.studies.blast import Blasted, blast, mean_rz, whole_planes
 from bristle_sim.studies.crater_study import MEASURED, swept_crater
-from bristle_sim.studies.ground import Ground
+from bristle_sim.studies.ground import Blasted, Ground, blast, mean_rz, whole_planes
 from bristle_sim.theory.crater_body import CraterBody, Paraboloid
 from bristle_sim.theory.roughness import (
     SECTIONS,

@@ -22,8 +22,7 @@ from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
-from bristle_sim.studies.sweep_results import Results, check_name
-from bristle_sim.studies.sweep_store import BLOCK, SweepStore
+from bristle_sim.studies.sweep_store import BLOCK, Results, SweepStore, check_name
 from bristle_sim.studies.sweep_workers import LOST, client_of, evaluated
 from bristle_sim.units import shown
 
@@ -116,7 +115,7 @@ def _results(
 ) -> Results:
     """Return results in memory or in the store's folder of this function and grid."""
     if store is None:
-        return Results(tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes)))
+        return Results(grid)
     coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
     digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
     return SweepStore(Path(store) / f"{digest}.zarr", grid)

@@ -1,7 +1,8 @@
-"""Results of a sweep as zarr arrays in a folder: written as they come, checked before more are computed, read by xarray.
+"""Results of a sweep on the grid of its points, in memory and as zarr arrays in a folder.
 
-In zarr a part of an array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the others
-intact, and xarray reads no more than is used. Descriptions and coordinates can be made anew, so that a damaged one costs no point.
+In a folder they are written as they come, checked before more are computed, and read by xarray. In zarr a part of an
+array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the others intact, and xarray reads
+no more than is used. Descriptions and coordinates can be made anew, so that a damaged one costs no point.
 """
 
 import json
@@ -10,7 +11,7 @@ import math
 import os
 import time
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,7 @@ import zarr
 from numpy.typing import NDArray
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
-from bristle_sim.studies.sweep_point import FAILURE
-from bristle_sim.studies.sweep_results import NOT_COMPUTED, Results
+from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
 
 # Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN.
 UNWRITTEN = 9.969209968386869e36
@@ -31,13 +31,93 @@ BLOCK = 4096  # Most points of a chunk, which is a file
 GROUP = "zarr.json"  # Description of a group or an array, a file in its folder
 
 
+NOT_COMPUTED = "not computed"  # The reason of points that are still to be computed
+
+
+class Results:
+    """The reasons of failures and an array for each result, whose first axes are those of the grid.
+
+    ``shapes`` has the shape of a single point's result by name. ``taken`` has the names of parameters and dimensions.
+    """
+
+    def __init__(self, grid: xr.Dataset) -> None:
+        self.shape = tuple(grid.sizes.values())
+        self.taken = {*map(str, grid.coords), *map(str, grid.sizes)}
+        self.shapes: dict[str, tuple[int, ...]] = {}
+        self.arrays: dict[str, Any] = {FAILURE: np.full(self.shape, NOT_COMPUTED, dtype=object)}
+
+    def missing(self, again: str = "") -> NDArray[np.bool_]:  # noqa: ARG002
+        """Return which points of the grid must be computed; a store computes some reasons of failure again."""
+        return np.asarray(self.arrays[FAILURE] == NOT_COMPUTED)
+
+    def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
+        """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
+
+        Raises ValueError for a result with the name of a parameter, or with a name that no array can have.
+        """
+        numbers = np.array([number for (number, _), _ in outcomes])
+        results = [values for _, (values, _) in outcomes]
+        reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
+        new = dict[str, tuple[int, ...]]()
+        for values in results:
+            for name in values.keys() - self.shapes.keys():
+                new.setdefault(name, values[name].shape)
+        if new:
+            self._add(new)
+        for name, inner in self.shapes.items():
+            column = np.full((len(outcomes), *inner), math.nan)
+            for i, values in enumerate(results):
+                value = values.get(name)
+                if value is not None and value.shape == inner:
+                    column[i] = value
+                elif value is not None:
+                    reasons[i] = f"{name} has the shape {value.shape}, at other points {inner}"
+            self._put(name, numbers, column)
+        self._put(FAILURE, numbers, reasons)
+
+    def _add(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        """Add results that points computed earlier do not have."""
+        for name in shapes:
+            if name in self.taken:
+                raise ValueError(
+                    f"function: its result {name} must not have the name of a parameter or dimension"
+                )
+            check_name("function: its result", name)
+        self._create(shapes)
+        self.shapes.update(shapes)
+
+    def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        """Create arrays of NaN by name and shape of a point's result."""
+        self.arrays.update(
+            (name, np.full((*self.shape, *inner), math.nan)) for name, inner in shapes.items()
+        )
+
+    def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
+        """Write values of points by their numbers in the grid."""
+        if values.size:
+            self.arrays[name].reshape(-1, *values.shape[1:])[numbers] = values
+
+
+def check_name(what: str, name: str) -> None:
+    """Raise ValueError for a name that an array in a folder cannot have."""
+    if (
+        not name.isprintable()
+        or not name
+        or "/" in name
+        or name.startswith((".", "__"))
+        or name == "zarr.json"
+    ):
+        rule = (
+            "must have a name without / and unprintable letters, that begins with neither . nor __"
+        )
+        raise ValueError(f"{what} {name!r} {rule}")
+
+
 class SweepStore(Results):
     """Results in a folder, whose attributes repeat their names and shapes with a checksum."""
 
     def __init__(self, folder: Path, grid: xr.Dataset) -> None:
-        super().__init__(
-            tuple(grid.sizes.values()), (*map(str, grid.coords), *map(str, grid.sizes))
-        )
+        super().__init__(grid)
         self.folder = folder
         self.grid = grid
         for partial in folder.rglob("*.partial"):
