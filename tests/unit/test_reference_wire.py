@@ -29,7 +29,9 @@ class TestFreeWire:
         tool = Tool(bristle=Bristle(links=3, modulus=1e10), bar=None, workpart=None)
         run = simulate_reference(tool, start_relative_angle=-0.5, duration=0.003, accuracy=1e-12)
         chain = Chain(tool, -0.5 * math.pi)
-        place, velocity, turning = chain.pieces_motion(run.time, run.angles, run.rates)
+        motion = chain.kinematics(run.time, run.angles, run.rates)
+        place, velocity = chain.points(motion, chain.pieces.links, chain.middles)
+        turning = run.rates[:, chain.pieces.links]
         moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * turning).sum(
             axis=1
         )

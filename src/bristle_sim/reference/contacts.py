@@ -171,18 +171,13 @@ class Bar:
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact on a flank or a corner."""
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
-        joint = motion.joint[link]
-        turn = motion.turn[link]
-        along = direction * turn
-        origin = joint + start * turn
+        origin, _ = chain.points(motion, link, start)
+        along = direction * motion.turn[link]
         away = length if point.corner else dot(along, self.centre - origin)
-        outward = origin + away * along - self.centre
-        distance = abs(outward)
-        normal = outward / distance
-        spin = motion.rates[link]
-        if point.corner:
-            corner = motion.velocity[link] + 1j * spin * (origin + away * along - joint)
-            spin = dot(1j * normal, corner) / distance
+        place, carried = chain.points(motion, link, start + away * direction)
+        distance = abs(place - self.centre)
+        normal = (place - self.centre) / distance
+        spin = dot(1j * normal, carried) / distance if point.corner else motion.rates[link]
         surface = self.centre + (distance - self.wire_radius) * normal
         # The place of contact stays on the bar, whose normal turns at ``spin``.
         moving = 1j * spin * normal * (distance - self.wire_radius)
@@ -203,18 +198,16 @@ class Workpart:
         """
         corners = list(chain.corners)
         links = chain.pieces.links[corners]
-        ends = chain.pieces.ends[corners] * motion.turn[..., links]
-        return np.asarray((motion.joint[..., links] + ends).imag + self.depth)
+        places, _ = chain.points(motion, links, chain.pieces.ends[corners])
+        return np.asarray(places.imag + self.depth)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a corner at the surface."""
         link = int(chain.pieces.links[point.piece])
-        arm = complex(chain.pieces.ends[point.piece] * motion.turn[link])
-        corner = complex(motion.joint[link]) + arm
-        moving = complex(motion.velocity[link] + 1j * motion.rates[link] * arm)
-        return touch_of(
-            chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving
-        )._replace(along=corner.real)
+        corner, moving = chain.points(motion, link, chain.pieces.ends[point.piece])
+        gap = corner.imag + self.depth
+        touch = touch_of(chain, motion, link, gap, 1j, corner, 0.0, moving)
+        return touch._replace(along=float(corner.real))
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
@@ -264,9 +257,8 @@ class WirePairs:
         """Return the kinematics of a pair's contact."""
         first, second = wires = self.pairs[point.piece]
         distance, end, places = self._nearest(chain, motion, first, second)
-        arms = np.array(places) * (chain.ends * motion.turn / chain.length)[[first, second]]
-        ends = motion.joint[[first, second]] + arms
-        carried = motion.velocity[[first, second]] + 1j * motion.rates[[first, second]] * arms
+        arms = np.array(places) * chain.ends[[first, second]] / chain.length
+        ends, carried = chain.points(motion, [first, second], arms)
         normal = complex(ends[0] - ends[1]) / distance
         # An end moves with its wire; the normal turns with the flank, or with the line from end to end.
         if 0.0 < places[1 - end] < chain.length:

@@ -1,14 +1,15 @@
 """The instants of a step at which a function changes its sign: events and extremes.
 
 No short dip is missed. A smooth function on a short interval is its Chebyshev series to rounding,
-and a companion matrix gives all roots of the series at once. If 17 points do not resolve the
-function (a kink, a jump), the interval is halved. The roots only separate intervals of one sign;
-the crossing itself is bracketed and located on the function.
+and a companion matrix gives all roots of the series at once. They only separate intervals of one
+sign; the crossing itself is bracketed and located on the function. If 17 points do not resolve the
+function (a kink, a jump), the interval is halved.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -27,12 +28,8 @@ Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n
 
 DEGREE = 16
 NODES = chebyshev.chebpts1(DEGREE + 1)
-WEIGHTS = 2.0 / (DEGREE + 1) * chebyshev.chebvander(NODES, DEGREE).T
-WEIGHTS[0] *= 0.5
-
-DEEPEST = 24  # largest number of halvings: they confine a jump to 6e-8 of the interval
-# Largest number of pieces: a kink or a jump takes fifty, a function of pure rounding takes all.
-MOST_PIECES = 400
+WEIGHTS = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE))
+MOST_PIECES = 100  # largest number of pieces: fifty halvings confine a kink or a jump to rounding
 # Last coefficients of a series below which they are rounding, as a fraction of the function's size.
 SERIES_ROUNDING = 1e-13
 
@@ -42,56 +39,54 @@ def nodes(start: float, end: float) -> Array:
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
-def _resolved(series: Array, values: Array, resolution: float) -> bool:
-    """Return whether the last coefficients are rounding, so that the series represents the function."""
-    return bool(
-        np.abs(series[-3:]).max() <= max(resolution, SERIES_ROUNDING * np.abs(values).max())
-    )
-
-
 def crossings(
-    function: Function, start: float, end: float, resolution: float, before: int = 0
+    function: Function,
+    start: float,
+    end: float,
+    resolution: float,
+    before: int = 0,
+    values: Array | None = None,
 ) -> list[tuple[float, int]]:
     """Return every change of sign of a function in [start, end], in order of time.
 
     Values within ``resolution`` of zero have no sign of their own; they take the sign before them.
-    ``before`` is the sign at the start if the first values have none; with 0 the first sign is no
-    change.
+
+    Args:
+        function: the function of time.
+        start, end: ends of the interval, s.
+        resolution: magnitude below which the function is rounding.
+        before: sign at the start if the first values have none; with 0 the first sign is no change.
+        values: values at ``nodes``, if they are known already.
 
     Returns:
         Pairs of the time, s, and +1 for a change to positive or -1 for a change to negative.
     """
     edges = {start, end}
-    waiting = [(start, end, DEEPEST)]
-    done = 0
-    while waiting:
-        left, right, depth = waiting.pop()
-        values = function(nodes(left, right))
+    pieces = [(start, end)]
+    for left, right in pieces:  # the list grows
+        values = function(nodes(left, right)) if values is None else values
         series = WEIGHTS @ values
-        if (
-            depth
-            and done + len(waiting) < MOST_PIECES
-            and not _resolved(series, values, resolution)
+        sizes = np.abs(series)
+        size = np.abs(values).max()
+        constant = sizes[0] > sizes[1:].sum()
+        resolved = sizes[-3:].max() <= max(resolution, SERIES_ROUNDING * size)
+        if len(pieces) == 1 and (
+            size <= resolution or (resolved and constant and series[0] * before >= 0.0)
         ):
-            middle = 0.5 * (left + right)
-            waiting += [(middle, right, depth - 1), (left, middle, depth - 1)]
-        else:
-            done += 1
-            edges.update((left, *_roots(series, left, right)))
+            return []
+        middle = 0.5 * (left + right)
+        if not resolved and len(pieces) < MOST_PIECES:
+            pieces += [(left, middle), (middle, right)]
+        elif not constant:
+            roots = chebyshev.chebroots(chebyshev.chebtrim(series, np.finfo(float).eps * size))
+            # A double root splits into a pair that is off the real axis by the root of rounding.
+            inner = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0)]
+            edges.update((middle + 0.5 * (right - left) * inner).tolist())
+        edges.add(left)
+        values = None
     ordered = np.array(sorted(edges))
-    probes = np.concatenate(([start], 0.5 * (ordered[1:] + ordered[:-1]), [end]))
+    probes = np.array([start, *(0.5 * (ordered[1:] + ordered[:-1])), end])
     return list(_sign_changes(function, probes, function(probes), resolution, before))
-
-
-def _roots(series: Array, left: float, right: float) -> list[float]:
-    """Return the real roots of a series in its interval, as times."""
-    sizes = np.abs(series)
-    if sizes[0] > sizes[1:].sum() or not sizes.any():
-        return []
-    found = chebyshev.chebroots(chebyshev.chebtrim(series, np.finfo(float).eps * sizes.max()))
-    # A double root splits into a pair that is off the real axis by the root of rounding.
-    real = found.real[(np.abs(found.imag) < 1e-6) & (np.abs(found.real) < 1.0)]
-    return list((0.5 * (left + right) + 0.5 * (right - left) * real).tolist())
 
 
 def _sign_changes(
@@ -143,23 +138,16 @@ class Step(NamedTuple):
     start: float
     end: float
 
-    def sign(self, value: Value, resolution: float) -> int | None:
-        """Return the sign that a function of an instant has throughout the step.
+    def crossings(
+        self, value: Value, resolution: float, before: int = 0
+    ) -> list[tuple[float, int]]:
+        """Return every change of sign of a function of an instant in the step."""
 
-        It is 0 if the function is rounding, and None if the sign may change.
-        """
+        def along(times: Array) -> Array:
+            return np.array([value(self.system.at(each)) for each in self.motion(times)])
+
         values = np.array([value(each) for each in self.instants])
-        if np.abs(values).max() <= resolution:
-            return 0
-        series = WEIGHTS @ values
-        certain = abs(series[0]) > np.abs(series[1:]).sum() and _resolved(
-            series, values, resolution
-        )
-        return int(np.sign(series[0])) if certain else None
-
-    def along(self, value: Value) -> Callable[[Array], Array]:
-        """Return a function of an instant as a function of times."""
-        return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
+        return crossings(along, self.start, self.end, resolution, before, values)
 
 
 def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
@@ -169,23 +157,14 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
     A function that is zero to rounding has the sign from which its event changes it: the event is
     still to come.
     """
-    end = step.end
-    follow = None
-    near = _near(step.system, step.instants[-1], end - step.start)
-    for event in events:
-        if event.place is not None and event.place not in near:
-            continue
-        if step.sign(event.value, event.resolution) in (-event.direction, 0):
-            continue
-        along = step.along(event.value)
-        if event.direction * along(np.array([step.start]))[0] > event.resolution:
-            return step.start, event.follow
-        found = crossings(along, step.start, end, event.resolution, -event.direction)
-        times = [time for time, direction in found if direction == event.direction]
-        if times:
-            end = times[0]
-            follow = event.follow
-    return end, follow
+    near = _near(step.system, step.instants[-1], step.end - step.start)
+    found = [
+        (time, event.follow)
+        for event in events
+        if event.place is None or event.place in near
+        for time, _ in step.crossings(event.value, event.resolution, -event.direction)[:1]
+    ]
+    return min(found, key=itemgetter(0), default=(step.end, None))
 
 
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
@@ -204,8 +183,8 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
     }
 
 
-def note_extremes(log: Log, own: Record, step: Step) -> float | None:
-    """Record a wire's largest retraction and highest relative rate in a step.
+def note_extremes(log: Log, own: Record, step: Step, until: float) -> float | None:
+    """Record a wire's largest retraction and highest relative rate in a step, up to a time.
 
     The hinges of a wire of several links vibrate, so that its first link has no single highest
     rate, and none is recorded.
@@ -226,10 +205,8 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
 
     def zeros(value: Value, resolution: float, sense: int) -> list[float]:
         """Return the times at which a quantity passes zero in a sense, +1 or -1."""
-        if step.end <= step.start or step.sign(value, resolution) is not None:
-            return []
-        found = crossings(step.along(value), step.start, step.end, resolution)
-        return [time for time, direction in found if direction == sense]
+        found = step.crossings(value, resolution)
+        return [time for time, direction in found if direction == sense and time <= until]
 
     for time in zeros(rate, rounding, 1):
         own.turned.append(step.motion(np.array([time]))[0])
@@ -250,7 +227,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
     ):  # the bar is within half a turn ahead of the root: the bristle has not been thrown yet
         return None
     for time in zeros(acceleration, rounding * system.fastest, -1):
-        if step.along(rate)(np.array([time]))[0] > IDLE * rounding:
+        if rate(system.at(step.motion(np.array([time]))[0])) > IDLE * rounding:
             own.event(PEAK, time)
             log.marks.append(time)
             return time if log.stop_after == PEAK else None

@@ -71,30 +71,23 @@ class Balance(NamedTuple):
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Return the accelerations and the contact forces that solve the equations of motion."""
-    if not contacts:
-        return Balance(
-            np.asarray(np.linalg.solve(mass, forces), dtype=float), np.zeros(0), np.zeros(0)
-        )
     size = len(forces)
-    known = np.zeros(len(forces))
+    known = np.array(forces, dtype=float)
     rigid = [each for each in contacts if each.push is None]
     sticking = [each for each in contacts if each.sticks]
     for each in contacts:
         if each.push is not None:
             rub = each.ratio * each.push if each.rub is None else each.rub
             known += each.push * each.touch.normal_row + rub * each.touch.tangential_row
-    rows = [each.touch.normal_row for each in rigid] + [
-        each.touch.tangential_row for each in sticking
-    ]
-    pushed = [
-        each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid
-    ] + rows[len(rigid) :]
+    across = [each.touch.normal_row for each in rigid]
+    along = [each.touch.tangential_row for each in sticking]
+    pushed = [each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid]
     biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
-    matrix = np.zeros((size + len(rows), size + len(rows)))
+    matrix = np.zeros((size + len(biases), size + len(biases)))
     matrix[:size, :size] = mass
-    if rows:
-        matrix[:size, size:], matrix[size:, :size] = -np.transpose(pushed), rows
-    found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
+    matrix[size:, :size] = np.reshape([*across, *along], (-1, size))
+    matrix[:size, size:] = -np.reshape([*pushed, *along], (-1, size)).T
+    found = np.linalg.solve(matrix, np.concatenate([known, np.negative(biases)]))
     pushes = iter(found[size : size + len(rigid)])
     pulls = iter(found[size + len(rigid) :])
     normal = [next(pushes) if each.push is None else each.push for each in contacts]
@@ -102,7 +95,7 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
         next(pulls) if each.sticks else each.ratio * push if each.rub is None else each.rub
         for each, push in zip(contacts, normal, strict=True)
     ]
-    return Balance(np.asarray(found[:size]), np.array(normal), np.array(tangential))
+    return Balance(found[:size], np.array(normal), np.array(tangential))
 
 
 def acting(

@@ -80,19 +80,22 @@ class Record:
         speed = self.chain.speed
         if before < speed - rounding and self.own(after).rates[0] > speed + rounding:
             self.turned.append(state)
-        given = {
-            "impulse": (hit.impulse_normal, hit.impulse_tangential),
-            "compressive_impulse": (
+        self._contact(
+            point,
+            state,
+            after,
+            "energetic",
+            hit.outcome_name,
+            phases=hit.phases,
+            impulse=(hit.impulse_normal, hit.impulse_tangential),
+            compressive_impulse=(
                 hit.compressive_impulse_normal,
                 hit.compressive_impulse_tangential,
             ),
-            "compressive_work": hit.compressive_work,
-            "restitutive_work": hit.restitutive_work,
-            "velocity_before": velocity,
-            "velocity_after": (hit.velocity_normal, hit.velocity_tangential),
-        }
-        self._contact(
-            point, state, after, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases
+            compressive_work=hit.compressive_work,
+            restitutive_work=hit.restitutive_work,
+            velocity_before=velocity,
+            velocity_after=(hit.velocity_normal, hit.velocity_tangential),
         )
 
     def lasting(
@@ -102,35 +105,49 @@ class Record:
         if last.time <= each.since.time:
             return
         compression = each.sums if each.compression is None else each.compression
-        given = {
-            "impulse": each.sums[:2],
-            "compressive_impulse": compression[:2],
-            "compressive_work": compression[2:],
-            "restitutive_work": (each.sums - compression)[2:],
-            "velocity_before": each.velocity_before,
-            "velocity_after": velocity,
-        }
-        law = "sustained" if each.spring is None else "compliant"
-        self._contact(each.point, each.since, last, given, law=law, outcome=outcome)
+        self._contact(
+            each.point,
+            each.since,
+            last,
+            "sustained" if each.spring is None else "compliant",
+            outcome,
+            impulse=each.sums[:2],
+            compressive_impulse=compression[:2],
+            compressive_work=compression[2:],
+            restitutive_work=(each.sums - compression)[2:],
+            velocity_before=each.velocity_before,
+            velocity_after=velocity,
+        )
 
     def _contact(
-        self, point: Point, since: State, until: State, given: dict[str, Any], **words: Any
+        self,
+        point: Point,
+        since: State,
+        until: State,
+        law: str,
+        outcome: str,
+        phases: tuple[str, ...] = (),
+        **pairs: Any,
     ) -> None:
-        """Record a contact between two states; ``given`` holds its (normal, tangential) pairs."""
-        first, last = self.own(since), self.own(until)
-        pairs: dict[str, Any] = {
-            name: (float(normal), float(along)) for name, (normal, along) in given.items()
+        """Record a contact between two states; ``pairs`` are its (normal, tangential) pairs."""
+        first = self.own(since)
+        floats: dict[str, Any] = {
+            name: (float(normal), float(along)) for name, (normal, along) in pairs.items()
         }
-        words |= {
-            "rates_before": tuple(first.rates.tolist()),
-            "rates_after": tuple(last.rates.tolist()),
-        }
-        words |= {
-            "time": first.time,
-            "duration": last.time - first.time,
-            "angles": tuple(first.angles.tolist()),
-        }
-        self.contacts.append(ContactRecord(obstacle=point.obstacle, **pairs, **words))
+        self.contacts.append(
+            ContactRecord(
+                obstacle=point.obstacle,
+                law=law,
+                outcome=outcome,
+                phases=phases,
+                time=first.time,
+                duration=until.time - first.time,
+                angles=tuple(first.angles.tolist()),
+                rates_before=tuple(first.rates.tolist()),
+                rates_after=tuple(self.own(until).rates.tolist()),
+                **floats,
+            )
+        )
 
     def trajectory(
         self, samples: Sequence[State], normal_force: Array, reason: StopReason, **run: Any

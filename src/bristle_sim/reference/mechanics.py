@@ -93,11 +93,7 @@ class Chain:
         self.speeds = np.full(self.links, self.speed)
         lone = _cut(bristle, links)
         own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
-        shapes = (
-            np.tile(lone.starts, count),
-            np.tile(lone.directions, count),
-            np.tile(lone.lengths, count),
-        )
+        shapes: Any = [np.tile(each, count) for each in lone[1:]]
         self.pieces = pieces = Pieces(own, *shapes)
         self.middles = (
             pieces.starts + 0.5 * pieces.lengths * pieces.directions
@@ -176,43 +172,34 @@ class Chain:
         row[link] = (np.conj(direction) * 1j * arm).real
         return np.asarray(row)
 
+    def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:
+        """Return positions, m, and velocities, m/s, of points that are fixed on links at ``arms``."""
+        turned = arms * motion.turn[..., links]
+        return (
+            motion.joint[..., links] + turned,
+            motion.velocity[..., links] + 1j * motion.rates[..., links] * turned,
+        )
+
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
         """Return the corners of a single wire's centre line, m, and their velocities, m/s.
 
         They are the root and the end of every piece, shape (..., pieces + 1).
         """
-        motion = self.kinematics(time, angles, rates)
-        links = [0, *self.pieces.links]
-        arms = np.array([0j, *self.pieces.ends]) * motion.turn[..., links]
-        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[
-            ..., links
-        ] * arms
+        arms = np.array([0j, *self.pieces.ends])
+        return self.points(self.kinematics(time, angles, rates), [0, *self.pieces.links], arms)
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic energy of all links, and the potential energy of belt, hinges and
         gravity, J.
         """
         twists = self._twists(angles, self._hub_angles(time))
-        places, velocities, turning = self.pieces_motion(time, angles, rates)
-        kinetic = 0.5 * (self.masses * np.abs(velocities) ** 2 + self.inertias * turning**2).sum(
-            axis=-1
-        )
-        springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
-        return kinetic, springs + self.gravity * (self.masses * places.imag).sum(axis=-1)
-
-    def pieces_motion(
-        self, time: Any, angles: Array, rates: Array
-    ) -> tuple[Complexes, Complexes, Array]:
-        """Return positions and velocities of the pieces' middles, and the rates of the pieces."""
-        motion = self.kinematics(time, angles, rates)
         links = self.pieces.links
-        arms = self.middles * motion.turn[..., links]
-        turning = rates[..., links]
-        return (
-            motion.joint[..., links] + arms,
-            motion.velocity[..., links] + 1j * turning * arms,
-            turning,
-        )
+        motion = self.kinematics(time, angles, rates)
+        places, velocities = self.points(motion, links, self.middles)
+        moving = self.masses * np.abs(velocities) ** 2 + self.inertias * rates[..., links] ** 2
+        springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
+        weights = self.gravity * (self.masses * places.imag).sum(axis=-1)
+        return 0.5 * moving.sum(axis=-1), springs + weights
 
     @property
     def fastest_rate(self) -> float:
@@ -222,24 +209,16 @@ class Chain:
         centrifugal field (the largest eigenvalue of stiffness against mass), the highest rate of
         the chain's damping, and the hub's speed.
         """
-        spring, damper = (
-            (self.apart * each) @ self.apart.T for each in (self.stiffness, self.damping)
-        )
-        field = (
-            self.masses.sum()
-            / self.first.sum()
-            * self.length
-            * (self.hub_radius * self.speed**2 + self.gravity)
-        )
+        springs = (self.apart * self.stiffness) @ self.apart.T
+        dampers = (self.apart * self.damping) @ self.apart.T
+        weight = self.masses.sum() / self.first.sum() * self.length
+        field = weight * (self.hub_radius * self.speed**2 + self.gravity) * np.eye(self.links)
         inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
-        squares = float(
-            np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max()
+        square, decay = (
+            float(np.abs(np.linalg.eigvals(inverse @ each)).max())
+            for each in (springs + field, dampers)
         )
-        return (
-            math.sqrt(squares)
-            + float(np.abs(np.linalg.eigvals(inverse @ damper)).max())
-            + self.speed
-        )
+        return math.sqrt(square) + decay + self.speed
 
 
 def _hinge(tool: Tool) -> tuple[float, float]:
@@ -264,18 +243,10 @@ def _cut(bristle: Bristle, links: int) -> Pieces:
     passed = 0.0
     for start, end in itertools.pairwise(corners):
         size = abs(end - start)
-        direction = (end - start) / size
         for link, (low, high) in enumerate(itertools.pairwise(borders)):
-            first, last = max(low, passed), min(high, passed + size)
-            if last - first > 1e-12 * bristle.length:
-                goes_on = bool(cut) and cut[-1][0] == link
-                cut.append(
-                    (
-                        link,
-                        cut[-1][1] + cut[-1][2] * cut[-1][3] if goes_on else 0j,
-                        direction,
-                        last - first,
-                    )
-                )
+            length = min(high, passed + size) - max(low, passed)
+            if length > 1e-12 * bristle.length:
+                before = [begin + way * long for own, begin, way, long in cut if own == link]
+                cut.append((link, before[-1] if before else 0j, (end - start) / size, length))
         passed += size
     return Pieces(*map(np.array, zip(*cut, strict=True)))

@@ -121,9 +121,7 @@ class Run:
             end,
         )
         until, follow = first_event(events, step)
-        extremes = [
-            note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records
-        ]
+        extremes = [note_extremes(self.log, each, step, until) for each in self.log.records]
         stop = min((each for each in extremes if each is not None), default=None)
         until = until if stop is None else stop
         *between, self.state = motion(np.array([*self.log.times(start, until), until]))
