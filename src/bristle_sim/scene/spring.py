@@ -182,7 +182,7 @@ class Spring:
     def compliance_in_stick(self) -> float:
         """K_tt; 0 where friction cannot stop the tip's slip."""
         normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
-        least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.expected.duration, MOST_TURN) ** 2)
+        least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
         return tangential if tangential > least * normal else 0.0
 
     @property
