@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import deque
 from collections.abc import Iterator
@@ -147,17 +146,19 @@ class Mechanism:
             zip(self.links, state.angles, state.rates, strict=True)
         ):
             if number % self.wire_links == 0:
-                root = self.root_angle(number, state.time)
+                root = self.hub_start + self.hub_speed * state.time
+                root -= number // self.wire_links * self.pitch
                 x = self.hub_radius * math.sin(root)
                 y = -self.hub_radius * math.cos(root)
                 u = -self.hub_speed * y
                 v = self.hub_speed * x
             cosine = math.cos(angle)
             sine = math.sin(angle)
-            centre, tip, *knees = [
-                (x + cosine * a - sine * b, y + sine * a + cosine * b)
-                for a, b in (link.centre, link.tip, *link.knees)
-            ]
+            a, b = link.centre
+            centre = (x + cosine * a - sine * b, y + sine * a + cosine * b)
+            a, b = link.tip
+            tip = (x + cosine * a - sine * b, y + sine * a + cosine * b)
+            knees = [(x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in link.knees]
             poses.append(Pose((x, y), centre, tip, (u, v), tuple(knees)))
             u -= rate * (tip[1] - y)
             v += rate * (tip[0] - x)
@@ -246,26 +247,21 @@ class Curve:
 
     def __init__(self, *states: State) -> None:
         """Compute the coefficients of Newton's form for each link, by divided differences."""
-        self._times = [state.time for state in states for _ in range(2)]
-        self._nodes = self._times[-2::-1]
-        self._links = [
-            self._differences(*each)
-            for each in zip(*(zip(s.angles, s.rates, strict=True) for s in states), strict=True)
-        ]
-
-    def _differences(self, *places: Vector) -> list[float]:
-        times = self._times
-        column = [angle for angle, _ in places for _ in range(2)]
-        found = [column[0]]
-        for order in range(1, len(times)):
-            column = [
-                places[low // 2][1]
-                if order == 1 and low % 2 == 0
-                else (b - a) / (times[low + order] - times[low])
-                for low, (a, b) in enumerate(itertools.pairwise(column))
-            ]
-            found.append(column[0])
-        return found[::-1]
+        times = [state.time for state in states for _ in range(2)]
+        self._nodes = times[-2::-1]
+        self._links = []
+        for angles, rates in zip(
+            zip(*(state.angles for state in states), strict=True),
+            zip(*(state.rates for state in states), strict=True),
+            strict=True,
+        ):
+            column = [angle for angle in angles for _ in range(2)]
+            for order in range(1, len(times)):
+                for last in range(len(times) - 1, order - 1, -1):
+                    span = times[last] - times[last - order]
+                    change = column[last] - column[last - 1]
+                    column[last] = change / span if span else rates[last // 2]
+            self._links.append(column[::-1])
 
     def __call__(self, time: float) -> State:
         """Return the state at a time."""
