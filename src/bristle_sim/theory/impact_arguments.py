@@ -19,7 +19,7 @@ MOST_FRICTION = 1e150  # largest friction coefficient: with more, impulses overf
 
 def single_impact(
     inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]
-) -> tuple[list[Number], None] | None:
+) -> list[Number] | None:
     """Return the arguments of one impact as floats; None unless they are floats with an array K.
 
     This is the fast way for a scene, which has one impact at a time.
@@ -35,7 +35,7 @@ def single_impact(
     if {*map(type, values)} != {float}:
         return None
     _check(values, k_tn)
-    return values, None
+    return values
 
 
 NAMES = (
@@ -50,34 +50,21 @@ NAMES = (
 
 def unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
-) -> tuple[list[Number], tuple[int, ...] | None]:
-    """Return the entries of K, the velocities and the coefficients, and their shape.
-
-    They are floats with the shape None for one impact, and broadcast arrays otherwise.
-    """
+) -> tuple[list[Number], tuple[int, ...]]:
+    """Return the entries of K, the velocities and the coefficients, broadcast, and their shape."""
     given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
-    matrix, velocity, *coefficients = (
+    matrix, speeds, *coefficients = (
         numbers(name, each, "must be real numbers") for name, each in given
     )
-    if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
+    if matrix.shape[-2:] != (2, 2) or speeds.shape[-1:] != (2,):
         raise ValueError(
-            f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: must be (..., 2, 2) and (..., 2)"
+            f"inverse_mass, velocity of shapes {matrix.shape}, {speeds.shape}: must be (..., 2, 2) and (..., 2)"
         )
-    shape = np.broadcast_shapes(
-        matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients)
-    )
-    entries = (
-        matrix[..., 0, 0],
-        matrix[..., 0, 1],
-        matrix[..., 1, 1],
-        velocity[..., 0],
-        velocity[..., 1],
-    )
-    values: list[Number] = [np.broadcast_to(each, shape) for each in (*entries, *coefficients)]
-    if not shape:
-        values = [each.item() for each in values]
-    _check(values, matrix[..., 1, 0][()])
-    return values, shape or None
+    (k_nn, k_nt), (k_tn, k_tt) = np.moveaxis(matrix, (-2, -1), (0, 1))
+    entries = (k_nn, k_nt, k_tt, *np.moveaxis(speeds, -1, 0), *coefficients)
+    values: list[Number] = list(np.broadcast_arrays(*entries))
+    _check(values, k_tn)
+    return values, np.shape(values[0])
 
 
 def _check(values: list[Number], k_tn: Number) -> None:
