@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, newton
+from scipy.optimize import newton
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
@@ -22,7 +22,6 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_pass import require_result, require_rigid
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.trajectory.interpolation import Interpolation
 
 QUANTITIES = {
     "largest_retraction_deg": ("largest retraction", "deg"),
@@ -146,11 +145,9 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
             return None
     else:
         return None
-    motion = Interpolation(found)
-    time = brentq(
-        lambda time: float(motion(time).relative_angle), *found.time[lagging[0] : lagging[0] + 2]
-    )
-    for _ in range(2):  # the distance from the radial direction is squared in each run
+    passing = slice(lagging[0], lagging[0] + 2)
+    time = float(np.interp(0.0, found.relative_angle[passing], found.time[passing]))
+    for _ in range(3):  # the distance from the radial direction is squared in each run
         end = run(bare, time)
         rate = float(end.relative_rate[-1])
         # Near alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
