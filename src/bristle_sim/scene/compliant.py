@@ -120,7 +120,9 @@ class CompliantLaw(ContactLaw):
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
-        stepper = self._stepper(longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
+        least = turning * FORCE_ROUNDING / (duration * unloading)
+        tolerance = max(0.1 * self.accuracy, least)
+        repetitions = CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
         )
@@ -130,7 +132,7 @@ class CompliantLaw(ContactLaw):
             duration=duration,
             predicted=rigid.outcome_name,
             finite_duration=self.duration is not None,
-            stepper=stepper,
+            stepper=Extrapolation(tolerance, fastest, repetitions, longest),
             surface=touch.gap,
             inverse_mass=space.inverse_mass,
         )
@@ -141,15 +143,6 @@ class CompliantLaw(ContactLaw):
         return max(
             LEAST_DURATION / math.sqrt(unloading * damping),
             0.1 * self.accuracy / max(fastest, damping),
-        )
-
-    def _stepper(self, longest: float, fastest: float, least: float) -> Extrapolation:
-        """Return the integrator of a contact; ``least`` is the rounding below which its tolerance
-        cannot go.
-        """
-        tolerance = max(0.1 * self.accuracy, least)
-        return Extrapolation(
-            tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest
         )
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:

@@ -80,10 +80,17 @@ class ContactLaw(ABC):
         the given entries.
         """
         after = State(before.time, before.angles, tuple(scene.rates()))
-        works = {"compressive_impulse": None, "compressive_work": None, "restitutive_work": None}
-        motion = {"angles": before.angles, "rates_before": before.rates, "rates_after": after.rates}
-        general = {"obstacle": pair.name, "law": self.name, "time": before.time, "duration": 0.0}
-        return after, ContactRecord(**{**general, **motion, **works, **entries})
+        missing = dict.fromkeys(("compressive_impulse", "compressive_work", "restitutive_work"))
+        return after, ContactRecord(
+            obstacle=pair.name,
+            law=self.name,
+            time=before.time,
+            duration=0.0,
+            angles=before.angles,
+            rates_before=before.rates,
+            rates_after=after.rates,
+            **{**missing, **entries},
+        )
 
 
 def contact_at(
@@ -189,18 +196,21 @@ class EngineLaw(ContactLaw):
         """Take one engine step that is so short that only the impact happens in it; return the
         state after it and the contact record.
         """
-        touch, _ = contact_at(scene, state, pair)
+        scene.place(state)
+        mechanism = scene.mechanism
+        touch = pair.closest(mechanism.poses(state), state.rates)
         impulse = engine_impact(scene, pair, touch)
-        rates = tuple(scene.rates())
-        scene.place(State(state.time, state.angles, rates))
-        velocity = pair.closest(scene.mechanism.poses(state._replace(rates=rates)), rates).velocity
-        outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
-        entries = {
-            "impulse": impulse,
-            "velocity_before": touch.velocity,
-            "velocity_after": velocity,
-        }
-        return self._after(scene, pair, state, outcome=outcome, **entries)
+        after = state._replace(rates=tuple(scene.rates()))
+        velocity = pair.closest(mechanism.poses(after), after.rates).velocity
+        return self._after(
+            scene,
+            pair,
+            state,
+            outcome="rebound" if velocity[0] > 0.0 else "no rebound",
+            impulse=impulse,
+            velocity_before=touch.velocity,
+            velocity_after=velocity,
+        )
 
 
 def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Vector:

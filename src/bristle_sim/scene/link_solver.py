@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 import pymunk
 from pymunk._chipmunk_cffi import lib
 
-from bristle_sim.scene.mechanism import Link, Mechanism, Vector
+from bristle_sim.scene.mechanism import Link, Mechanism
 from bristle_sim.scene.pairs import BarPair, ClosedPair, WorkpartPair
 
 _angle = lib.cpBodyGetAngle
@@ -112,40 +112,26 @@ class LinkVelocity:
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:
-    """Return the function that gives a pair's contact point and normal."""
-    pair = closed.pair
-    if isinstance(pair, WorkpartPair):
-        return _corner((*link.knees, link.tip)[pair.corner])
-    assert isinstance(pair, BarPair), "a single link has no neighbour"
-    corners = ((0.0, 0.0), *link.knees, link.tip)
-    piece = closed.piece or 0
-    return _flank(pair, corners[piece], corners[piece + 1])
-
-
-def _corner(corner: Vector) -> Touch:
-    """Return the function that gives the contact of a corner with the workpart."""
-    x, y = corner
-
-    def touch(
-        joint_x: float, joint_y: float, cosine: float, sine: float
-    ) -> tuple[float, float, float, float]:
-        """Return arm and normal of the corner's contact."""
-        del joint_x, joint_y
-        return cosine * x - sine * y, sine * x + cosine * y, 0.0, 1.0
-
-    return touch
-
-
-def _flank(bar: BarPair, start: Vector, end: Vector) -> Touch:
-    """Return the function that gives the contact of a straight piece, with round ends, with the
-    bar.
+    """Return the function that gives a pair's contact point and normal: a corner's on the workpart,
+    or that of a straight piece, with round ends, on the bar.
     """
-    length = math.dist(start, end)
-    start_x, start_y = start
+    pair = closed.pair
+    corners = ((0.0, 0.0), *link.knees, link.tip)
+    if isinstance(pair, WorkpartPair):
+        corner_x, corner_y = corners[1:][pair.corner]
+        return lambda _, __, cosine, sine: (
+            cosine * corner_x - sine * corner_y,
+            sine * corner_x + cosine * corner_y,
+            0.0,
+            1.0,
+        )
+    assert isinstance(pair, BarPair), "a single link has no neighbour"
+    (start_x, start_y), end = corners[closed.piece or 0 :][:2]
+    length = math.dist((start_x, start_y), end)
     along_x = (end[0] - start_x) / length
     along_y = (end[1] - start_y) / length
-    bar_x, bar_y = bar.centre
-    wire = bar.wire_radius
+    bar_x, bar_y = pair.centre
+    wire = pair.wire_radius
 
     def touch(
         joint_x: float, joint_y: float, cosine: float, sine: float
