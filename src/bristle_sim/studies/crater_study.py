@@ -222,7 +222,7 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     return simulated, theory
 
 
-def cut_of(crater: Crater, wire_diameter: float = PRINTED_FACE.short_axis) -> dict[str, Any]:
+def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
     """Return the keyword arguments of the crater's formulas, in SI units and rad."""
     names = ("friction", "shear_yield_stress", "compression_time")
     return {name: getattr(crater, name) for name in names} | {

@@ -25,7 +25,7 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import slide_of
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
-from bristle_sim.studies.strike_point import crater_depth
+from bristle_sim.studies.strike_point import crater_of
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_end
 from bristle_sim.studies.whole_pass import require_result, run_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
@@ -148,9 +148,7 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
     space = {"wire_damping_ratio": dampings, "contact_duration": durations}
     point = partial(simulate_variant, settings, straight)
-    swept = sweep(
-        point, space, workers=None if grid.workers == 1 else grid.workers, store=grid.store
-    ).load()
+    swept = sweep(point, space, workers=grid.workers, store=grid.store).load()
     unknown = np.full(swept["failure"].shape, math.nan)
     results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
     missed = np.sum(
@@ -190,23 +188,15 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))
     require_result(run, settings)
     touches = [each for each in run.contacts if each.obstacle == "workpart"]
-    depths = list[float]()
-    for each in touches:
-        entry = math.atan2(-each.velocity_before[0], abs(each.velocity_before[1]))
-        if entry > 0.0 and each.compressive_work is not None:
-            work = each.compressive_work
-            depths.append(crater_depth(work, CUTTING_FRICTION, entry, tool.bristle.wire_diameter))
+    wire_diameter = tool.bristle.wire_diameter
+    craters = (crater_of(each, CUTTING_FRICTION, wire_diameter) for each in touches)
+    depths = [each for each in craters if each is not None]
     compression = slide = None
     if (history := touches[0].history) is not None:
         compression = compression_end(history)
         slide = slide_of(touches[0]).forward
-    return dict(
-        zip(
-            MEASURES,
-            (float(len(touches)), compression, max(depths, default=None), slide),
-            strict=True,
-        )
-    )
+    values = (float(len(touches)), compression, max(depths, default=None), slide)
+    return dict(zip(MEASURES, values, strict=True))
 
 
 def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any]]:

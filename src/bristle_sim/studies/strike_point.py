@@ -15,9 +15,9 @@ from bristle_sim.studies.many_passes import ENTRY, OUTCOME, REASON, pass_quantit
 from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
-from bristle_sim.theory.crater_kinematics import PRINTED_FACE, TipFace
+from bristle_sim.theory.crater_kinematics import TipFace
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory import ContactRecord, Trajectory
 
 STRIKE_UNITS = {
     **{
@@ -128,25 +128,31 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
     if max(each.time + each.duration for each in touches) >= strike.time:
         raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
-    found = {
-        **state_at_strike(tool, run, strike),
-        **contact_quantities(strike),
-        "crater_depth": None,
-    }
-    entry = math.atan2(-strike.velocity_before[0], abs(strike.velocity_before[1]))
-    work = strike.compressive_work
     friction = tool.workpart.friction if tool.workpart else 0.0
     cuts = friction > 0.0 and tool.bristle.wire_diameter > 0.0
-    if work is not None and cuts and 0.0 < entry < 0.5 * math.pi:
-        found["crater_depth"] = crater_depth(work, friction, entry, tool.bristle.wire_diameter)
+    depth = crater_of(strike, friction, tool.bristle.wire_diameter) if cuts else None
+    found = state_at_strike(tool, run, strike) | contact_quantities(strike)
+    found["crater_depth"] = depth
     return {name: found[name] for name in STRIKE_UNITS}
+
+
+def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
+    """Return the depth, m, of the crater of a contact, along the tip's velocity before it.
+
+    It is None if the tip does not enter the workpart obliquely, or the law has no work.
+    """
+    normal, tangential = contact.velocity_before
+    entry = math.atan2(-normal, abs(tangential))
+    if contact.compressive_work is None or not 0.0 < entry < 0.5 * math.pi:
+        return None
+    return crater_depth(contact.compressive_work, friction, entry, wire_diameter)
 
 
 def crater_depth(
     compressive_work: tuple[float, float],
     friction: float,
     entry: float,
-    wire_diameter: float = PRINTED_FACE.short_axis,
+    wire_diameter: float,
 ) -> float:
     """Return the depth of a crater whose chip takes the energy that the tip loses in compression,
     m.

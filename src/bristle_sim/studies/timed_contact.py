@@ -265,7 +265,7 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
     )
 
 
-def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
+def with_visible_contact(impacts: Impacts) -> Impacts:
     """Return the impacts with a contact of the printed 50 us of compression, for films.
 
     A requested duration is kept. The report's contact is so short that the rods are practically at
@@ -283,9 +283,8 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
         return limit
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
-        found = strike(
-            impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings()
-        )
+        law = Contact("compliant", duration)
+        found = strike(impacts.chain, impacts.surface, law, Settings())
         assert found.contact.history is not None  # it is resolved in time
         return found, (compression_end(found.contact.history),)
 
