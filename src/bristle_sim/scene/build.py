@@ -77,7 +77,18 @@ class Scene:
             space.add(self.hub)
         self.links, self.joints = _add_links(space, mechanism, self.hub)
         _add_springs(self, space)
-        self.engine = _engine_steps(self, space)
+        belt = effects.damping if effects.stiffness is not None else 0.0
+        hinges = effects.hinges or ((0.0, 0.0),) * len(self.links)
+        damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
+        solver = LinkVelocity if mechanism.single_link else WireVelocities
+        self.engine = EngineSteps(
+            space,
+            self.hub,
+            self.links,
+            self.joints,
+            functools.partial(solver, mechanism, damping, self.hub, self.links),
+            several_links=mechanism.wire_links > 1,
+        )
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
         self.step = self.engine.take
@@ -115,22 +126,6 @@ class Scene:
         bodies = self.links[::-1]
         bodies.sort(key=lambda each: each.mass)
         return bodies, [*self.joints[::-1]]
-
-
-def _engine_steps(scene: Scene, space: pymunk.Space) -> EngineSteps:
-    """Return the object that takes the engine's steps and then solves joints, damping and
-    contacts."""
-    mechanism = scene.mechanism
-    effects = scene.effects
-    belt = effects.damping if effects.stiffness is not None else 0.0
-    hinges = effects.hinges or ((0.0, 0.0),) * len(scene.links)
-    damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
-    solver: type[LinkVelocity | WireVelocities] = (
-        LinkVelocity if mechanism.single_link else WireVelocities
-    )
-    make = functools.partial(solver, mechanism, damping, scene.hub, scene.links)
-    bodies = (scene.hub, scene.links, scene.joints)
-    return EngineSteps(space, *bodies, make, several_links=mechanism.wire_links > 1)
 
 
 def _add_links(

@@ -48,7 +48,10 @@ LEAST_DEPTH = 1e-13
 LEAST_RESTITUTION = 1e-3  # least e* other than 0: the spring unloads 1/e* times as fast as it loads
 
 SAMPLES_OF_A_COURSE = 24
-"""Least number of intervals in a contact, enough to draw its history."""
+"""Least number of intervals in a contact, which make its history as it is drawn, with straight
+lines. Restitution with e* = 0.42 has seven of them, whose lines leave the quarter wave by
+(pi/14)^2/8 = 0.6 % of the peak; of twelve it would have three and a half, which leave it by 2.5 %,
+and a polygon is seen."""
 
 SAMPLES_OF_A_SWING = 5
 """Least number of intervals in half a swing of the tangential spring."""

@@ -141,14 +141,11 @@ class EngineSteps:
             advance(length)
             last = lib.cpBodyGetAngularVelocity(link)
             return [lib.cpBodyGetAngle(link), last, (last - first) / length]
-        before = list(map(lib.cpBodyGetAngularVelocity, links))
+        before = self.rates()
         advance(length)
-        after = list(map(lib.cpBodyGetAngularVelocity, links))
-        return [
-            *map(lib.cpBodyGetAngle, links),
-            *after,
-            *[change / length for change in map(sub, after, before)],
-        ]
+        after = self.rates()
+        changes = map(sub, after, before)
+        return [*self.angles(), *after, *[change / length for change in changes]]
 
     def _take_symmetric(
         self, length: float, count: int, act: Callable[[], None] | None = None
