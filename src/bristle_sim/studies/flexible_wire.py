@@ -57,7 +57,6 @@ NO_REFERENCE = (
 )
 
 LONGEST_CONTACT = 10.0  # longest contact, in durations of the rigid bristle's contact
-FLIGHT = 1.0  # free motion shown after the contact, in durations of the rigid bristle's contact
 STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: far below the width of a line
 # Contact stiffnesses of the figure, as durations of the rigid bristle's contact over the requested
 # duration
@@ -166,24 +165,20 @@ def flexible_wire(
     Raises:
         ValueError: for values that contradict each other, or a contact that does not end.
     """
-    for key, value, unit in (
-        ("hub_speed", hub.speed, "rad/s"),
-        ("wire_diameter", bristle.wire_diameter, "m"),
-    ):
+    needed = {"hub_speed": (hub.speed, "rad/s"), "wire_diameter": (bristle.wire_diameter, "m")}
+    for key, (value, unit) in needed.items():
         if not value:
             raise ValueError(f"{key} = 0: must be above 0, or no elastic wire strikes (in {unit})")
     gamma = math.radians(strike.impact_angle_deg)
     tool = tool_at_surface(hub, belt, bristle, surface, gamma)
     struck = FlexibleStrike(tool, gamma, strike.speed_ratio * hub.speed, contact, settings)
-    wire, rigid = (each.run(FLIGHT * contact.duration) for each in (struck, struck.of(1)))
+    wire, rigid = (each.run(contact.duration) for each in (struck, struck.of(1)))
     own = measures(struck, wire.contact)
     stiff = measures(struck, rigid.contact)
     outcome = rigid.contact.outcome
-    reference: dict[str, float] = {}
-    if (
-        with_reference
-        and max(surface.friction, surface.friction_in_restitution) <= REFERENCE_FRICTION
-    ):
+    reference = dict[str, float]()
+    friction = max(surface.friction, surface.friction_in_restitution)
+    if with_reference and friction <= REFERENCE_FRICTION:
         reference = _reference(struck, outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
@@ -245,12 +240,12 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 
     try:
         found = measures(strike, strike.reference())
-        rigid = measures(strike, strike.of(1).reference()) if rigid_outcome == "rebound" else None
+        if rigid_outcome == "rebound":
+            rigid = measures(strike, strike.of(1).reference())
+            found[RATIO] = _ratios(found, rigid)["normal_final_impulse"]
     except TooStiffError:
         return {}
-    return found | (
-        {RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]} if rigid else {}
-    )
+    return found
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
@@ -269,12 +264,8 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
         strike.impact_angle,
         strike.tool.bristle.wire_diameter,
     )
-    values = (
-        contact.impulse[0],
-        float(contact.history.normal_force.max()),
-        contact.duration,
-        depth,
-    )
+    force = float(contact.history.normal_force.max())
+    values = (contact.impulse[0], force, contact.duration, depth)
     return dict(zip(MEASURES, values, strict=True))
 
 
@@ -286,7 +277,7 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
-    numbers = np.arange(1, max(2, most) + 1)
+    numbers = range(1, max(2, most) + 1)
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
@@ -308,8 +299,8 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
         links: compared(strike.of(links, contact=each, settings=coarse) for each in contacts)
         for links in [links for links in (2, 4, 8) if links <= most] or [most]
     }
-    by_links = compared(strike.of(links, settings=coarse) for links in numbers.tolist())
-    return WireStudy(durations, by_duration, numbers.astype(float), by_links)
+    by_links = compared(strike.of(links, settings=coarse) for links in numbers)
+    return WireStudy(durations, by_duration, np.array(numbers, dtype=float), by_links)
 
 
 def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
@@ -338,25 +329,21 @@ def tool_at_surface(
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     """Compare the scene's bending frequencies with those of the beam and of the chain of links."""
     bristle = tool.bristle
-    rows = []
-    wire = (
-        bristle.mass,
-        bristle.length,
-        bristle.wire_diameter,
-        bristle.modulus,
-        tool.belt.stiffness,
-    )
-    found = wire_frequencies(tool)
-    beam = beam_frequencies(*wire, 3)
-    chain = chain_frequencies(*wire, bristle.links)
+    found = []
+    wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)
+    scene = wire_frequencies(tool)
+    beam = beam_frequencies(*wire, tool.belt.stiffness, 3)
+    chain = chain_frequencies(*wire, tool.belt.stiffness, bristle.links)
     for mode, name in enumerate(("first_bending_frequency", "second_bending_frequency"), 1):
         simulated = reference = within = None
         if mode < bristle.links:
-            simulated = float(found[mode])
+            simulated = float(scene[mode])
             reference = float(chain[mode]) if with_reference else None
-        if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
-            within = max(
-                1e-6, rounding
-            )  # rounding of the largest eigenvalue, as an error of the square
-        rows.append(Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within))
-    return rows
+        if reference:
+            # Rounding of the largest eigenvalue, as an error of the square.
+            rounding = math.ulp(1.0) * (chain[-1] / reference) ** 2
+            within = max(1e-6, rounding) if rounding < 1.0 else None
+        found.append(
+            Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within)
+        )
+    return found

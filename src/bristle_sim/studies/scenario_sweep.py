@@ -113,7 +113,7 @@ def sweep_of_runs(
             of a point is its reason.
         axes: the values of each key, in SI units.
         workers, store: those of :func:`bristle_sim.sweep`, which raises the same errors. Without
-            both, and without the extra ``sweep``, the points are computed one after the other.
+            both, the points are computed one after the other.
 
     Returns:
         The simulated values of the report's quantities; those by formula for one that is nowhere
@@ -121,17 +121,17 @@ def sweep_of_runs(
     """
     function = functools.partial(_quantities, run)
     shape = tuple(len(values) for values in axes.values())
-    try:
-        from bristle_sim.studies.sweep import sweep
-
-        found = sweep(function, axes, workers=workers, store=store).load()
-        columns = {str(name): each.values for name, each in found.data_vars.items()}
-    except ImportError as error:
-        if workers is not None or store is not None:
+    if workers is None and store is None:
+        columns = _one_by_one(function, axes)
+    else:
+        try:
+            from bristle_sim.studies.sweep import sweep
+        except ImportError as error:
             raise ValueError(
                 f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
             ) from error
-        columns = _one_by_one(function, axes)
+        found = sweep(function, axes, workers=workers, store=store).load()
+        columns = {str(name): each.values for name, each in found.data_vars.items()}
     failure = columns.pop(FAILURE).astype(object)
     codes = columns.pop(CODE, np.full(shape, math.nan))
     finished = np.argwhere(np.any([np.isfinite(each) for each in columns.values()], axis=0))
@@ -145,9 +145,9 @@ def sweep_of_runs(
     for each in run(**point).quantities:  # they have labels and units
         values = columns.get(each.name, np.full(shape, math.nan))
         formula = columns.get(each.name + FORMULA)
-        swept.values[each.name] = (
-            values if formula is None or np.isfinite(values).any() else formula
-        )
+        if formula is not None and not np.isfinite(values).any():
+            values = formula
+        swept.values[each.name] = values
         swept.units[each.name] = each.unit
         swept.labels[each.name] = each.label
     complete = np.all([np.isfinite(each) for each in swept.values.values()], axis=0)
