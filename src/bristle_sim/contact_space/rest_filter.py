@@ -56,7 +56,6 @@ class RestFilter:
         self.impacts: list[Collision] = []
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
-        self._still_jammed: set[Shapes] = set()
         self._bodies: Any = (
             None  # memory for an arbiter's bodies within a step; it cannot be copied
         )
@@ -71,8 +70,7 @@ class RestFilter:
         """End a step: jammed contacts that the engine has not found again are over."""
         self._bodies = None
         if self.jammed:
-            self.jammed = self._still_jammed
-            self._still_jammed = set()
+            self.jammed &= {frozenset(arbiter.shapes) for arbiter, _ in self.at_rest}
 
     def clear(self) -> None:
         """Discard the contacts of the step."""
@@ -100,12 +98,7 @@ class RestFilter:
         lib.cpArbiterSetRestitution(raw, 0.0)
         approach, speeds = _approach(raw, self._bodies)
         rests = approach <= self.resting or approach <= APPROACH_ROUNDING * speeds
-        if self.jammed:
-            shapes = frozenset(arbiter.shapes)
-            if shapes in self.jammed:
-                self._still_jammed.add(shapes)
-                rests = True
-        if rests:
+        if rests or (self.jammed and frozenset(arbiter.shapes) in self.jammed):
             lib.cpArbiterSetFriction(raw, rule.friction)
             self.at_rest.append((arbiter, rule))
         else:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -100,18 +101,13 @@ class TunnellingWatch:
 def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types]) -> bool:
     """Return whether an overlap of two shapes would be a contact with an impact law."""
     types = (shape.collision_type, other.collision_type)
-    moving = pymunk.Body.DYNAMIC in (_body_type(shape), _body_type(other))
-    solid = not (shape.sensor or other.sensor)
+    ends: list[Any] = [shape.body, other.body]
     return (
-        moving
-        and solid
-        and shape.body is not other.body
-        and (types in pairs or types[::-1] in pairs)
+        (types in pairs or types[::-1] in pairs)
+        and ends[0] is not ends[1]
+        and any(each.body_type == pymunk.Body.DYNAMIC for each in ends)
+        and not (shape.sensor or other.sensor)
     )
-
-
-def _body_type(shape: pymunk.Shape) -> int | None:
-    return None if shape.body is None else shape.body.body_type
 
 
 def least_extent(shape: pymunk.Shape) -> float:

@@ -117,9 +117,6 @@ def friction_for_crater_depth(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     shear_yield_stress: ArrayLike = API_5L,
     plies: int = PLIES,
-    *,
-    compression_time: float = COMPRESSION_TIME,
-    wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
     """Return the friction at which the crater has a depth, m: (4.50) solved for mu (Zhang 2020,
     fig. 4.16).
@@ -133,7 +130,11 @@ def friction_for_crater_depth(
     0.500000
     """
     gamma = np.asarray(impact_angle)
-    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time, wire_diameter)
+    scale = (
+        np.cos(gamma)
+        / shear_yield_stress
+        * _ply_sum(plies, COMPRESSION_TIME, PRINTED_FACE.short_axis)
+    )
     sine = 1.0 - 2.0 * np.asarray(depth) / scale
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + DEPTH_ROUNDING) & (sine > -np.sin(gamma))

@@ -59,15 +59,6 @@ LEAST_RESTITUTION = 1e-8
 
 WIDEST_CONE = 1e12  # largest friction used: its cone is a half-plane to parts in 1e12
 
-# Numbers of contacts whose arrays fit the outer and the inner cache.
-LOCAL = 1 << 15
-BLOCK = 1 << 13
-
-ROUNDS = 3
-"""Number of phases that all contacts of a block take together.
-
-The few contacts with more phases are then continued together, for all blocks and by longer
-steps."""
 
 MOST_IN_STICK = 10_000
 """Largest number of consecutive phases of stick with the fast oscillation; later phases begin
@@ -155,34 +146,30 @@ class _Contacts:
         """Totals by quantity, contact and row."""
         return self.totals.reshape(4, -1, 4)
 
-    def advance(self, active: Number, patient: bool) -> Number:
+    def advance(self, active: Number) -> Number:
         """Advance the active contacts by one phase, and return the contacts that have not ended."""
         slips = self.rows[-1, active] != 0.0
         going = [active[:0]]
-        for every, slides in ((active[slips], True), (active[~slips], False)):
-            for at in np.split(every, range(BLOCK, every.size, BLOCK)):
-                before = Contact(*self.rows.take(at, axis=1))
-                if slides:
-                    after, event, done = slide(before)
-                else:
-                    many = self.phases[at] >= SETTLING
-                    most = many & (
-                        (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
-                    )
-                    after, event, done = stick(
-                        before, many & ~self.settled[at], most & ~self.settled[at], patient
-                    )
-                over = self.note(at, before, after, event, done)
-                turned = _turned(after, event)
-                if (event == NONE).any():
-                    turned = Contact(
-                        *(
-                            np.where(event == NONE, *pair)
-                            for pair in zip(after, turned, strict=True)
-                        )
-                    )
-                self.turn(at, before, turned, event, over)
-                going.append(at[~over])
+        for at, slides in ((active[slips], True), (active[~slips], False)):
+            before = Contact(*self.rows.take(at, axis=1))
+            if slides:
+                after, event, done = slide(before)
+            else:
+                many = self.phases[at] >= SETTLING
+                most = many & (
+                    (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
+                )
+                after, event, done = stick(
+                    before, many & ~self.settled[at], most & ~self.settled[at]
+                )
+            over = self.note(at, before, after, event, done)
+            turned = _turned(after, event)
+            if (event == NONE).any():
+                turned = Contact(
+                    *(np.where(event == NONE, *pair) for pair in zip(after, turned, strict=True))
+                )
+            self.turn(at, before, turned, event, over)
+            going.append(at[~over])
         return np.concatenate(going)
 
     def note(
@@ -289,15 +276,9 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
             *bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none
         )
         contacts = _Contacts(contact._replace(slip=begun_slip(contact)))
-        rest = [np.arange(0)]
-        for begin in range(0, none.size, LOCAL):
-            active = np.arange(begin, min(begin + LOCAL, none.size))
-            for _ in range(ROUNDS):
-                active = contacts.advance(active, patient=False)
-            rest.append(active)
-        active = np.concatenate(rest)
+        active = np.arange(none.size)
         while active.size:
-            active = contacts.advance(active, patient=True)
+            active = contacts.advance(active)
     momentum = (speed / mass)[:, np.newaxis]
     energy = (speed * speed / mass)[:, np.newaxis]
     impulses, along = contacts.by_row[:2] * momentum

@@ -143,7 +143,7 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
     return speeds, forces, sines * (modes.forces - modes.speeds * ways)
 
 
-def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number, Number]:
+def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
     """Step until few contacts are left without an event.
 
     Returns:
@@ -158,7 +158,7 @@ def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number,
     for _ in range(STEPS):
         if going.size <= few:
             break
-        step, event = _step(modes, time, patient)
+        step, event = _step(modes, time)
         time = time + step
         over = np.count_nonzero(event)
         if FEW * over >= going.size or going.size - over <= few:
@@ -171,7 +171,7 @@ def step_to_event(modes: Modes, settles: Number, patient: bool) -> tuple[Number,
     return times, events
 
 
-def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
+def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
     """Return a step that passes no event, and the event at its end; a contact at an event stays
     there.
     """
@@ -202,14 +202,14 @@ def _step(modes: Modes, time: Number, patient: bool) -> tuple[Number, Number]:
         _root(above, slope, np.minimum(modes.jerk * tangents - bend, modes.bend)), tangents
     )
     steps = np.fmax(steps, np.where(slope >= 0.0, CONVEX * bend / modes.jerk, 0.0))
-    if patient:
-        slow = parts[1] * forces[1]
-        slow_slope = -modes.drifts * parts[1] * speeds[1]
-        slow[2] = modes.constant + along[1] * np.where(loading, modes.drifts * speeds[1], forces[1])
-        slow_slope[2] = along[1] * np.where(loading, gains[1], -modes.drifts * speeds[1])
-        clear = slow - GRAZE * modes.swing
-        longer = _root(np.maximum(clear, 0.0), slow_slope, modes.slow_bend)
-        steps = np.where(clear > 0.0, np.maximum(steps, longer), steps)
+    slow = parts[1] * forces[1]
+    drift = modes.drifts * speeds[1]
+    slow_slope = -drift * parts[1]
+    slow[2] = modes.constant + along[1] * np.where(loading, drift, forces[1])
+    slow_slope[2] = along[1] * np.where(loading, gains[1], -drift)
+    clear = slow - GRAZE * modes.swing
+    longer = _root(np.maximum(clear, 0.0), slow_slope, modes.slow_bend)
+    steps = np.where(clear > 0.0, np.maximum(steps, longer), steps)
     event = np.zeros(time.size, dtype=int)
     found = _Functions(modes, speeds, forces, value, slope, bend, steps)
     found.leave(event)

@@ -79,14 +79,13 @@ class Contact(NamedTuple):
 
 
 def stick(
-    contact: Contact, jams: Number, settles: Number, patient: bool
+    contact: Contact, jams: Number, settles: Number
 ) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance to the end of a phase of stick.
 
     Where ``settles`` is set, the fast mode and its energy are taken from the motion instead. Where
     ``jams`` is set, this is done only if one degree of freedom is pressed across its line, which
-    has no end. A few contacts may be left without an event; so are, unless ``patient``, contacts
-    whose rates differ much.
+    has no end. A few contacts may be left without an event.
 
     Returns:
         The contact after the phase, the event, and the normal impulse, tangential impulse, normal
@@ -97,7 +96,7 @@ def stick(
     modes, (cosine, sine) = _modes(contact)
     # A single degree of freedom drifts across its line at a constant speed in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
-    time, event = step_to_event(modes, settles | (jams & pressed), patient)
+    time, event = step_to_event(modes, settles | (jams & pressed))
     (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
     event = np.where((event == SETTLED) & pressed, NEVER, event)
     still = (event == NEVER) | (event == SETTLED)
