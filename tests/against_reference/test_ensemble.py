@@ -141,6 +141,32 @@ def test_random_tools_against_the_scene(accuracy: float):
     assert uncertain <= 3  # a wire that strikes radially is at the edge between two outcomes
 
 
+FOLDS_FOR_A_MOMENT = {
+    "hub_speed": 124.2, "bristle_length": 0.03792, "hub_radius": 0.01215, "wire_diameter": 0.001977, "belt_stiffness": 0.3081,
+    "belt_damping_ratio": 1.195, "friction": 0.5101, "restitution": 0.0, "bar_friction": 0.7013, "bar_restitution": 0.5735,
+    "bar_radius": 0.008471, "bar_horizontal": 0.04918, "bar_vertical": -0.002974, "penetration": 0.01007, "gravity": 379.5,
+}  # fmt: skip
+STRIKES_FOR_A_MOMENT_ON_THE_BAR = {
+    "hub_speed": 159.326, "bristle_length": 0.0312232, "hub_radius": 0.0313543, "wire_diameter": 0.0017742,
+    "belt_stiffness": 0.00647887, "belt_damping_ratio": 0.728641, "friction": 0.561589, "restitution": 0.2,
+    "bar_friction": 0.689765, "bar_restitution": 0.0, "bar_radius": 0.00950622, "bar_horizontal": 0.026166,
+    "bar_vertical": 0.0626579, "penetration": 0.00866987, "gravity": 431.035,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("values", [FOLDS_FOR_A_MOMENT, STRIKES_FOR_A_MOMENT_ON_THE_BAR])
+def test_what_happens_between_two_samples_is_found(values: dict[str, float]):
+    """Of the two wires one folds back by 1e-3 rad too much, and the other's tip is 1e-5 m too low while it lies on the bar."""
+    many = bs.ensemble(**values)
+    run = bs.simulate(bs.Tool().replace(**values), bs.Settings(accuracy=1e-9), stop_after="strike")
+    strike = run.first_contact("workpart")
+    if strike is None:
+        assert run.stop_reason is StopReason.RETRACTION_LIMIT
+        assert many.outcome == "refused"
+    else:
+        assert many.contact_time == pytest.approx(strike.time, rel=1e-7)
+
+
 def test_random_tools_against_the_independent_solution():
     assert faults(3, 5, 1e-8, reference=True)[0] == []
 

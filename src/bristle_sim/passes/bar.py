@@ -16,8 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.motion import Pose, free_acceleration, pose_of
+from bristle_sim.passes.motion import Pose, free_acceleration, pose_of, sine_and_cosine
 from bristle_sim.passes.state import Chosen, Passes, Place
+
+
+def half_turn(angle: Array) -> Array:
+    """Return angles less whole turns, between -pi and pi, rad."""
+    return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
 
 
 def half_window(radius: Array, distance: Array, reach: Array) -> Array:
@@ -28,6 +33,14 @@ def half_window(radius: Array, distance: Array, reach: Array) -> Array:
     double = 2.0 * radius * distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 2.0, -1.0), where=double > 0.0)
     return np.where(cosine > 1.0, -1.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def flank_window(passes: Passes) -> Array:
+    """Return the largest |chi| at which the bar touches the flank, D^2 = 1 + R^2, rad."""
+    room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
+    double = 2.0 * passes.radius * passes.bar_distance
+    cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
@@ -130,13 +143,12 @@ class Lying(NamedTuple):
     pressure: Array
 
 
-def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen) -> Lying:
+def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) -> Lying:
     """Return the motion of wires that lie on the bar with flank or end, at hub angles of shape
     (..., passes).
     """
     chi = hub_angle - passes.bar_angle
-    sine = np.sin(chi)
-    cosine = np.cos(chi)
+    sine, cosine = sine_and_cosine(chi)
     product = passes.radius * passes.bar_distance
     square = passes.bar_distance**2 + passes.radius**2 - 2.0 * product * cosine  # D^2
     square_1 = 2.0 * product * sine
@@ -144,11 +156,11 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen) -> Lyin
     delta = np.arctan2(-passes.radius * sine, passes.bar_distance - passes.radius * cosine)
     delta_1 = (passes.radius**2 - product * cosine) / square
     delta_2 = (0.5 - delta_1) * square_1 / square
-    if at_end.all():
+    if at_end is True:
         eta, eta_1, eta_2 = _held_at_end(passes, square, square_1, square_2)
     else:
         eta, eta_1, eta_2 = _held_at_flank(passes, square, square_1, square_2)
-        if at_end.any():
+        if np.any(at_end):
             ends = _held_at_end(passes, square, square_1, square_2)
             eta, eta_1, eta_2 = np.where(at_end, ends, (eta, eta_1, eta_2))
     angle = delta - side * eta - chi

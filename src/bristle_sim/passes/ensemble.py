@@ -11,20 +11,30 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import Request, passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES, Ensemble
-from bristle_sim.passes.run import FOLDS, LOCKED, MISSED, STRUCK, TOO_MANY, advance
+from bristle_sim.passes.run import (
+    FLIES,
+    FOLDS,
+    LOCKED,
+    MISSED,
+    STRUCK,
+    TOO_MANY,
+    TOUCHES,
+    advance,
+    touch_bar,
+)
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
 from bristle_sim.settings import Settings
 
 HUB_TURN = Settings().hub_turn
 
-BLOCK = 1 << 12
+BLOCK = 1 << 14
 """Number of passes that begin together.
 
-With more passes the arrays exceed the processor's cache. With fewer the calls would take more time
-than the arithmetic."""
+A call for fewer takes more time than its arithmetic; with more the arrays take more memory, and
+little time is saved."""
 
-LEAST_FLYING = BLOCK // 4  # number of passes in flight below which the next block begins
+LEAST_FLYING = BLOCK // 4  # number of passes under way below which the next block begins
 
 UNCERTAIN = 1.0
 """Error estimate of a pass whose course or outcome a change within the accuracy would alter."""
@@ -79,23 +89,29 @@ def ensemble(
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)
     results = Results(request, checked.accuracy)
-    flying: Passes | None = None
+    flying, _ = passes_of(request, np.arange(0))
+    touching = flying
     begun = 0
-    while begun < request.size or (flying is not None and flying.size):
-        if begun < request.size and (flying is None or flying.size < LEAST_FLYING):
+    while begun < request.size or flying.size or touching.size:
+        if begun < request.size and flying.size + touching.size < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
             fresh, results.reason[begun:last] = passes_of(request, np.arange(begun, last))
-            flying = fresh if flying is None else flying.joined(fresh)
+            flying = flying.joined(fresh)
             begun = last
-        if flying is None or not flying.size:
-            continue
-        ending = advance(flying, checked.accuracy)
-        over = np.flatnonzero(ending)
+        # the larger group goes on: calls for few passes cost as much as for many
+        if flying.size >= touching.size:
+            codes = advance(flying, checked.accuracy)
+            group, flying = flying, flying.take(codes == FLIES)
+            touching = touching.joined(group.take(codes == TOUCHES))
+        else:
+            codes = touch_bar(touching, checked.accuracy)
+            group, touching = touching, touching.take(codes == TOUCHES)
+            flying = flying.joined(group.take(codes == FLIES))
+        over = np.flatnonzero((codes != FLIES) & (codes != TOUCHES))
         if over.size:
-            results.add(flying.take(over), ending[over])
-            flying = flying.take(np.flatnonzero(ending == 0))
+            results.add(group.take(over), codes[over])
             if progress is not None:
-                progress((begun - flying.size) / request.size)
+                progress((begun - flying.size - touching.size) / request.size)
     return results.ensemble()
 
 

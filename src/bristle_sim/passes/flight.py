@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.bar import closest
-from bristle_sim.passes.crossing import Function, Sloped, newton_root, root
-from bristle_sim.passes.motion import ORDER, Course, Pose, course_of, free_acceleration, step_length
+from bristle_sim.passes.bar import closest, half_turn
+from bristle_sim.passes.crossing import Function, root
+from bristle_sim.passes.motion import (
+    FRACTIONS,
+    INTERVALS,
+    Course,
+    Pose,
+    course_of,
+    pose_of,
+    step_length,
+)
 from bristle_sim.passes.state import Chosen, Passes, Place
 
 NOTHING, BAR, WORKPART, HUB = range(4)
 """Codes of touches at the end of a step; a wire that folds back by a quarter turn lies on the
 hub."""
-
-INTERVALS = 8
-"""Number of equal parts of a step; a gap has at most one minimum in a part, by assumption."""
 
 LEAST_BEND = 0.1
 """Least reach of the bar, over the bristle's length, that shortens the parts of a step."""
@@ -33,32 +38,20 @@ EDGE = 1e-9  # largest distance of a hub angle outside the bar's window that is 
 # Least depth at which a wire that has just left the bar is on it again, over the bristle's length.
 HOP_ROUNDING = 1e-14
 
-NEWTON_ROUNDS = 2
-"""Rounds of Newton's method from the chord to the least angle.
-
-The error of its place is then 1e-6, that of the angle the square of that."""
-
-FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)
-
 Gap = Callable[[Array], tuple[Array, Array]]
 """Function that returns the gaps at steps, and their rates."""
 
-PLACE_OF_LEAST = 1e-8  # rad; the least gap depends on its place by the square
 
-
-@dataclass(slots=True)
-class Search:
-    """The search of a step for the first closing of a gap.
+class Search(NamedTuple):
+    """The first closings of gaps within a step.
 
     Attributes:
-        place: step to the touch, or to the place where the search must continue, rad.
-        touched: whether the gap closes at that place.
-        margin: least gap at a located minimum, over the bristle's length; infinite without a
-        minimum.
+        place: hub's turn up to the closing, rad; infinite where the gap stays open.
+        margin: least gap at a minimum before, over the bristle's length; infinite without a
+            minimum.
     """
 
     place: Array
-    touched: Chosen
     margin: Array
 
 
@@ -71,38 +64,34 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
     """
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
-    passes.error = (
-        passes.error + np.abs(course.rate[-1]) * step ** (ORDER - 1.0) / passes.rate_scale
-    )
-    poses = course.sampled(step, FRACTIONS)
-    bend = 0.125 * (step / INTERVALS) ** 2  # of the hub's cosine between two places
-    highest = passes.radius * (poses.hub_cosine.max(axis=0) + bend)
-    low = np.flatnonzero(highest >= passes.depth - 1.0)  # elsewhere no tip reaches the workpart
+    last_terms = np.abs(course.rate[-1]) * step ** (len(course.rate) - 1.0)
+    passes.error = passes.error + last_terms / passes.rate_scale
+    turns = FRACTIONS * step
+    angles, rates = course.sampled(step)
+    poses = pose_of(passes.hub_angle + turns, angles, rates)
     place = step.copy()
     kind = np.full(passes.size, NOTHING)
     margin = np.full(passes.size, np.inf)
-    for obstacle, chosen in ((WORKPART, low), (BAR, near)):
+    for obstacle, chosen in ((WORKPART, np.arange(passes.size)), (BAR, near)):
         if chosen.size:
-            some = passes.take(chosen)
-            part = course.take(chosen)
-            gaps, openings = clearance(obstacle, some, Pose(*(each[:, chosen] for each in poses)))
-            leaving = some.touching & (obstacle == BAR)
+            own = passes.place(chosen)
+            gaps, openings = clearance(obstacle, own, Pose(*(each[:, chosen] for each in poses)))
             search = first_closing(
-                _gaps(obstacle, some, part), gaps, openings, step[chosen], leaving
-            )
-            sooner = (search.place < place[chosen]) | (
-                search.touched & (search.place <= place[chosen])
+                _gaps(obstacle, passes, course, chosen),
+                gaps,
+                openings,
+                step[chosen],
+                passes.touching[chosen] & (obstacle == BAR),
             )
             margin[chosen] = np.minimum(margin[chosen], search.margin)
-            kind[chosen] = np.where(
-                sooner, np.where(search.touched, obstacle, NOTHING), kind[chosen]
-            )
-            place[chosen] = np.where(sooner, search.place, place[chosen])
-    folded = poses.cosine * poses.hub_cosine + poses.sine * poses.hub_sine < 0.0  # cos alpha
-    kind[(folded & (FRACTIONS[:, np.newaxis] * step <= place)).any(axis=0)] = HUB
-    passes.angle = course.angle_at(place)
-    passes.rate = course.rate_at(place)
-    _note_retraction(passes, course, poses.rate, step, place)
+            sooner = search.place <= place[chosen]
+            kind[chosen[sooner]] = obstacle
+            place[chosen[sooner]] = search.place[sooner]
+    folded = np.abs(angles) > 0.5 * np.pi
+    if folded.any():
+        kind[(folded & (turns <= place)).any(axis=0)] = HUB
+    passes.angle, passes.rate = course.at(place)
+    _note_retraction(passes, course, rates, step, place)
     passes.hub_angle = passes.hub_angle + place
     passes.touching = passes.touching & (place <= 0.0)
     return kind, margin
@@ -114,30 +103,29 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
     A step ends at the end of the pass, or where the wire begins to reach the bar. Near the bar it
     is so short that a gap has at most one minimum in each of its parts.
     """
-    chi = np.remainder(passes.hub_angle - passes.bar_angle + np.pi, 2.0 * np.pi) - np.pi
-    near = np.flatnonzero(np.abs(chi) <= passes.window + EDGE)
-    ahead = np.remainder(-passes.window - chi, 2.0 * np.pi)
-    ahead[near] = np.inf
-    ahead[passes.window < 0.0] = np.inf
+    chi = half_turn(passes.hub_angle - passes.bar_angle)
+    outside = np.abs(chi) > passes.window + EDGE
+    near = np.flatnonzero(~outside)
+    ahead = -passes.window - chi
+    ahead += np.where(ahead < 0.0, 2.0 * np.pi, 0.0)
     step = np.minimum(step_length(passes, course, tolerance), passes.end - passes.hub_angle)
-    np.minimum(step, ahead, out=step)
-    gained = 0.25 * np.abs(course.rate[2, near]) * step[near]
+    np.minimum(step, ahead, out=step, where=outside & (passes.window >= 0.0))
+    gained = 0.25 * np.abs(course.rate[1, near]) * step[near]
     speed = passes.radius[near] + 1.0 + np.abs(passes.rate[near]) + gained
     longest = INTERVALS * BEND * np.maximum(passes.reach[near], LEAST_BEND) / speed
     step[near] = np.minimum(step[near], longest)
     return step, near
 
 
-def _gaps(obstacle: int, passes: Passes, course: Course) -> Callable[[Chosen], Gap]:
-    """Return the function that returns, for the numbers of some passes, their gap to an obstacle
-    over the step.
+def _gaps(obstacle: int, passes: Passes, course: Course, chosen: Chosen) -> Callable[[Chosen], Gap]:
+    """Return the function that returns, for the numbers of some of the chosen passes, their gap to
+    an obstacle over the step.
     """
 
     def gap_of(numbers: Chosen) -> Gap:
         """Return the gap of the passes with some numbers over the step."""
-        place = passes.place(numbers)
-        own = course.take(numbers)
-
+        place = passes.place(chosen[numbers])
+        own = course.take(chosen[numbers])
         return lambda step: clearance(obstacle, place, own.pose_at(step))
 
     return gap_of
@@ -159,9 +147,8 @@ def first_closing(
 ) -> Search:
     """Find the first closing of each gap within a step.
 
-    A part of the step has a touch if the gap is closed at its end, or if a minimum located in it is
-    not positive. If the minimum is positive, the search ends with that part, and the next step
-    begins there.
+    A part of the step has a closing if the gap is closed at its end, or if a minimum located in it
+    is not positive.
 
     Args:
         gap_of: function that returns, for the numbers of some passes, their gap over the step.
@@ -171,49 +158,71 @@ def first_closing(
     """
     width = step / INTERVALS
     with np.errstate(invalid="ignore"):  # without a workpart the gap is infinite
-        fastest = np.abs(rates).max(axis=0) * FASTER
-        dips = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < fastest * width)
-        hop = np.where(leaving, _hops(gaps, rates, width), np.nan)
-    candidate = (gaps[1:] <= 0.0) | dips
+        fastest = np.abs(rates).max(axis=0) * (FASTER * width)
+        candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < fastest)
+    candidate[0, leaving] = False
+    candidate |= gaps[1:] <= 0.0
+    hop = np.full(len(step), np.nan)
+    first = np.flatnonzero(leaving)
+    hop[first] = _hops(gaps[:2, first], rates[:2, first], width[first])
     candidate[0] |= np.isfinite(hop)
-    search = Search(step.copy(), np.zeros(len(step), dtype=bool), np.full(len(step), np.inf))
-    number = np.flatnonzero(candidate.any(axis=0))
-    if not number.size:
-        return search
-    part = candidate[:, number].argmax(axis=0)
-    low = part * width[number]
-    high = (part + 1) * width[number]
-    leaves = leaving[number] & (part == 0)
-    slopes = (rates[part, number], rates[part + 1, number])
-    high_gap = gaps[part + 1, number]
+    place = np.full(len(step), np.inf)
+    margin = place.copy()
+    while (number := np.flatnonzero(candidate.any(axis=0))).size:
+        part = candidate[:, number].argmax(axis=0)
+        candidate[part, number] = False
+        low = part * width[number]
+        high = low + width[number]
+        leaves = leaving[number] & (part == 0)
+        slopes = (rates[part, number], rates[part + 1, number])
+        low_gap = gaps[part, number]
+        high_gap = gaps[part + 1, number]
+        dips = np.flatnonzero(high_gap > 0.0)
+        if dips.size:
+            some = number[dips]
+            ends = (low[dips], high[dips])
+            own = (slopes[0][dips], slopes[1][dips])
+            hops = np.where(leaves[dips], hop[some], np.nan)
+            bottom = _lowest(gap_of, some, ends, (low_gap[dips], high_gap[dips]), own, hops)
+            least, _ = gap_of(some)(bottom)
+            closes = least < np.where(leaves[dips], -HOP_ROUNDING, 0.0)
+            passed = some[~(closes | leaves[dips])]
+            margin[passed] = np.minimum(margin[passed], least[~(closes | leaves[dips])])
+            high[dips] = np.where(closes, bottom, high[dips])
+            high_gap[dips] = np.where(closes, least, high_gap[dips])
+        closed = np.flatnonzero(high_gap <= 0.0)
+        if closed.size:
+            some = number[closed]
+            candidate[:, some] = False
+            place[some] = _closing(
+                gap_of,
+                some,
+                (low[closed], high[closed]),
+                (low_gap[closed], high_gap[closed]),
+                (slopes[0][closed], slopes[1][closed]),
+                leaves[closed],
+            )
+    return Search(place, margin)
 
-    open_end = np.flatnonzero(high_gap > 0.0)
-    if open_end.size:
-        some = number[open_end]
-        bottom = _lowest(
-            gap_of,
-            some,
-            (low[open_end], high[open_end]),
-            (slopes[0][open_end], slopes[1][open_end]),
-            hop[some],
-        )
-        least, _ = gap_of(some)(bottom)
-        closes = least < np.where(leaves[open_end], -HOP_ROUNDING, 0.0)
-        search.margin[some] = np.where(closes | leaves[open_end], np.inf, least)
-        high[open_end] = np.where(closes, bottom, high[open_end])
-        high_gap[open_end] = np.where(closes, least, high_gap[open_end])
-    search.place[number] = high
 
-    # A gap that begins at zero is divided by the step, so that only its next zero remains.
-    closed = np.flatnonzero(high_gap <= 0.0)
-    chosen = number[closed]
-    from_zero = leaves[closed]
-    ends = (low[closed], high[closed])
-    values = (np.where(from_zero, np.inf, gaps[part[closed], chosen]), high_gap[closed])
+def _closing(
+    gap_of: Callable[[Chosen], Gap],
+    number: Chosen,
+    ends: tuple[Array, Array],
+    gaps: tuple[Array, Array],
+    slopes: tuple[Array, Array],
+    leaves: Chosen,
+) -> Array:
+    """Return the places where gaps close between two ends.
 
-    def value_of(numbers: Chosen) -> Sloped:
-        gap = gap_of(chosen[numbers])
-        divided = from_zero[numbers]
+    Newton's method begins at the root of the cubic through the inverse function's values and slopes
+    at the ends. A gap that begins at zero is divided by the step, so that only its next zero
+    remains.
+    """
+
+    def value_of(numbers: Chosen) -> Function:
+        gap = gap_of(number[numbers])
+        divided = leaves[numbers]
 
         def value(place: Array) -> tuple[Array, Array]:
             height, rate = gap(place)
@@ -221,17 +230,21 @@ def first_closing(
 
         return value
 
-    search.place[chosen] = newton_root(
-        value_of, ends, values, (slopes[0][closed], slopes[1][closed])
-    )
-    search.touched[chosen] = True
-    return search
+    low, high = ends
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = gaps[1] - gaps[0]
+        part = -gaps[0] / rise
+        bend = rise * ((1.0 - part) / slopes[0] - part / slopes[1])
+        start = low + part * part * (3.0 - 2.0 * part) * (high - low) + part * (1.0 - part) * bend
+    start = np.where(leaves, high, start)
+    return root(value_of, ends, gaps[1], start)
 
 
 def _lowest(
     gap_of: Callable[[Chosen], Gap],
     number: Chosen,
     ends: tuple[Array, Array],
+    gaps: tuple[Array, Array],
     slopes: tuple[Array, Array],
     hop: Array,
 ) -> Array:
@@ -239,18 +252,24 @@ def _lowest(
 
     The place is where the rate changes its sign, or the minimum of a hop's cubic.
     """
-    dipping = (slopes[0] < 0.0) & (slopes[1] > 0.0)
-    turning = np.flatnonzero(dipping)
+    turning = np.flatnonzero(np.isnan(hop))
     bottom = hop.copy()
+    if turning.size:
 
-    def opening_of(numbers: Chosen) -> Function:
-        gap = gap_of(number[turning[numbers]])
-        return lambda place: gap(place)[1]
+        def opening_of(numbers: Chosen) -> Function:
+            gap = gap_of(number[turning[numbers]])
+            return lambda place: (gap(place)[1], None)
 
-    brackets = (ends[0][turning], ends[1][turning])
-    bottom[turning] = root(
-        opening_of, brackets, (slopes[0][turning], slopes[1][turning]), PLACE_OF_LEAST
-    )
+        low, high, low_gap, high_gap, low_slope, high_slope = (
+            each[turning] for each in (*ends, *gaps, *slopes)
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            width = high - low
+            rise = 3.0 * (high_gap - low_gap) / width
+            bend = rise - 2.0 * low_slope - high_slope
+            twist = 3.0 * (low_slope + high_slope) - 2.0 * rise
+            least = -low_slope / (bend + np.sqrt(bend * bend - twist * low_slope))
+        bottom[turning] = root(opening_of, (low, high), high_slope, low + least * width)
     return bottom
 
 
@@ -265,7 +284,7 @@ def _hops(gaps: Array, rates: Array, width: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         place = -0.5 * bend / twist
         returns = (bend * bend > 4.0 * rates[0] * twist) & (place > 0.0) & (place < width)
-    return np.where(returns, place, np.nan)
+    return np.asarray(np.where(returns, place, np.nan))
 
 
 def _note_retraction(
@@ -276,13 +295,15 @@ def _note_retraction(
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:
         part = turning[:, number].argmax(axis=0)
-        before = rates[part, number]
-        at = (part - before / (rates[part + 1, number] - before)) * step[number] / INTERVALS
-        own = course.take(number)
-        some = passes.take(number)
-        for _ in range(NEWTON_ROUNDS):
-            rate = own.rate_at(at)
-            at = at - rate / free_acceleration(some, some.hub_angle + at, own.angle_at(at), rate)
-        least = own.angle_at(np.minimum(at, place[number]))
+        before, after = rates[part, number], rates[part + 1, number]
+        width = step[number] / INTERVALS
+        low = part * width
+        at = root(
+            lambda numbers: course.take(number[numbers]).turning_at,
+            (low, low + width),
+            after,
+            low + width * before / (before - after),
+        )
+        least, _ = course.take(number).at(np.minimum(at, place[number]))
         passes.lowest[number] = np.minimum(passes.lowest[number], least)
     passes.lowest = np.minimum(passes.lowest, passes.angle)

@@ -198,13 +198,17 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     )
     start = np.full(size, START)
     window = np.full(size, -1.0)
+    met = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
     if tool.bar:
         window = half_window(radius, distance, reach)
-        met = bar_angle + meeting_angle(radius, distance, reach)
-        start = np.where(met < START, met - CLEAR_OF_BAR, start)
+        bar_met = bar_angle + meeting_angle(radius, distance, reach)
+        start = np.where(bar_met < START, bar_met - CLEAR_OF_BAR, start)
+        met = np.minimum(met, bar_met)
     own = np.radians(values["start_hub_angle_deg"])
     start = np.where(np.isnan(own), start, own)
     gravity = 1.5 * values["gravity"] / (length * speed**2)
+    # without weight a wire stays radial until it meets bar or workpart; its flight begins just before
+    resting = (gravity == 0.0) & (met - CLEAR_OF_BAR > start) & (start > met - np.pi)
     undone = np.full(size, np.nan)
     return Passes(
         number=numbers,
@@ -226,7 +230,7 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         depth=depth,
         start=start,
         end=start + request.hub_turn,
-        hub_angle=start.copy(),
+        hub_angle=np.where(resting, met - CLEAR_OF_BAR, start),
         angle=nothing.copy(),
         rate=nothing.copy(),
         touching=np.zeros(size, dtype=bool),

@@ -35,35 +35,32 @@ MOST_TOUCHES = 3000  # most touches of the bar; a restitution near 1 gives endle
 LEAST_SPEED = 1e-300
 ROUNDING = 1e-15  # error of a state that follows from geometry, rad
 
-STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS = range(1, 6)
-"""Codes of the ends of a pass: strike, end of the hub's turn, friction on the bar, endless taps, a
-fold."""
+FLIES, STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS, TOUCHES = range(7)
+"""Codes of passes: in flight, ended by a strike, by the end of the hub's turn, by friction on the
+bar, by endless taps or by a fold, and those that touch the bar."""
 
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
-    """Advance every pass by one step and its consequences; return the code of its end, 0 if it
-    continues.
-    """
+    """Advance flights by one step, and return the codes of the passes."""
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     kind, margin = fly(passes, tolerance)
-    ending = np.zeros(passes.size, dtype=int)
     passes.error = np.where(margin < accuracy, 1.0, passes.error)
-    ending[(kind == HUB) | (np.abs(passes.angle) > 0.5 * math.pi)] = FOLDS
-    ending[(passes.hub_angle >= passes.end) & (kind == NOTHING) & (ending == 0)] = MISSED
-    ending[(kind == WORKPART) & (ending == 0)] = STRUCK
-    touching = np.flatnonzero((kind == BAR) & (ending == 0))
-    if touching.size:
-        some = passes.take(touching)
-        ending[touching] = touch_bar(some, accuracy)
-        passes.put(touching, some)
-    return ending
+    missed = (kind == NOTHING) & (passes.hub_angle >= passes.end)
+    return np.select(
+        [_folds(passes) | (kind == HUB), kind == WORKPART, kind == BAR, missed],
+        [FOLDS, STRUCK, TOUCHES, MISSED],
+        FLIES,
+    )
+
+
+def _folds(passes: Passes) -> Chosen:
+    """Return whether wires fold back, or have folded back, by more than a quarter turn."""
+    return np.maximum(passes.angle, -passes.lowest) > 0.5 * math.pi
 
 
 def touch_bar(passes: Passes, accuracy: float) -> Chosen:
-    """Resolve impacts on the bar, and follow the wires that stay on it to their release.
-
-    Returns:
-        Codes of the ends of the passes; 0 for a pass that continues.
+    """Resolve impacts on the bar, follow the wires that stay on it to their release, and return the
+    codes of the passes.
     """
     touch = levers(passes, pose_of(passes.hub_angle, passes.angle, passes.rate))
     rows = np.array([touch.normal, touch.tangential])
@@ -75,7 +72,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     passes.touching = np.ones(passes.size, dtype=bool)
     passes.release, passes.release_angle = passes.hub_angle.copy(), passes.angle.copy()
     ending = np.where(
-        hit.outcome == JAM, LOCKED, np.where(passes.touches > MOST_TOUCHES, TOO_MANY, 0)
+        hit.outcome == JAM, LOCKED, np.where(passes.touches > MOST_TOUCHES, TOO_MANY, FLIES)
     )
 
     sides = touch.side
@@ -91,7 +88,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     passes.error = np.where(grazes, 1.0, passes.error)
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
     low |= comes_to_rest(passes, sides, at_end, pressed, parting, parting / approach)
-    stays = np.flatnonzero((ending == 0) & (pressed > 0.0) & low)
+    stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
     if stays.size:
         some = passes.take(stays)
         some.rate = held.rate[stays]
@@ -101,8 +98,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
         passes.put(stays, some)
         how[locked] = JAMMED
         ending[stays] = np.select(
-            [how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], 0
+            [how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], FLIES
         )
+        ending[_folds(passes)] = FOLDS
     return ending
 
 
