@@ -103,7 +103,8 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
         and (stiffness := _stiffness(instant, touch, point)) is not None
     ):
         surface = obstacle.surface
-        # The impact law takes a stiffer tangential spring as rigid too.
+        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law uses a
+        # mean instead.
         compliance = obstacle.compliance if obstacle.compliance >= LEAST_COMPLIANCE else 0.0
         law = ContactSpring(
             stiffness,

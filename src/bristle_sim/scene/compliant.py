@@ -96,7 +96,7 @@ class CompliantLaw(ContactLaw):
         rigid = energetic_at(pair, space)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
-        # The impact law takes a stiffer tangential spring as rigid too.
+        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
         compliance = (
             self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         )
