@@ -80,61 +80,39 @@ def sweep(
             again is a failure, which the next call on the same store computes again.
     """
     grid = _grid(space)
-    units = dict(units or {})
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
     software = ", ".join(
         f"{name} {metadata.version(name)}" for name in ("bristle_sim", "numpy", "pymunk", "scipy")
     )
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
-    results = _results(grid, store, function, version)
+    results = Results(grid)
+    kept = ""
+    if store is not None:
+        coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
+        identity = (identity_of(function, version), coordinates, dict(grid.sizes))
+        results = SweepStore(Path(store) / f"{joblib.hash(identity, 'sha1')}.zarr", grid)
+        kept = f"the points that are finished are kept in {store}; the same call goes on"
     again = LOST
     try:
         for _ in range(ROUNDS):
             if not (missing := np.flatnonzero(results.missing(again))).size:
-                return _dataset(results, grid, units)
-            _write(
-                results,
-                evaluated(function, _points(grid, missing), workers),
-                missing.size,
-                progress,
-            )
+                return _labelled(results, units or {})
+            outcomes = evaluated(function, _points(grid, missing), workers)
+            _write(results, outcomes, missing.size, progress)
             again = ""
     except KeyboardInterrupt:
-        kept = (
-            ""
-            if store is None
-            else f"the points that are finished are kept in {store}; the same call goes on"
-        )
-        raise SweepInterrupted(kept, _dataset(results, grid, units).load()) from None
+        raise SweepInterrupted(kept, _labelled(results, units or {}).load()) from None
     raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
 
 
-def _results(
-    grid: xr.Dataset, store: str | Path | None, function: Callable[..., Any], version: str
-) -> Results:
-    """Return results in memory or in the store's folder of this function and grid."""
-    if store is None:
-        return Results(grid)
-    coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
-    digest = joblib.hash((identity_of(function, version), coordinates, dict(grid.sizes)), "sha1")
-    return SweepStore(Path(store) / f"{digest}.zarr", grid)
-
-
-def _dataset(results: Results, grid: xr.Dataset, units: Mapping[str, str]) -> xr.Dataset:
-    """Return the results in the order of their names, with units; those of a store are loaded lazily."""
-    if isinstance(results, SweepStore):
-        found = results.dataset()
-    else:
-        found = grid.copy()
-        for name, array in results.arrays.items():
-            own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(results.shape))]
-            values = array.astype(object) if name == FAILURE else array
-            found[name] = ([*grid.sizes, *own_axes], values)
+def _labelled(results: Results, units: Mapping[str, str]) -> xr.Dataset:
+    """Return the results in the order of their names, with units."""
+    found = results.dataset()
     found = found[sorted(map(str, found.data_vars))]
     for variable, each in found.variables.items():
         each.attrs = {"units": units[str(variable)]} if variable in units else {}
-    found.attrs = grid.attrs
+    found.attrs = results.grid.attrs
     return found
 
 

@@ -41,6 +41,7 @@ class Results:
     """
 
     def __init__(self, grid: xr.Dataset) -> None:
+        self.grid = grid
         self.shape = tuple(grid.sizes.values())
         self.taken = {*map(str, grid.coords), *map(str, grid.sizes)}
         self.shapes: dict[str, tuple[int, ...]] = {}
@@ -97,6 +98,15 @@ class Results:
         if values.size:
             self.arrays[name].reshape(-1, *values.shape[1:])[numbers] = values
 
+    def dataset(self) -> xr.Dataset:
+        """Return the grid with the results."""
+        found = self.grid.copy()
+        for name, array in self.arrays.items():
+            own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(self.shape))]
+            values = array.astype(object) if name == FAILURE else array
+            found[name] = ([*self.grid.sizes, *own_axes], values)
+        return found
+
 
 def check_name(what: str, name: str) -> None:
     """Raise ValueError for a name that an array in a folder cannot have."""
@@ -119,7 +129,6 @@ class SweepStore(Results):
     def __init__(self, folder: Path, grid: xr.Dataset) -> None:
         super().__init__(grid)
         self.folder = folder
-        self.grid = grid
         for partial in folder.rglob("*.partial"):
             with suppress(OSError):
                 if time.time() - partial.stat().st_mtime > ABANDONED:
