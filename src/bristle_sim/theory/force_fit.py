@@ -194,26 +194,20 @@ def _fitted(
     if not scale > 0.0:
         return None
     amplitude = pulse.height / ForceCurve.of_impact(1.0, 0.0, scale, 1.0).peak_force()
-    sizes = {"amplitude 1": amplitude, "decay 1": 1.0 / length}
-    sizes |= {"duration": length} if duration is None else {}
-    sizes |= {"start": length} if start is None else {}
-    sizes |= {"baseline": pulse.height} if based else {}
-    begin = {
-        "amplitude 1": 1.0,
-        "decay 1": 0.0,
-        "duration": 1.0,
-        "start": 0.0,
-        "baseline": pulse.level / pulse.height,
-    }
-    if force.size <= len(sizes):
+    guesses = {"amplitude 1": (amplitude, 1.0), "decay 1": (1.0 / length, 0.0)}
+    if duration is None:
+        guesses["duration"] = (length, 1.0)
+    if start is None:
+        guesses["start"] = (length, 0.0)
+    if based:
+        guesses["baseline"] = (pulse.height, pulse.level / pulse.height)
+    if force.size <= len(guesses):
         return None
+    units, first = np.transpose([*guesses.values()])
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
         """Return curve, start and baseline at values of the unknowns."""
-        found = {
-            name: size * value
-            for (name, size), value in zip(sizes.items(), unknowns.tolist(), strict=True)
-        }
+        found = dict(zip(guesses, (units * unknowns).tolist(), strict=True))
         span = abs(found.get("duration", length))
         curve = ForceCurve.of_impact(found["amplitude 1"], found["decay 1"], scale, span)
         return curve, found.get("start", 0.0), found.get("baseline", 0.0)
@@ -227,7 +221,6 @@ def _fitted(
             warnings.simplefilter(
                 "error", OptimizeWarning
             )  # the points do not determine the unknowns
-            first = [begin[name] for name in sizes]
             found, covariance = curve_fit(
                 forces, since, force, first, ftol=1e-14, xtol=1e-14, gtol=0.0
             )
@@ -238,21 +231,24 @@ def _fitted(
     if based and int(outside.sum()) < FEWEST_OUTSIDE:
         return None
     residuals = forces(since, *found) - force
-    units = np.array([*sizes.values()])
-    exact = {"start": pulse.start + begins, "duration": curve.duration}
-    values = np.array(
-        [
-            exact.get(name, value)
-            for name, value in zip(sizes, (found * units).tolist(), strict=True)
-        ]
-    )
+    origin = pulse.start + begins
+    exact = {"start": origin, "duration": curve.duration}
+    values = dict(zip(guesses, (found * units).tolist(), strict=True))
+    values |= {name: exact[name] for name in exact if name in guesses}
     unexplained = float(residuals @ residuals)
     total = float(np.sum((force - force.mean()) ** 2))
     noise = math.sqrt(unexplained / (force.size - found.size))
-    origin = pulse.start + begins
     spread = covariance * np.outer(units, units)
     return ForceFit(
-        curve, tuple(sizes), values, spread, residuals, noise, total - unexplained, origin, level
+        curve=curve,
+        names=tuple(values),
+        values=np.array([*values.values()]),
+        covariance=spread,
+        residuals=residuals,
+        noise=noise,
+        explained=total - unexplained,
+        start=origin,
+        baseline=level,
     )
 
 
