@@ -256,9 +256,10 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance to the end of slip, of compression or of restitution.
+    """Advance to the end of slip, of compression or of restitution, whichever is first.
 
-    Slip that would turn v_n back in restitution keeps the point at rest instead.
+    Both ends may be at an infinite impulse. Slip that would turn v_n back in restitution keeps the
+    point at rest instead.
     """
     if active is False:
         return _NOTHING
@@ -283,27 +284,13 @@ def _phase(
     else:
         rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
         finish = select(rests, INFINITE, end(state.normal, normal_rate, target))
-    return _advance(state, active, slip, ratio, normal_rate, tangential_rate, finish)
 
-
-def _advance(
-    state: _State,
-    active: Number,
-    slip: Number,
-    ratio: Number,
-    normal_rate: Number,
-    tangential_rate: Number,
-    end: Number,
-) -> _Phase:
-    """Apply the normal impulse up to ``end`` or to the end of slip, whichever is first; both may be
-    infinite.
-    """
     slows = state.tangential * tangential_rate < 0.0
     stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), INFINITE)
     # Slip and compression of one degree of freedom stop at one impulse, up to rounding.
-    stopped = active & (stop <= end * (1.0 + SINGULAR)) & (stop < INFINITE)
-    finished = active & (end <= stop * (1.0 + SINGULAR)) & (end < INFINITE)
-    step = select(finished, end, select(stopped, stop, 0.0))
+    stopped = active & (stop <= finish * (1.0 + SINGULAR)) & (stop < INFINITE)
+    finished = active & (finish <= stop * (1.0 + SINGULAR)) & (finish < INFINITE)
+    step = select(finished, finish, select(stopped, stop, 0.0))
 
     normal = state.normal + normal_rate * step
     tangential = select(stopped, 0.0, state.tangential + tangential_rate * step)
