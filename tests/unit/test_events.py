@@ -9,9 +9,8 @@ import pytest
 
 from bristle_sim.scene.events import Event, Kind
 from bristle_sim.scene.interval import Interval, at_state
-from bristle_sim.scene.locate import Monitor, first_change
+from bristle_sim.scene.locate import Monitor, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import LEAST_VALUE
 from bristle_sim.scene.touches import first_touch
 

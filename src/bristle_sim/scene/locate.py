@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event
 from bristle_sim.scene.interval import Interval, IntervalResult, at_state
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 Value = Callable[[IntervalResult], float]
@@ -37,16 +36,9 @@ LONGEST_OF_A_FORCE = 0.025
 Extrapolation from h/4, h/5, h/6 and h/7 leaves h^4/840 times the force's fourth derivative, and no
 estimate shows this error."""
 
-ROUGH_VALUE = 0.01
-"""Tolerance of a force's zero located in a longer interval, over the larger value at the interval's
-ends."""
-
 BEFORE_ZERO = 0.95
-"""Fraction of the time to that zero after which a shorter interval begins."""
-
-ENDS_WITHOUT_EXTREME = 0.01
-"""Fraction of an interval, from either end, in which an extreme is ignored: the function hardly
-changes there."""
+"""Fraction of the time to a force's zero, by a straight line in a longer interval, after which a
+shorter interval begins."""
 
 
 class Monitor:
@@ -54,7 +46,6 @@ class Monitor:
 
     Attributes:
         event: the watched event.
-        difference: whether the value contains a difference of rates over a step.
         noise: size below which a value has no sign.
         sign: the last sign; None while it is unknown.
     """
@@ -64,7 +55,6 @@ class Monitor:
         interval is an event too.
         """
         self.event = event
-        self.difference = event.kind in DIFFERENCES
         self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
         begins_positive = event.kind in BEGINS_POSITIVE
         self.sign = 1.0 if begins_positive else None
@@ -92,14 +82,17 @@ def first_change(
 ) -> tuple[Interval, Monitor | None]:
     """Return the interval up to the first event that triggers, and its monitor."""
     first = None
+    longest = LONGEST_OF_A_FORCE * system.plan.time_scale
     for monitor in monitors:
         if interval.length <= interval.instant:
             break
         part = _to_the_extreme(monitor.event, interval) if monitor.event.kind in TURNS else interval
         ends = _change(monitor, part) if part.length > part.instant else None
-        while ends is not None and _is_far(system, monitor, part):
-            # The result near the zero may be on either side of it.
-            part = part.up_to(_before_zero(monitor.event.value, part, *ends))
+        while ends is not None and monitor.event.kind in DIFFERENCES and part.length > longest:
+            # A force's zero is located in a short interval that begins before it.
+            left, right = ends
+            zero = part.length * left / (left - right)
+            part = part.up_to(part.integrate_to(BEFORE_ZERO * zero))
             ends = _change(monitor, part)
             if ends is None:
                 interval = part
@@ -117,9 +110,9 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
     event = monitor.event
     sign = monitor.sign
     right = event.value(interval.end)
-    noise = (
-        max(monitor.noise, RATE_ROUNDING / interval.length) if monitor.difference else monitor.noise
-    )
+    noise = monitor.noise
+    if event.kind in DIFFERENCES:
+        noise = max(noise, RATE_ROUNDING / interval.length)
     if sign is None or not sign * right < -noise or event.direction == sign:
         return None
     left = event.value(interval.first)
@@ -139,22 +132,6 @@ def _rise(value: Value, interval: Interval, instant: float) -> float:
     return 0.0
 
 
-def _is_far(system: System, monitor: Monitor, interval: Interval) -> bool:
-    """Return whether a force's zero must be located in a shorter interval that begins just before
-    it.
-    """
-    longest = LONGEST_OF_A_FORCE * system.plan.time_scale
-    return monitor.difference and interval.length > longest
-
-
-def _before_zero(value: Value, interval: Interval, left: float, right: float) -> IntervalResult:
-    """Return the result just before a force's zero in a long interval."""
-    integrate_to = interval.integrate_to
-    rough = ROUGH_VALUE * max(abs(left), abs(right))
-    zero = locate(lambda time: value(integrate_to(time)), 0.0, interval.length, left, right, rough)
-    return integrate_to(BEFORE_ZERO * zero)
-
-
 def _zero(
     system: System, monitor: Monitor, interval: Interval, left: float, right: float
 ) -> IntervalResult:
@@ -169,7 +146,9 @@ def _zero(
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         tolerance = max(
             located,
-            10.0 * RATE_ROUNDING / interval.length if monitor.difference else 0.1 * LEAST_VALUE,
+            10.0 * RATE_ROUNDING / interval.length
+            if monitor.event.kind in DIFFERENCES
+            else 0.1 * LEAST_VALUE,
         )
 
     def of_state(state: State) -> float:
@@ -197,36 +176,23 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Return the interval up to the value's extreme, if the value changes its sign twice before the
     interval's end.
 
-    The extreme is that of parabolas through five values.
+    The extreme is that of a parabola through the extreme one of five values and its neighbours.
     """
     sense = -float(event.direction)
     length = interval.length
-    end = interval.end
-    half = at_state(end.middle or interval.at(0.5 * length))
-    first, middle, last = (
-        sense * event.value(each) for each in (at_state(interval.start), half, end)
-    )
-    bend = first + last - 2.0 * middle
-    slope = 0.5 * (last - first)
-    if not (
-        bend > abs(slope) and middle - 0.5 * slope**2 / bend < EXTREME_ERROR * max(first, last)
-    ):
-        # no double change of sign is missed if there is no extreme within, or if the extreme is far
-        # above zero
+    states = [interval.at(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
+    values = [sense * event.value(at_state(state)) for state in states]
+    values.append(sense * event.value(interval.end))
+    if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
-    quarters = [sense * event.value(at_state(interval.at(part * length))) for part in (0.25, 0.75)]
-    margins = [first, quarters[0], middle, quarters[1], last]
-    if math.isnan(sum(margins)) or last < 0.0:
-        return interval
-    least = min(max(margins.index(min(margins)), 1), 3)
-    before, middle, after = margins[least - 1 : least + 2]
+    least = min(max(values.index(min(values)), 1), 3)
+    before, middle, after = values[least - 1 : least + 2]
     bend = before + after - 2.0 * middle
     slope = 0.5 * (after - before)
-    at = 0.25 * (least - slope / bend) if bend > 0.0 else 0.0
-    inside = ENDS_WITHOUT_EXTREME < at < 1.0 - ENDS_WITHOUT_EXTREME
-    if not inside or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * (max(margins) - min(margins)):
+    if not bend > abs(slope) or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
+        # no double change of sign is missed if there is no extreme within, or if it is far above zero
         return interval
-    part = interval.integrate_to(at * length)
+    part = interval.integrate_to(0.25 * (least - slope / bend) * length)
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
@@ -300,11 +266,65 @@ def guess(
     Return None without a change of sign. The function may be NaN where the state does not determine
     it.
     """
-    if interval.length <= 0.0:  # shorter than the rounding of the time
-        return None
     left = value(interval.at(first) if first else interval.start)
     right = value(interval.end.state if last == interval.length else interval.at(last))
     if not left * right < 0.0:
         return None
     tolerance = GUESS_TOLERANCE * max(abs(left), abs(right))
     return locate(lambda time: value(interval.at(time)), first, last, left, right, tolerance)
+
+
+# shortest bracket, in time and over the searched interval: the smaller one counts
+SHORTEST_BRACKET = 1e-15
+SHORTEST_BRACKET_FRACTION = 1e-12
+MOST_TRIALS = 110
+"""Most evaluations. A smooth function takes three to six; a jump is halved down to the last digit
+of a double."""
+
+# most evaluations at zeros of straight lines; a smooth function needs fewer
+MOST_LINES = 30
+
+
+def locate(
+    value: Callable[[float], float],
+    left: float,
+    right: float,
+    at_left: float,
+    at_right: float,
+    tolerance: float,
+    guess: float | None = None,
+) -> float:
+    """Return the root of a function between two times at which it has opposite signs, by false
+    position with the weights of Anderson and Bjorck.
+
+    The value at the result is within ``tolerance``, or the result is the first time past the root.
+    The first evaluation is at ``guess`` or, without one, at the root of a straight line. After
+    ``MOST_LINES`` evaluations, as for a jump, the bracket is halved.
+
+    N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264:
+    where two successive values have the same sign, the value at the other end of the bracket is
+    reduced by the factor by which they differ from each other.
+    """
+    last, other = right, left
+    at_last, at_other = at_right, at_left
+    instant = min(SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION * (right - left))
+    trial = guess
+    for count in range(MOST_TRIALS):
+        if abs(other - last) <= 4e-16 * max(other, last) + instant:
+            break
+        if trial is None:
+            trial = last - at_last * (last - other) / (at_last - at_other)
+        if count >= MOST_LINES or not min(last, other) < trial < max(last, other):
+            trial = 0.5 * (last + other)
+        found = value(trial)
+        if abs(found) <= tolerance:
+            return trial
+        if (found < 0.0) == (at_last < 0.0):
+            at_other *= max(1.0 - found / at_last, 0.0) or 0.5
+        else:
+            other = last
+            at_other = at_last
+        last = trial
+        at_last = found
+        trial = None
+    return max(last, other)

@@ -12,10 +12,9 @@ from functools import partial
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.interval import Interval
-from bristle_sim.scene.locate import guess, settle
+from bristle_sim.scene.locate import guess, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.root import locate
 from bristle_sim.scene.system import System
 
 CUBIC_ERROR = 0.01
