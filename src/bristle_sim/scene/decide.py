@@ -19,7 +19,14 @@ from bristle_sim.scene.collisions import (
     resolve_impacts,
 )
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.events import SPRING_KINDS, Happening, Kind
+from bristle_sim.scene.events import (
+    SPRING_KINDS,
+    Happening,
+    Kind,
+    contact_events,
+    motion_events,
+)
+from bristle_sim.scene.locate import Monitor
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
@@ -58,7 +65,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     if kind in (Kind.TOUCH, Kind.REST):
         contacts = _touched(system, motion, system.at_joint(subject), rests=kind is Kind.REST)
     elif kind is Kind.LOCKED:
-        _locked(system, motion.ordered if subject is None else [subject])
+        _locked(system, [subject])
     elif kind in SPRING_KINDS:
         contacts = _spring_changed(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
@@ -121,7 +128,11 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
         )
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
-    motion.watch(system)
+    events = [
+        *contact_events(system, active, motion.rigid),
+        *motion_events(system, in_contact=bool(active)),
+    ]
+    motion.monitors = tuple([Monitor(event, system) for event in events])
     return motion
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.events import Happening, Kind, contact_events, motion_events
+from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.interval import Interval, IntervalResult, Load, at_state, sums_of
 from bristle_sim.scene.locate import Monitor, first_change
@@ -67,7 +67,6 @@ class Motion:
         load: forces of all contacts; None without contacts.
         limit: longest permitted next interval; a contact may end as soon as it begins.
         before: result at the last interval's end; None in the first interval.
-        locked: whether no force keeps the rigid contacts closed.
         monitors: monitors of the motion's events, contact events first.
     """
 
@@ -77,7 +76,6 @@ class Motion:
     load: Load | None = None
     limit: float = math.inf
     before: IntervalResult | None = None
-    locked: bool = False
     monitors: tuple[Monitor, ...] = ()
 
     @property
@@ -91,14 +89,6 @@ class Motion:
         return (
             (contact, contact.spring) for contact in self.contacts if contact.spring is not None
         )
-
-    def watch(self, system: System) -> None:
-        """Watch the events of the contacts and of the motion from the present state on."""
-        events = [
-            *contact_events(system, self.contacts, self.rigid),
-            *motion_events(system, in_contact=bool(self.contacts)),
-        ]
-        self.monitors = tuple([Monitor(event, system) for event in events])
 
 
 def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happening | None]:
@@ -202,11 +192,8 @@ def _until_release(motion: Motion) -> float:
 
 def up_to_first_event(
     system: System, motion: Motion, interval: Interval
-) -> tuple[Interval | None, Happening | None]:
-    """Return an interval up to its first event, and the event; None for both if the interval must
-    be shorter.
-    """
-    whole = interval
+) -> tuple[Interval, Happening | None]:
+    """Return an interval up to its first event, and the event or None."""
     # Events of contacts come first: a link that slides onto its neighbour does not touch the
     # obstacle with it before.
     changed, triggered = first_change(system, motion.monitors, interval)
@@ -214,8 +201,6 @@ def up_to_first_event(
     interval, touch = first_touch_of_all(system, changed, active, motion.separating)
     if interval is not changed:
         triggered = None
-    if interval is not whole and not _is_accurate(system, motion, interval):
-        return None, None
     for monitor in motion.monitors:
         if monitor is triggered:
             monitor.sign = -(monitor.sign or 0.0)
@@ -224,21 +209,6 @@ def up_to_first_event(
     if triggered is None:
         return interval, touch
     return interval, Happening(triggered.event.kind, triggered.event.subject)
-
-
-def _is_accurate(system: System, motion: Motion, interval: Interval) -> bool:
-    """Return whether an interval cut short at an event is accurate enough; if not, the next one is
-    shorter.
-
-    The shortened interval is integrated anew, and its error may exceed the estimate for the whole
-    interval.
-    """
-    end = interval.end
-    length = interval.length
-    if end.failed:
-        motion.limit = 0.5 * length
-        return False
-    return length <= 0.0 or end.error <= system.stepper.noise or system.stepper.accepts(end, length)
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
@@ -251,6 +221,8 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     recording = system.recording
     result = interval.end
     length = interval.length
+    if length <= 0.0:
+        return
     system.state = (
         result.state if motion.rigid is None else motion.rigid.set_back(gaps, result.state)
     )
@@ -302,7 +274,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
                 guess = interval.at(part * interval.length)
                 force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
                 system.sample({contact: force}, state=motion.rigid.set_back(system.gaps, guess))
-        motion.locked = motion.rigid.engage(system.gaps, system.state) <= 0.0
+        motion.rigid.engage(system.gaps, system.state)
     system.sample(ends)
 
 
@@ -311,18 +283,17 @@ def _proposed(system: System, motion: Motion) -> float:
     plan = system.plan
     stepper = system.stepper
     left = plan.end - system.state.time
-    longest = min(plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale)
+    samples = 2.0 if stepper.halves(system.scene, motion.load) else 1.0
+    longest = min(
+        samples * plan.longest_interval,
+        plan.damped_interval,
+        LONGEST_TURN * plan.time_scale,
+        motion.limit,
+    )
     lengths = [spring.stepper.longest for _, spring in motion.springs]
     if lengths:
-        longest = min(longest, *lengths)
-        return stepper.propose(
-            min(left, longest, math.inf if motion.rigid is None else motion.limit)
-        )
-    if stepper.halves(system.scene, motion.load):
-        longest = min(
-            2.0 * plan.longest_interval, plan.damped_interval, LONGEST_TURN * plan.time_scale
-        )
-    return min(stepper.propose(left), longest, motion.limit)
+        return stepper.propose(min(left, longest, *lengths))
+    return min(stepper.propose(left), longest)
 
 
 def overdue(system: System, motion: Motion) -> Happening | None:

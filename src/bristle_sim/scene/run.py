@@ -14,7 +14,7 @@ from collections.abc import Iterator
 
 from bristle_sim.scene.collisions import end_contacts
 from bristle_sim.scene.decide import decide, first_motion
-from bristle_sim.scene.events import Happening, Kind
+from bristle_sim.scene.events import Happening
 from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.settings import StopReason
@@ -52,15 +52,12 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
         interval, event = integrate(system, motion)
         if interval is not None:
             interval, event = up_to_first_event(system, motion, interval)
-        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
-        if interval is not None:
-            if interval.length > 0.0:
-                accept(system, motion, interval)
+            accept(system, motion, interval)
             event = event or overdue(system, motion)
-            if motion.locked:
-                event = Happening(Kind.LOCKED, None)
-        if interval is not None or event is not None:
-            yield motion, event
+        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
+        if interval is None and event is None:
+            continue
+        yield motion, event
         if event is not None:
             motion = decide(system, motion, event)
             yield motion, None
