@@ -109,7 +109,7 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
     ordered = [contact for contact in contacts.active if contact.spring is None]
     active = [*ordered, *(contact for contact in contacts.active if contact.spring is not None)]
     motion = Motion(tuple(active), tuple(contacts.separating))
-    if active or system.mechanism.wire_links > 1:
+    if ordered or (system.mechanism.wire_links > 1 and not springs):
         motion.limit = system.plan.first_interval
     if ordered:
         _engage(system, motion, ordered, paired=not springs)

@@ -34,6 +34,10 @@ LOCATED_VELOCITY = 0.1
 """Tolerance to which a spring's events are located, over the error in velocity that an interval may
 have."""
 
+OVERDUE_DURATIONS = 10.0
+"""Duration of a contact in the rigid-body limit, over the expected one, above which it counts as
+pressed on, not as an impact."""
+
 
 class Kind(Enum):
     """The kinds of events, with the subject of each."""
@@ -82,6 +86,8 @@ BEGINS_POSITIVE = frozenset(
     {
         Kind.LOCKED,
         Kind.RETRACTION_LIMIT,
+        Kind.COMPRESSION_ENDS,
+        Kind.UNLOADED,
         Kind.PRESSED_ON,
         Kind.RELOADING_ENDS,
         Kind.REST_ENDS,
@@ -92,7 +98,7 @@ BEGINS_POSITIVE = frozenset(
 """Kinds whose value, by the decision at the last event, is positive where a motion begins or rises
 from zero there."""
 
-TURNS = SPRING_KINDS | {Kind.DENT_LEFT}
+TURNS = SPRING_KINDS - {Kind.OVERDUE} | {Kind.DENT_LEFT}
 """Kinds whose value may change its sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
@@ -311,6 +317,14 @@ def _spring_events(
             spring.law.stiffness * duration
         )
 
+    def left(at: IntervalResult) -> float:
+        """Return the time left until the contact is overdue, over its expected duration."""
+        since = at.state.time - (contact.start or at.state).time
+        return OVERDUE_DURATIONS - since / duration
+
+    # It ends only contacts that follow the impact law, which would not end otherwise.
+    if system.follows_law(spring):
+        yield Event(left, -1, Kind.OVERDUE, contact, tolerance)
     # This value rises from zero and may fall back at once: only values within the rounding of a
     # place count as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)

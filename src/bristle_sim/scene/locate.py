@@ -41,6 +41,10 @@ BEFORE_ZERO = 0.95
 shorter interval begins."""
 
 
+# least fraction of an interval at which an extreme counts: the function hardly changes before it
+EARLIEST_EXTREME = 0.01
+
+
 class Monitor:
     """The sign of an event's value along one smooth motion.
 
@@ -189,10 +193,11 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     before, middle, after = values[least - 1 : least + 2]
     bend = before + after - 2.0 * middle
     slope = 0.5 * (after - before)
-    if not bend > abs(slope) or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
+    at = 0.25 * (least - slope / bend) if bend > abs(slope) else 0.0
+    if at < EARLIEST_EXTREME or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
         # no double change of sign is missed if there is no extreme within, or if it is far above zero
         return interval
-    part = interval.integrate_to(0.25 * (least - slope / bend) * length)
+    part = interval.integrate_to(at * length)
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
@@ -281,6 +286,11 @@ MOST_TRIALS = 110
 """Most evaluations. A smooth function takes three to six; a jump is halved down to the last digit
 of a double."""
 
+# least distance of a trial from the ends of the bracket, over the bracket's length, at first and
+# later: the value at an end may be rounding
+LEAST_PART_AT_FIRST = 1e-4
+LEAST_PART = 1e-10
+
 # most evaluations at zeros of straight lines; a smooth function needs fewer
 MOST_LINES = 30
 
@@ -309,11 +319,14 @@ def locate(
     at_last, at_other = at_right, at_left
     instant = min(SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION * (right - left))
     trial = guess
+    least = LEAST_PART_AT_FIRST
     for count in range(MOST_TRIALS):
         if abs(other - last) <= 4e-16 * max(other, last) + instant:
             break
         if trial is None:
-            trial = last - at_last * (last - other) / (at_last - at_other)
+            part = min(max(at_last / (at_last - at_other), least), 1.0 - least)
+            trial = last + part * (other - last)
+            least = LEAST_PART
         if count >= MOST_LINES or not min(last, other) < trial < max(last, other):
             trial = 0.5 * (last + other)
         found = value(trial)

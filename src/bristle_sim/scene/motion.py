@@ -39,10 +39,6 @@ SHORTEST_CONTACT_INTERVAL = 1e-9
 """Shortest interval of a contact with a spring, over the contact's duration: rounding exceeds the
 tolerance in a shorter one."""
 
-OVERDUE_DURATIONS = 10.0
-"""Duration of a contact in the rigid-body limit, over the expected one, above which it counts as
-pressed on, not as an impact."""
-
 SHORTEST_SAMPLED = 2e-3
 """Shortest interval with inner samples, scene time units. In a shorter one the cubic is enough: its
 error falls with the third power of the length."""
@@ -100,8 +96,6 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     """
     start = system.state
     first = motion.before is None
-    if first and (due := _due(motion)) is not None:
-        return None, due
     for _, spring in motion.springs:
         follow_bodies(system.scene, start, spring)
     length = _proposed(system, motion)
@@ -128,24 +122,6 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
     return None, None
-
-
-def _due(motion: Motion) -> Happening | None:
-    """Return the event of a spring that coincides with the event before the motion; None without
-    one.
-
-    Two events that end a phase together are each located to the tolerance, so that the later one
-    may lie just before the first.
-    """
-    for monitor in motion.monitors:
-        event = monitor.event
-        if (
-            event.kind in (Kind.COMPRESSION_ENDS, Kind.UNLOADED)
-            and event.subject.impulse[0] > 0.0
-            and monitor.sign != 1.0
-        ):
-            return Happening(event.kind, event.subject)
-    return None
 
 
 def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening:
@@ -294,17 +270,3 @@ def _proposed(system: System, motion: Motion) -> float:
     if lengths:
         return stepper.propose(min(left, longest, *lengths))
     return min(stepper.propose(left), longest)
-
-
-def overdue(system: System, motion: Motion) -> Happening | None:
-    """Return the event that ends a contact lasting over ``OVERDUE_DURATIONS`` times as long as
-    expected; None without one.
-
-    It ends only contacts that follow the impact law, which would not end otherwise.
-    """
-    for contact, spring in motion.springs:
-        since = 0.0 if contact.start is None else system.state.time - contact.start.time
-        overdue = since > OVERDUE_DURATIONS * spring.duration
-        if overdue and system.follows_law(spring):
-            return Happening(Kind.OVERDUE, contact)
-    return None

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from bristle_sim.scene.collisions import end_contacts
 from bristle_sim.scene.decide import decide, first_motion
 from bristle_sim.scene.events import Happening
-from bristle_sim.scene.motion import Motion, accept, integrate, overdue, up_to_first_event
+from bristle_sim.scene.motion import Motion, accept, integrate, up_to_first_event
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.settings import StopReason
 
@@ -53,7 +53,6 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
         if interval is not None:
             interval, event = up_to_first_event(system, motion, interval)
             accept(system, motion, interval)
-            event = event or overdue(system, motion)
         log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
         if interval is None and event is None:
             continue
