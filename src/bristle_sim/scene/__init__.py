@@ -8,7 +8,7 @@ In reading order; a file imports only from files below it in this list:
 - ``run``: the loop over intervals and events.
 - ``decide``: the decision after an event; ``collisions``, ``spring_phases``: its impacts, with the error over them, and its springs.
 - ``motion``: one smooth motion, integrated interval by interval up to its first event.
-- ``events``: events, their kinds, and those of a motion; ``touches``: gaps that close; ``locate``, ``root``: the locator and its root finder.
+- ``events``: events, their kinds, and those of a motion; ``touches``: gaps that close; ``locate``: the locator and its root finder.
 - ``system``: the state, the plan and the record of a run.
 - ``impacts``, ``compliant``: the contact laws.
 - ``contact``: a contact that lasts; ``rigid``, ``spring``: its two kinds.
