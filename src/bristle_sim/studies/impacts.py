@@ -7,7 +7,7 @@ motion turns the other way.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -291,7 +291,13 @@ def _report(
         "work t, J",
         "energy ratio",
     )
-    cells = [(law, *_cells(each, rate(each))) for law, each in impacts.strikes.items()]
+    laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]
+    forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
+    pairs = (zip(law.values(), forms, strict=True) for law in laws)
+    cells = tuple(
+        tuple("-" if value is None else format(value, form) for value, form in each)
+        for each in pairs
+    )
     impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}{impulse_caution(one)}"
     known = (
         "The formulas are for a contact that is rigid along the surface"
@@ -306,7 +312,8 @@ def _report(
         **record_fields(one, requested, strike=one.time),
         quantities=tuple(rows),
         remarks=tuple(remarks),
-        tables=(Table("the contact laws compared", head, tuple(cells)),),
+        tables=(Table("the contact laws compared", head, cells),),
+        extra={"laws": laws},
         subject=impacts,
         answer=answer
         if one.impulse[0]
@@ -314,10 +321,16 @@ def _report(
     )
 
 
-def _cells(one: ChainStrike, rate: float) -> Iterator[str]:
-    """Return the cells of a law's row: rate after, impulses, works and energy ratio."""
+def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
+    """Return the results of a law for the JSON, in SI units."""
+    normal, tangential = one.contact.impulse
     works = one.contact.work or (None, None)
-    values = (rate, *one.contact.impulse, *works, one.kinetic_energy_ratio)
-    forms = (".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
-    for value, form in zip(values, forms, strict=True):
-        yield "-" if value is None else format(value, form)
+    return {
+        "law": law,
+        "rate_after": rate,
+        "normal_impulse": normal,
+        "tangential_impulse": tangential,
+        "normal_work": works[0],
+        "tangential_work": works[1],
+        "kinetic_energy_ratio": one.kinetic_energy_ratio,
+    }
