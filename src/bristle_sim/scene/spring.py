@@ -266,12 +266,6 @@ class SpringForce:
         self._spring = spring
         self._push = pusher(body)
         self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
-        self._height = spring.surface - spring.residual - pair.depth - pair.dent
-        self._stiffness = spring.present_stiffness
-        self._ratio = -spring.friction * spring.slip
-        self._rigidity = 0.0
-        if spring.elastic and not spring.slip:
-            self._rigidity = spring.law.stiffness / spring.law.compliance
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
@@ -282,12 +276,13 @@ class SpringForce:
         push = self._push
         place_of = self._place
         velocity_of = self._velocity
-        stiffness = self._stiffness
-        height = self._height
+        stiffness = spring.present_stiffness
+        height = spring.surface - spring.residual - spring.pair.depth - spring.pair.dent
         foot = spring.foot
-        ratio = self._ratio
-        stop = 0.0
-        rigidity = self._rigidity
+        ratio = -spring.friction * spring.slip
+        stop = rigidity = 0.0
+        if spring.elastic and not spring.slip:
+            rigidity = spring.law.stiffness / spring.law.compliance
         at_rest = spring.at_rest
         normal_gain, coupling = spring.inverse_mass[0].tolist()
         if at_rest:
