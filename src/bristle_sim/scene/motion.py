@@ -32,9 +32,6 @@ BEYOND_RELEASE = 1.02
 """Length of the next interval over the time to an expected release, so that the interval contains
 the release."""
 
-# length of an interval that ends before a release, over the time to it, which the steps of one
-# repetition give
-BEFORE_RELEASE = 0.95
 SHORTEST_CONTACT_INTERVAL = 1e-9
 """Shortest interval of a contact with a spring, over the contact's duration: rounding exceeds the
 tolerance in a shorter one."""
@@ -152,7 +149,7 @@ def _approach_release(
             return _break_away(motion, result, slipping)
         lost = zip(motion.contacts, rigid.normal(result.totals), strict=False)
         return Happening(Kind.RELEASE, tuple(contact for contact, force in lost if force <= 0.0))
-    shorter = length / MOST_GROWTH if first else BEFORE_RELEASE * length * rigid.lasts()
+    shorter = length / MOST_GROWTH if first else 0.5 * length
     motion.limit = max(min(shorter, _until_release(motion)), 0.5 * plan.shortest)
     return None
 

@@ -94,19 +94,6 @@ class RigidContacts:
             found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
         return found
 
-    def lasts(self) -> float:
-        """Return the fraction of the last interval after which the first normal force vanishes,
-        from the forces of its steps.
-        """
-        pushes = [min(push for push, _, _ in step) for step in self._solver.impulses]
-        count = next((index for index, push in enumerate(pushes) if push <= 0.0), len(pushes))
-        if count < 2:
-            return 0.5 / max(len(pushes), 1)
-        before, last = pushes[count - 2 : count]
-        return (count - 1.0 + min(last / (before - last), 1.0) if last < before else count) / len(
-            pushes
-        )
-
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
         return totals[: NUMBERS * len(self.closed) : NUMBERS]
