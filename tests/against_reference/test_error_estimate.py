@@ -66,3 +66,14 @@ def test_it_holds_for_the_strike_and_ends_with_the_chatter() -> None:
     assert end is not None
     assert strike < end < run.event_time("workpart release", last=True)  # type: ignore[operator]
     assert simulate(Tool(), stop_after="strike").cost.holds_until is None
+
+
+def test_a_drag_ends_the_errors_of_the_taps_before_it() -> None:
+    """Taps on the bar magnify the error a thousandfold; in contact, geometry and hub alone give angle and rate."""
+    tool = Tool().replace(belt_damping_ratio=0.1, bar_restitution=0.2)
+    run, fine = (
+        simulate(tool, Settings(accuracy=each), stop_after="strike") for each in (1e-6, FINE)
+    )
+    error = np.abs(run.rates[-1] - fine.rates[-1]).max() * tool_units(tool).time
+    # Since the drag only the errors of intervals have added up, each within the requested accuracy.
+    assert error <= run.cost.error_estimate <= 1e-6  # type: ignore[operator]
