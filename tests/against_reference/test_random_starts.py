@@ -75,3 +75,15 @@ def test_a_start_that_moves_into_an_obstacle(hub_angle: float, angle: float, lef
     }
     found = agrees_with_reference(tool, start=start)
     assert found.ok, found.reached
+
+
+def test_a_wedge_closes_without_a_rebound() -> None:
+    """A link that touches bar and workpart has no motion that opens both: the impact that jams it returns nothing."""
+    tool = between(-0.9, 0.3, bar_gap=2e-4, gap=2e-4).replace(bar_restitution=0.5, restitution=0.5)
+    start = {"start_hub_angle": -0.9, "start_relative_angle": 1.2}
+    run = simulate(tool, Settings(maximum_steps=100_000), **start)
+    last = run.contacts[-1]
+    assert run.stop_reason == "jam"
+    assert last.velocity_before[0] < 0.0
+    # Rounding, in units of the approach.
+    assert last.velocity_after[0] == pytest.approx(0.0, abs=-1e-9 * last.velocity_before[0])
