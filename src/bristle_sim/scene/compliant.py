@@ -1,8 +1,9 @@
-"""The law of a contact resolved in time: a stiff spring with energetic restitution, Coulomb
-friction and true stick.
+"""The law of a contact that is simulated over its duration: a stiff spring with energetic
+restitution, Coulomb friction and true stick.
 
-The shorter the contact, the closer its outcome is to that of the rigid-body law with the energetic
-coefficient. This module also chooses the law that a tool's parameters name.
+The shorter the contact, the closer its outcome is to the outcome of the rigid-body law with the
+same energetic coefficient of restitution. This module also chooses the contact law that a tool's
+parameters name.
 """
 
 from __future__ import annotations
@@ -27,50 +28,51 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
-"""Shortest contact that is resolved, times sqrt(e*), in scene time units. Measured: a contact of
-duration T differs from the rigid-body limit by 0.4 T, and rounding of its penetration adds 4e-14/(T
-e*); the sum is least near this duration. Damping of a rate r > 1 takes the fraction r T of a
-velocity in the contact: the shortest one is then shorter by sqrt(r)."""
+"""Shortest duration of a simulated contact times sqrt(e*), in scene time units. Measured: a contact
+of duration T differs from the rigid-body limit by 0.4 T, and rounding error of the penetration adds
+4e-14/(T e*); the sum is least near this duration. Damping at a rate r > 1 takes the fraction r T of
+a velocity during the contact, so the shortest duration is then smaller by the factor sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15
-"""Rounding of the force puts this error, over duration times e*, into a velocity in one interval
-(scene units)."""
+"""Error that rounding of the force causes in a velocity within one interval, times the contact's
+duration and e*, in scene units."""
 
 CLEAR_OF_ROUNDING = 1e4
-"""Least ratio of tolerance to rounding at which closely spaced repetitions are used. Their weights,
-and so their rounding, are 100 times as large. Measured for accuracies from 0.1 to 1e-4: they need
-two thirds to nine tenths of the steps, with the same error."""
+"""Least ratio of tolerance to rounding error at which the closely spaced step numbers ``CLOSE`` are
+used for extrapolation. Their weights amplify rounding error 100 times as much as those of ``WIDE``.
+Measured for accuracies from 0.1 to 1e-4: they need two thirds to nine tenths of the steps, with the
+same error."""
 
-# least penetration, scene units times e*: below it rounding decides when the contact ends, and the
-# rigid limit is closer
+# least penetration in scene units, times e*, of a simulated contact; in a shallower one rounding
+# error decides when the contact ends, and the rigid-body law is more accurate
 LEAST_DEPTH = 1e-13
 
 LEAST_RESTITUTION = 1e-3  # least e* other than 0: the spring unloads 1/e* times as fast as it loads
 
 SAMPLES_OF_A_COURSE = 24
-"""Least number of intervals in a contact, which make its history as it is drawn, with straight
-lines. Restitution with e* = 0.42 has seven of them, whose lines leave the quarter wave by
-(pi/14)^2/8 = 0.6 % of the peak; of twelve it would have three and a half, which leave it by 2.5 %,
-and a polygon is seen."""
+"""Least number of intervals in a contact. Their ends are the samples of its force history, which
+are joined by straight lines in a drawing. With e* = 0.42 seven of the 24 lie in restitution; the
+straight lines then differ from the quarter wave by (pi/14)^2/8 = 0.6 % of the peak. Half as many
+would differ by 2.5 %, which shows as a polygon."""
 
 SAMPLES_OF_A_SWING = 5
-"""Least number of intervals in half a swing of the tangential spring."""
+"""Least number of intervals in half a period of the tangential spring's oscillation."""
 
 
 @dataclass(eq=False)
 class CompliantLaw(ContactLaw):
-    """A contact resolved in time by the engine.
+    """The law of contacts with springs, which are simulated over their duration.
 
     Args:
-        duration: duration of the first contact, engine units. It is that of a contact without
-            tangential compliance; for a wire that bends, that of the same wire if it were rigid and
-            without friction. With None every contact is so short that it matches the rigid-body
-            limit to ``accuracy``.
+        duration: duration of the first contact, engine units, without tangential compliance. For a
+            wire that bends it is the duration that the same wire would have if it were rigid and
+            without friction. None makes every contact so short that it matches the rigid-body limit
+            to ``accuracy``.
         accuracy: requested relative accuracy.
         stiffness: stiffness of the spring in compression, engine units; None derives it from
             ``duration``. If it is given, ``duration`` is only an estimate.
-        tangential_compliance: eta^2, dimensionless.
-        time_unit: the engine's unit of time, s, for messages.
+        tangential_compliance: tangential compliance eta^2, dimensionless.
+        time_unit: unit of time of the scene, s, for messages.
     """
 
     duration: float | None
@@ -84,10 +86,13 @@ class CompliantLaw(ContactLaw):
     def spring(
         self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
     ) -> Spring | None:
-        """Return the spring of a new contact; None if the touch is too slow to be resolved.
+        """Return the spring of a new contact; None if the touch is too slow to be simulated.
+
+        ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
 
         Raises:
-            ValueError: if the contact cannot be resolved in double precision.
+            ValueError: if the contact is too short, or its restitution too small, for double
+                precision.
         """
         assert isinstance(pair, WorkpartPair), "only the workpart's contacts are resolved in time"
         restitution = pair.restitution
@@ -141,7 +146,16 @@ class CompliantLaw(ContactLaw):
         )
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
-        """Return the duration of a contact that is as short as the accuracy requires and rounding permits."""
+        """Return the contact duration that serves as the rigid-body limit.
+
+        It is short enough for the accuracy, but long enough to keep rounding error small.
+
+        Args:
+            scene: the scene.
+            fastest: largest rate of a link, at least 1, in scene units.
+            unloading: ratio of unloading time to loading time, over the square root of the factor
+                by which a tangential spring amplifies rounding error.
+        """
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         return max(
             LEAST_DURATION / math.sqrt(unloading * damping),
@@ -149,7 +163,7 @@ class CompliantLaw(ContactLaw):
         )
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply the rigid-body law to a touch that is too slow to be resolved in time."""
+        """Apply the rigid-body law to a touch that is too slow to be simulated as a contact."""
         return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, pair)
 
     def _check(self, restitution: float) -> None:
@@ -169,11 +183,12 @@ class CompliantLaw(ContactLaw):
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
-    """Return the stiffness at which a frictionless contact of the wire, if it were rigid, lasts
-    ``duration``.
+    """Return the contact stiffness at which the wire, if it were rigid and without friction, would
+    stay in contact for ``duration``.
 
-    k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn = (lever of the normal about the root)^2/(moment of
-    inertia of the straight wire about the root).
+    k = (pi (1 + e*)/(2 T))^2/K_nn with the duration T, the coefficient of restitution e* and the
+    normal inverse mass K_nn = (lever of the normal about the root)^2/(moment of inertia of the
+    straight wire about the root).
     """
     turn = np.exp(1j * np.array(state.angles))
     normals, _ = contact_rows(mechanism, turn, [ClosedPair(pair, None, None)], [touch])
@@ -183,16 +198,20 @@ def rigid_stiffness(
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
-    """Update the spring's inverse mass from the bodies' positions where it sticks, and where it
-    slips at rest.
+    """Update a spring's inverse mass matrix from the bodies' positions, in stick and in slip at
+    rest, where the tangential force depends on it.
     """
     if spring.at_rest or not spring.slip:
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law that the parameters name, for a scene whose unit of time is
-    ``time_unit``, s.
+    """Return the contact law that the parameters name.
+
+    Args:
+        contact: parameters of the contact.
+        accuracy: requested relative accuracy.
+        time_unit: unit of time of the scene, s.
     """
     squared = contact.tangential_compliance
     if contact.law == "compliant":

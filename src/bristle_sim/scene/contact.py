@@ -1,5 +1,4 @@
-"""A contact that lasts, rigid or with a spring: the impulse and work it collects, and its
-record."""
+"""A contact that lasts, rigid or with a spring: its impulse, its work and its record."""
 
 from __future__ import annotations
 
@@ -16,8 +15,10 @@ from bristle_sim.trajectory import ContactRecord
 
 
 class Outcome(StrEnum):
-    """How a contact ends. A sustained contact may instead name the obstacle that ended it, or the
-    reason why the run stopped.
+    """The ways in which a contact can end.
+
+    The record of a sustained contact may instead name the obstacle whose impact ended the contact,
+    or the reason why the run stopped.
     """
 
     REBOUND = "rebound"
@@ -29,21 +30,21 @@ class Outcome(StrEnum):
 
 @dataclass(slots=True, eq=False)
 class ActiveContact:
-    """A contact that lasts.
+    """A contact that lasts, with its impulse and work so far.
 
     Attributes:
-        pair: the pair in contact.
-        spring: spring of a contact resolved in time; None for a rigid contact.
-        start: state at which the contact began; None before.
+        pair: the two bodies in contact.
+        spring: springs of a contact that is simulated over its duration; None for a rigid contact.
+        start: state at which the contact began; None until it has begun.
         impulse: normal and tangential impulse since the start.
         work: work of the normal and of the tangential force since the start.
-        force: normal force at the end of the last interval; None before the first one.
+        force: normal force at the end of the last interval; None before the first interval.
         tangential: tangential force at the end of the last interval.
-        vanishes_in: estimated time from the end of the last interval until the normal force
-            vanishes.
-        slip: sense of slip that friction opposes in a rigid contact; 0 if it sticks, None until it
-            is determined.
-        stopped: sense of the slip that has just stopped; 0 if none has.
+        vanishes_in: estimated time from the end of the last interval until the normal force reaches
+            zero.
+        slip: sense of slip that friction opposes in a rigid contact, 1 or -1; 0 in stick, None
+            until the sense is determined.
+        stopped: sense of the slip that has just stopped, 1 or -1; 0 if no slip has just stopped.
     """
 
     pair: ContactPair
@@ -58,12 +59,12 @@ class ActiveContact:
     stopped: int = 0
 
     def turn(self, sense: int) -> None:
-        """Let the contact slip in this sense from now on; 0 lets it stick."""
+        """Let the contact slip in a given sense, 1 or -1, from now on; 0 lets it stick."""
         self.stopped = (self.slip or 0) if sense == 0 else 0
         self.slip = sense
 
     def add(self, sums: Sums) -> None:
-        """Add the impulse and the work in an interval."""
+        """Add the impulse and the work of an interval."""
         self.impulse = (
             self.impulse[0] + sums.impulse_normal,
             self.impulse[1] + sums.impulse_tangential,
@@ -71,13 +72,14 @@ class ActiveContact:
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
     def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
-        """Estimate when a rigid contact's force vanishes.
+        """Estimate when the normal force of a rigid contact reaches zero.
+
+        The force is extrapolated by a parabola in time. It has the forces at both ends of the
+        interval and the impulse of the interval.
 
         Returns:
-            The normal force at the interval's beginning, and the bend of its parabola.
-
-        The estimate uses the parabola through the normal forces at both ends of the interval that
-        has the interval's impulse.
+            The normal force at the interval's beginning, and the coefficient of the parabola's
+            quadratic term, for a time measured in lengths of the interval.
         """
         last = first = sums.normal
         bend = 0.0
@@ -94,7 +96,7 @@ class ActiveContact:
         return first, bend
 
     def sample(self, gaps: Gaps, state: State) -> float:
-        """Record the spring's forces and penetration at a state; return the normal force."""
+        """Record a sample of forces and motion at a state; return the normal force."""
         assert self.spring is not None
         touch = gaps.closest(self.pair, state)
         penetration = self.spring.surface - touch.gap
@@ -105,7 +107,7 @@ class ActiveContact:
         return self.force
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
-        """Return the contact record; None for a contact of no duration."""
+        """Return the contact record; None for a contact of zero duration."""
         first = self.start
         if first is None or last.time <= first.time:
             return None

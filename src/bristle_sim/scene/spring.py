@@ -1,10 +1,11 @@
-"""The springs of a contact resolved in time, their record, and their force and friction as a load
-on the scene.
+"""Springs and friction of a contact that is simulated over its duration, and the contact's record.
 
-The law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
-surface has no tangential spring: in stick its tangential force, -(K_nt N + v_t/h)/K_tt, stops the
-contact point within each engine step h. The shorter the contact, the closer its outcome is to that
-of the impact law with the same eta^2 (:mod:`bristle_sim.theory.impact_compliance`).
+The force law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
+surface has no tangential spring. Its tangential force in stick, -(K_nt N + v_t/h)/K_tt, stops the
+contact point within each engine step h; N is the normal force, v_t the slip velocity, and K the
+contact-space inverse mass matrix. The shorter the contact, the closer its outcome is to the outcome
+of the impact law with the same tangential compliance eta^2
+(:mod:`bristle_sim.theory.impact_compliance`).
 """
 
 from __future__ import annotations
@@ -28,38 +29,41 @@ from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory
 
 LEAST_PHASE = 1e-6
-"""Least normal impulse of a phase that is named, over the contact's normal impulse. Close to
-separation the force is too small to keep the contact point from moving with its bodies, so stick
-always ends in slip; the shorter the contact, the shorter this slip."""
+"""Least normal impulse of a phase that the record names, over the normal impulse of the contact.
+Shorter phases are left out because stick always ends in a short slip: just before separation the
+force is too small to hold the contact point. The shorter the contact, the shorter this slip."""
 
 NO_SLIP_TO_STOP = 1e-14
-"""Least ratio K_tt/K_nn. A smaller K_tt is rounding: the tip moves along the normal and has no slip
-to stop."""
+"""Least ratio K_tt/K_nn of tangential to normal inverse mass. A smaller K_tt is rounding error: the
+tip moves along the normal and has no slip to stop."""
 
 NO_GRIP = 0.1
-MOST_TURN = 1e-3
-"""Turn of a link from the direction with K_tt = 0 within which its tip cannot stick, over the
-contact's duration in scene units, and the largest such turn, rad. There K_tt changes by more than
-itself in one interval, and no friction within the cone stops the slip."""
+"""Angle, rad, between a link and the direction in which K_tt = 0, over the contact's duration in
+scene units. At smaller angles the tip cannot stick: K_tt, the tangential inverse mass, changes by
+more than its own value in one interval, and no force within the friction cone stops the slip."""
 
-# largest distance of a force from the friction cone's edge, over the friction limit, at which it is
-# on the edge
+MOST_TURN = 1e-3
+"""Largest angle, rad, at which ``NO_GRIP`` rules out stick, however long the contact lasts."""
+
+# largest distance of a force from the edge of the friction cone, over the friction limit, at which
+# the force counts as on the edge
 EDGE_ROUNDING = 1e-9
 
 SHORTEST_SWING = 1e-3
-"""Shortest swing of a tangential spring that is resolved, over the contact's duration. In a swing
-at the deepest point the force goes from the friction of compression to that of restitution. Faster
-swings are replaced by their mean, slip at rest. The mean leaves out growth of the deepest point by
-less than a tenth of this fraction; a thousand swings would cost some 300,000 engine steps."""
+"""Shortest half period of a tangential spring's oscillation that is simulated, over the contact's
+duration. At the deepest point the force oscillates between the friction of compression and the
+friction of restitution. Faster oscillations are replaced by their mean, the phase "slip at rest".
+The mean misses a growth of the deepest penetration by less than a tenth of this fraction; a
+thousand half periods would cost some 300,000 engine steps."""
 
 
 class SpringPhase(NamedTuple):
     """A phase of the contact.
 
     Attributes:
-        loading: whether the spring loads.
-        slip: sense of slip; 0 sticks.
-        impulse: normal impulse before the phase.
+        loading: whether the normal spring is being loaded (compression).
+        slip: sense of slip, 1 or -1; 0 in stick.
+        impulse: normal impulse of the contact up to the beginning of the phase.
     """
 
     loading: bool
@@ -73,11 +77,11 @@ class ContactCourse:
 
     Attributes:
         phases: the phases so far.
-        rows: time, normal and tangential force, penetration, normal and tangential velocity at each
-            sample; two samples at one time are the end of a phase and the start of the next.
-        compression: impulse and work up to the end of compression; None before.
-        stopped: state, impulse, work, number of rows and number of phases at the instant when the
-            rigid-body law jams; None before.
+        rows: the samples: time, normal and tangential force, penetration, normal and tangential
+            velocity. Two samples at one time are the end of a phase and the start of the next.
+        compression: impulse and work up to the end of compression; None until compression ends.
+        stopped: state, impulse, work, number of samples and number of phases at the instant at
+            which the rigid-body law jams; None if that instant is not reached.
     """
 
     phases: list[SpringPhase] = field(default_factory=list)
@@ -91,13 +95,15 @@ class ContactCourse:
         return abs(self.rows[0][4])
 
     def release(self) -> None:
-        """Set the last force to zero: a spring does not pull, and does not push a separated point."""
+        """Set the force of the last sample to zero, because the contact ends there."""
         time, _, _, *motion = self.rows[-1]
         self.rows[-1] = (time, 0.0, 0.0, *motion)
 
     def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, without phases too short to matter; the last
-        phase of a jam is always named.
+        """Return the names of the phases in order, without phases too short to matter.
+
+        ``impulse`` is the normal impulse of the whole contact. The last phase of a jam is always
+        named.
         """
         ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
         names: list[str] = []
@@ -118,27 +124,30 @@ class ContactCourse:
 
 @dataclass(slots=True, eq=False)
 class Spring:
-    """Normal spring with energetic restitution, Coulomb friction, and a tangential spring if the
-    contact has one.
+    """The springs of one contact and their present phase.
+
+    A normal spring with energetic restitution acts with Coulomb friction, and with a tangential
+    spring if the contact is compliant along the surface.
 
     Attributes:
-        law: constitutive law, in engine units.
-        pair: the touched pair.
+        law: force law of the springs, in engine units.
+        pair: the two bodies in contact.
         duration: predicted duration of the contact.
         predicted: outcome that the impact law predicts.
-        finite_duration: whether the duration is given, so that the bodies move noticeably in the
-            contact. Otherwise the contact is short enough for the rigid-body limit.
+        finite_duration: whether the user has given the duration, so that the bodies move noticeably
+            during the contact. Otherwise the contact is short enough for the rigid-body limit.
         stepper: integrator of the contact.
         surface: gap at the first touch, from which the penetration is measured.
-        inverse_mass: K at the first touch, or at the last update from the bodies.
-        deepest: penetration at which unloading, which is steeper, began; None while the spring
-            loads.
-        slip: sense of slip, or 0 in stick.
-        at_rest: whether the normal velocity stays at zero in slip, under a friction between that of
-        compression and that of restitution ("slip at rest").
-        pressed_on: whether the spring loads again, from rest at its deepest point.
+        inverse_mass: contact-space inverse mass matrix K, shape (2, 2), at the first touch or at
+            the last update from the bodies.
+        deepest: penetration at which unloading began; None while the spring is being loaded.
+        slip: sense of slip, 1 or -1; 0 in stick.
+        at_rest: whether the phase is "slip at rest": the contact point slips while its normal
+            velocity stays zero, under a friction force between the friction of compression and the
+            friction of restitution.
+        pressed_on: whether the spring is being loaded again, from rest at its deepest point.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
-        foot: position of the tangential spring's foot along the surface.
+        foot: position along the surface at which the tangential spring is attached.
         course: record of the contact.
     """
 
@@ -160,7 +169,7 @@ class Spring:
 
     @property
     def loading(self) -> bool:
-        """Whether the spring loads, not unloads."""
+        """Whether the normal spring is being loaded, not unloaded."""
         return self.deepest is None
 
     @property
@@ -170,17 +179,17 @@ class Spring:
 
     @property
     def friction(self) -> float:
-        """Coulomb's mu of the present phase, compression or restitution."""
+        """Coefficient of friction in the present phase, compression or restitution."""
         return self.law.coefficient(loading=self.loading)
 
     @property
     def residual(self) -> float:
-        """Penetration at which the force is back at zero in unloading."""
+        """Penetration at which the normal force returns to zero in unloading."""
         return 0.0 if self.deepest is None else self.law.residual(self.deepest)
 
     @property
     def compliance_in_stick(self) -> float:
-        """K_tt; 0 where friction cannot stop the tip's slip."""
+        """Tangential inverse mass K_tt of the contact point; 0 if friction cannot stop the slip."""
         normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
         least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
         return tangential if tangential > least * normal else 0.0
@@ -203,14 +212,15 @@ class Spring:
         )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return the friction limit at a penetration less the size of the force in stick."""
+        """Return the friction limit at a penetration minus the magnitude of the force in stick."""
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
-        """Return the two margins of the tangential force in slip at rest.
+        """Return how far the tangential force in slip at rest is from its two limits.
 
-        The first is the margin to the friction of restitution, which parts the contact point, the
-        second that to the friction of compression, which presses it on.
+        Returns:
+            The margin to the friction of restitution, at which the contact point leaves the
+            surface, and the margin to the friction of compression, at which it is pressed deeper.
         """
         normal = self.law.normal_force(penetration, self.deepest)
         friction = -self.slip * force
@@ -221,22 +231,23 @@ class Spring:
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Slip velocity below which a tangential spring's swings at the deepest point are resolved;
-        0 without a tangential spring.
+        """Slip velocity below which the tangential spring's oscillation at the deepest point is
+        simulated; 0 without a tangential spring.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
         return rise / (SHORTEST_SWING * self.duration)
 
     def foot_speed(self, velocity: Vector) -> float:
-        """Return the velocity at which the tangential spring's foot slides; without such a spring,
-        that of the contact point.
+        """Return the velocity at which the tangential spring's attachment slides along the surface.
+
+        Without a tangential spring this is the velocity of the contact point.
         """
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def set_foot(self, penetration: float, place: float) -> bool:
-        """Set the foot so that the force, limited to the friction cone, does not jump; return
-        whether the force is on the cone's edge.
+        """Attach the tangential spring to the surface so that its force continues without a jump,
+        limited to the friction cone; return whether the force is on the cone's edge.
         """
         limit = max(self.spare_friction(penetration, 0.0), 0.0)
         force = min(max(self.stick_force, -limit), limit)
@@ -246,16 +257,19 @@ class Spring:
 
 
 class SpringForce:
-    """The force of a contact's springs on a corner of a link in one phase of the contact, and its
-    sums.
+    """The force of a contact's springs on a corner of a link during one phase, with its impulse and
+    work.
 
-    In each step the force of stick cancels the velocity along the surface that the step before has
-    left. The force of slip at rest cancels the velocity along the normal, T = -(K_nn N +
-    v_n/h)/K_nt. So the second step has the force at the interval's beginning, and one step past the
-    last would have the force at its end, both up to powers of the step.
+    The tangential force T in stick cancels, in each step h, the slip velocity that the step before
+    has left. In slip at rest T cancels the normal velocity v_n instead: T = -(K_nn N + v_n/h)/K_nt,
+    with the normal force N and the contact-space inverse mass matrix K. The force of a step thus
+    belongs to the end of the step before. The second step gives the force at the interval's
+    beginning, and one step after the last gives the force at its end, with errors that are powers
+    of h.
 
     Attributes:
-        totals: returns the numbers of the contact's ``Sums``; the forces in stick are 0 in slip.
+        totals: function that returns the contact's forces, impulses and work, in the order of
+            ``Sums``; its forces in stick are 0 in slip.
     """
 
     def __init__(self, scene: Scene, spring: Spring) -> None:
@@ -269,7 +283,7 @@ class SpringForce:
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return the callback that applies the force of the spring's present phase
+        """Reset impulse and work; return the callback that applies the force of the present phase
         before each step.
         """
         spring = self._spring
@@ -295,7 +309,7 @@ class SpringForce:
         in_stick: list[float] = []
 
         def act() -> None:
-            """Apply the force of this step, and add it to the sums."""
+            """Apply the force of this step, and add its impulse and work to the totals."""
             nonlocal pushes, rubs, loss, heat
             place = place_of()
             velocity = velocity_of()
@@ -315,7 +329,7 @@ class SpringForce:
                 in_stick.append(along)
 
         def read() -> list[float]:
-            """Return the numbers of the contact's ``Sums``."""
+            """Return the contact's forces, impulses and work, in the order of ``Sums``."""
             first = last = 0.0
             if rigidity:
                 last = -rigidity * (place_of().x - foot)
@@ -332,8 +346,9 @@ class SpringForce:
 
 
 class ContactLoad:
-    """The load of springs, and of rigid contacts that act together with them; the totals of the
-    rigid contacts come first.
+    """The forces of all contacts with springs, and of rigid contacts that act at the same time.
+
+    In the list of totals the rigid contacts come first.
     """
 
     symmetric = False  # springs act differently forwards and backwards in time
@@ -344,7 +359,7 @@ class ContactLoad:
         self._parts += [SpringForce(scene, spring) for spring in springs]
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset the sums; return the callback to run before each step."""
+        """Reset impulses and work; return the callback to run before each step."""
         begun = [each.begin(step) for each in self._parts]
         calls = [call for call in begun if call is not None]
         if len(calls) == 1:
@@ -358,7 +373,7 @@ class ContactLoad:
         return act
 
     def totals(self) -> list[float]:
-        """Return the sums of all contacts, after the last step."""
+        """Return the forces, impulses and work of all contacts in one list, after the last step."""
         return [number for each in self._parts for number in each.totals()]
 
     def fails(self, totals: Sequence[float]) -> bool:

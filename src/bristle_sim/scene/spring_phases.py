@@ -1,4 +1,4 @@
-"""The phases of a contact with a spring: it begins, loads or unloads, sticks or slips, and ends.
+"""The phases of a contact with springs: touch, loading and unloading, stick and slip, release.
 
 Only :func:`bristle_sim.scene.decide.decide` calls these functions.
 """
@@ -17,39 +17,40 @@ from bristle_sim.scene.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
-"""Speed of approach, over that at the first touch, below which compression and slip stop together:
-a link with one degree of freedom stops both at once, up to its motion during the contact."""
+"""Largest speed of approach at which compression ends where slip stops, over the speed of approach
+at the first touch. A link with one degree of freedom stops both at the same instant, except for its
+motion during the contact."""
 
 LEAST_UNLOADING = 1e-5
-"""Least part of the spring's unloading with which a contact goes on where slip starts or stops.
-With less, only 1e-10 of its impulse is left, and the force is so small that rounding of the tip's
-place would start and stop slip endlessly."""
+"""Least fraction of the unloading that must be left for a contact to go on where slip starts or
+stops. With less, only 1e-10 of the impulse is left, and the force is so small that rounding error
+of the tip's position would start and stop slip endlessly."""
 
 PROBED_FRACTION = 0.02
-"""Length of the interval that gives the force of stick where slip stops, over the contact's
+"""Length of the short interval that yields the force in stick where slip stops, over the contact's
 duration."""
 
 CONE_ROUNDING = 1e-9
-"""Largest excess of the force in stick over the friction limit, over this limit, that counts as
-rounding."""
+"""Largest ratio of excess to friction limit at which a force in stick that exceeds the limit counts
+as within rounding error."""
 
 
 def begin_spring(
     system: System, motion: Motion, pair: ContactPair, spring: Spring
 ) -> ActiveContact:
-    """Return a contact with a spring that begins at the present state."""
+    """Return a new contact with a spring, which begins at the present state."""
     contact = ActiveContact(pair, spring, system.state)
     look_up_slip(system, motion, contact, spring)
     return contact
 
 
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveContact | None:
-    """Return the next contact of a single link's tip that the last contact has left at rest; None
-    if no force presses the tip on.
+    """Return a new contact of a single link's tip that the last contact has left at rest on the
+    surface; None if no force presses the tip against it.
 
-    A spring at rest is compressed by its load over its stiffness. This is more than the accuracy
-    where the load is a belt's and the contact is not very short. Without restitution the spring is
-    compressed again and again.
+    A static load compresses the spring by the load over the stiffness. Where the belt is the load
+    and the contact is not very short, this compression exceeds the accuracy. Without restitution
+    the spring is compressed again after each contact.
     """
     if not system.mechanism.single_link or motion.contacts or system.had_last_event:
         return None
@@ -63,8 +64,10 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveConta
 
 
 def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
-    """Return the contacts with springs after an impact at another contact, which changes the sense
-    of their motion.
+    """Set the phases of all contacts with springs anew after an impact elsewhere on the wire, and
+    return these contacts.
+
+    The impact changes the velocities of their contact points.
     """
     contacts = []
     for contact, spring in motion.springs:
@@ -79,7 +82,7 @@ def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
 
 
 def look_up_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let the contact point slip in the sense of its motion, or stick, and record the new phase."""
+    """Let the contact point slip in the sense of its velocity, or stick; record the new phase."""
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
     if abs(slip) > _slip_error(system, contact) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
@@ -95,7 +98,11 @@ def _note_phase(contact: ActiveContact, spring: Spring) -> None:
 def change_spring(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
 ) -> Outcome | None:
-    """Change a contact to its next phase; return its outcome if it is over, else None."""
+    """Change a contact to its next phase after an event.
+
+    Returns:
+        The contact's outcome, or None if the contact goes on.
+    """
     before = (spring.loading, spring.slip)
     penetration = _penetration(system, contact, spring)
     if spring.elastic:
@@ -128,7 +135,7 @@ def change_spring(
 def _change(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
 ) -> Outcome | None:
-    """Apply an event; return the contact's outcome if it is over, else None."""
+    """Apply an event to a contact; return the contact's outcome, or None if the contact goes on."""
     course = spring.course
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         _leave_rest(system, contact, spring)
@@ -173,10 +180,10 @@ def _change(
 def _end_compression(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring
 ) -> Outcome | None:
-    """Begin unloading, and decide whether slip that has stopped starts again; return the outcome if
-    the contact is over.
+    """Begin unloading, and decide whether slip that has stopped starts again; return the contact's
+    outcome, or None if the contact goes on.
 
-    Without restitution the contact is over.
+    A contact without restitution ends here.
     """
     _unload(system, contact, spring)
     if spring.law.restitution == 0.0:
@@ -190,15 +197,15 @@ def _end_compression(
 
 
 def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> bool:
-    """Return whether friction holds the normal velocity at zero at the deepest point, where slip
-    goes on.
+    """Return whether the contact point goes on slipping at the deepest point while friction holds
+    its normal velocity at zero.
 
-    This happens where the friction of restitution would press the contact point on and the friction
-    of compression would part it. Neither unloading nor further loading is then consistent: the
-    normal velocity stays zero under a friction between the two. The friction of restitution is the
-    larger one where friction presses the point on, and the smaller one where the other bodies press
-    it on against friction. A tangential spring makes the force swing between the two; fast swings
-    have the same mean.
+    This happens where the friction of restitution would press the contact point deeper and the
+    friction of compression would lift it. Neither unloading nor further loading is then consistent,
+    so the normal velocity stays zero under a friction force between the two. If friction presses
+    the point into the surface, the friction of restitution is the larger one. If the other bodies
+    press it in against friction, the friction of restitution is the smaller one. With a tangential
+    spring the force oscillates between the two; the mean of a fast oscillation is the same.
     """
     coupling = float(spring.inverse_mass[0, 1])
     law = spring.law
@@ -217,8 +224,9 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
 
 
 def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """End slip at rest and unload; a tangential spring's force begins its next swing with the
-    friction of compression.
+    """End slip at rest and begin unloading.
+
+    The force of a tangential spring begins its next oscillation at the friction of compression.
     """
     spring.at_rest = False
     spring.deepest = _penetration(system, contact, spring)
@@ -235,20 +243,22 @@ def _penetration(system: System, contact: ActiveContact, spring: Spring) -> floa
 
 
 def _ends_in_stiction(system: System, spring: Spring) -> bool:
-    """Return whether a contact follows the impact law, and the law predicts stiction."""
+    """Return whether the impact law applies to a contact and predicts stiction."""
     return system.follows_law(spring) and spring.predicted == Outcome.STICTION
 
 
 def _slip_error(system: System, contact: ActiveContact) -> float:
-    """Return the error of a slip velocity, from the speeds at the first touch: a single rod is at
-    rest where slip stops.
+    """Return the error of a slip velocity, estimated from the speeds at the first touch.
+
+    The present speeds do not serve, because a single rod is at rest where slip stops.
     """
     return system.slip_error(contact.start or system.state)
 
 
 def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let the contact point stick where slip has stopped if friction suffices, else slip in the
-    sense in which it is driven.
+    """Decide whether the contact point sticks where slip has stopped.
+
+    It sticks if friction suffices, and otherwise slips in the sense in which it is driven.
     """
     if spring.elastic:
         _settle_foot(system, motion, contact, spring)
@@ -271,12 +281,13 @@ def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring:
 
 
 def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
-    """Let the foot slip if the force is on the edge of the friction cone and would leave the cone;
-    else let the foot stand.
+    """Decide whether the attachment ("foot") of the tangential spring slides along the surface.
 
-    The force would leave the cone where the foot's velocity has the sense of slip that the force
-    opposes. A velocity within its error counts as zero. The bodies' motion under all forces, the
-    edge force of this contact among them, then shows how the velocity begins.
+    The foot slides if the spring's force is on the edge of the friction cone and would leave the
+    cone. It would leave the cone if the foot's velocity has the sense of slip that the force
+    opposes. A velocity smaller than its error counts as zero; a short trial integration under all
+    forces, with this contact's force on the cone's edge, then shows the sense in which the velocity
+    grows.
     """
     pair = contact.pair
     gaps = system.gaps
@@ -299,8 +310,10 @@ def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring:
 def _probe(
     system: System, motion: Motion, contact: ActiveContact, spring: Spring
 ) -> tuple[IntervalResult, Sums]:
-    """Integrate over a short part of a contact in its present phase; return the result, and the
-    contact's forces and sums.
+    """Integrate over a short part of a contact in its present phase.
+
+    Returns:
+        The result of the interval, and the contact's forces, impulses and work in it.
     """
     others = [other for known, other in motion.springs if known is not contact]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
