@@ -1,9 +1,11 @@
-"""The pymunk scene of a mechanism, with exactly the requested effects, in engine units.
+"""The scene: a mechanism as bodies, joints and springs of the engine pymunk, in engine units.
 
-Biases and slop are set deliberately. Joints are not corrected (``error_bias`` 1): an interval of motion starts from bodies
-placed exactly on their joints, and the drift within it is smooth in the step, so it vanishes when the step is
-extrapolated to zero; a correction would feed position errors into the velocities. Touching shapes are not pushed apart
-either (``collision_bias`` 1, slop above the shapes' margin), for the same reason.
+It contains only the effects that are requested. The engine's corrections of position errors are
+switched off. Joints are not pulled together (``error_bias`` 1), because a correction would feed
+position errors into the velocities. An interval of motion starts from bodies placed exactly on
+their joints; the drift off the joints within the interval is smooth in the step, so it vanishes
+when the step is extrapolated to zero. For the same reason touching shapes are not pushed apart
+(``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
 """
 
 from __future__ import annotations
@@ -26,15 +28,16 @@ from bristle_sim.scene.solver import WireVelocities
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """Springs, damping and gravity of a scene, in engine units; None, 0 and () leave an effect out.
+    """Springs, damping, gravity and contacts of a scene, in engine units; None, 0 and () leave an
+    effect out.
 
     Attributes:
-        stiffness: stiffness of the torsion spring between the hub and each wire's first link.
-        damping: damping of that torsion spring.
+        stiffness: stiffness of the torsion spring between the hub and the first link of each wire.
+        damping: damping of the torsion spring between hub and first link.
         gravity: acceleration of gravity, along -y.
-        pairs: pairs that can touch.
-        hinges: (stiffness, damping) of each joint between two links of a wire, which is straight at
-            rest.
+        pairs: pairs of bodies that can touch.
+        hinges: (stiffness, damping) of the torsion spring in each joint between two links of a
+            wire. The springs are unstressed where all links have the same angle.
     """
 
     stiffness: float | None = None
@@ -45,22 +48,24 @@ class Effects:
 
 
 class Scene:
-    """A mechanism in a pymunk space.
+    """A mechanism as bodies, joints and springs of the engine.
 
     Attributes:
+        mechanism: the links and the hub's motion.
+        effects: springs, damping, gravity and contacts.
         hub: kinematic body that carries the roots; None without a hub.
-        links: bodies of the links, from the root.
-        joints: pivots of the links, from the root.
+        links: bodies of the links, in order from the root.
+        joints: pivots of the links, in order from the root.
         engine: takes the engine's steps.
-        step: takes engine steps of one length (``engine.take``).
-        angles: reads the links' angles, less ``turned``, rad.
-        rates: reads the links' rates.
+        step: function that takes engine steps of equal length (``engine.take``).
+        angles: function that returns the links' angles minus ``turned``, rad.
+        rates: function that returns the links' rates.
         placed: state and drift of the last call of ``place``.
-        turned: whole turns subtracted from the angles that the engine is given, rad.
+        turned: whole revolutions, rad, that are subtracted from all angles in the engine.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
-        """Build the space; the links hang at angle 0 until placed."""
+        """Build the engine's bodies, joints and springs; all links are at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
         space = pymunk.Space()
@@ -96,8 +101,10 @@ class Scene:
         self.rates = self.engine.rates
 
     def place(self, state: State, drift: float = 0.0) -> None:
-        """Place every body where the state puts it, moved on at its own velocity for the time
-        ``drift``.
+        """Set positions and velocities of all bodies to a state.
+
+        Each body is then moved at its own constant velocity for the time ``drift``, which may be
+        negative.
         """
         again = self.placed[0] is state and self.placed[1] == drift
         self.placed = (state, drift)
@@ -122,7 +129,7 @@ class Scene:
 
     @property
     def connected(self) -> Connected:
-        """The links, and the joints that pass an impulse on one link on to the other links."""
+        """The links' bodies, and the joints that transmit an impulse from link to link."""
         bodies = self.links[::-1]
         bodies.sort(key=lambda each: each.mass)
         return bodies, [*self.joints[::-1]]
@@ -131,7 +138,7 @@ class Scene:
 def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
-    """Add every link and the pivot that it hangs on, in order from the root."""
+    """Add every link and its pivot to a space, and return them in order from the root."""
     bodies = []
     joints = []
     for number, link in enumerate(mechanism.links):
@@ -151,10 +158,10 @@ def _add_links(
 
 
 def _add_springs(scene: Scene, space: pymunk.Space) -> None:
-    """Add the belt of every wire, and a torsion spring at each hinge.
+    """Add the belt of every wire, and a torsion spring at each joint between links.
 
-    They are added after the joints: damping then acts on velocities that the joints have settled, not on those of their warm
-    start, and stays smooth in the step.
+    The springs must be added after the joints: the engine then damps velocities that the joints
+    have corrected already, and the result stays smooth in the step.
     """
     mechanism = scene.mechanism
     effects = scene.effects
@@ -171,15 +178,16 @@ def _add_springs(scene: Scene, space: pymunk.Space) -> None:
 
 
 MOST_DAMPING = 8.0
-"""Longest interval, in time constants of the engine's damping: two for each of the four steps of
-the coarsest repetition. In a far longer step damping removes the whole rate, whatever the step's
-length. The repetitions then agree on a belt that does not move, and the error estimate misses the
-error."""
+"""Longest interval, in time constants of the engine's damping: two time constants for each of the
+four steps of the coarsest repetition. In a far longer step damping removes the whole rate, whatever
+the length of the step. All repetitions would then agree that the belt does not move, and the error
+estimate would miss the error."""
 
 
 def damping_rate(scene: Scene) -> float:
-    """Return the engine's damping rate: the engine damps links as free bodies, before the joints
-    correct them.
+    """Return the largest rate, per time unit, at which the engine damps the motion of a link.
+
+    The engine damps the links as free bodies, before the joints correct their velocities.
     """
     links = scene.mechanism.links
     hinges = scene.effects.hinges
@@ -191,13 +199,18 @@ def damping_rate(scene: Scene) -> float:
 
 
 def damped_interval(scene: Scene) -> float:
-    """Return the longest interval in which the engine's steps resolve the damping; infinite without damping."""
+    """Return the longest interval in which the engine's steps resolve the damping.
+
+    It is infinite without damping.
+    """
     rate = damping_rate(scene)
     return MOST_DAMPING / rate if rate else math.inf
 
 
 def time_scale(scene: Scene) -> float:
-    """Return 1/omega of the fastest bending mode of the straight chain, at most 1."""
+    """Return the time scale of the motion: 1/omega of the fastest bending mode of the straight
+    chain, at most 1, in scene units.
+    """
     if not (hinges := scene.effects.hinges):
         return 1.0
     wire = scene.mechanism.wire(0)
@@ -211,12 +224,12 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """Return the scale of errors: the rate relative to the hub that a free bristle reaches, at most
-    1.
+    """Return the scale of a motion's errors: the relative rate that a free bristle reaches, at most
+    1, in scene units.
 
-    A bristle of natural frequency w, released at rest at the angle a, reaches the rate a w. The
-    scale is 1 for a bristle that does not move, for several links, and with an obstacle, because
-    the bar turns the hub's speed into the bristle's.
+    A bristle of natural frequency w that is released at rest at the angle a reaches the rate a w.
+    The scale is 1 for a bristle that does not move and for several links. With an obstacle the
+    scale is 1 too, because the bar gives the bristle a rate of the order of the hub's speed.
     """
     mechanism = scene.mechanism
     effects = scene.effects

@@ -1,7 +1,8 @@
-"""Direct calls of the engine for work done thousands of times a run, because pymunk's wrappers are
-slow.
+"""Direct calls of the physics engine (Chipmunk), for operations done thousands of times per
+simulation.
 
-A wrapped step takes 0.77 us, of which the engine itself takes 0.34 us.
+They bypass pymunk's wrappers: a wrapped step takes 0.77 us, of which the engine itself takes
+0.34 us.
 """
 
 from __future__ import annotations
@@ -20,27 +21,38 @@ from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.pairs import ClosedPair
 
 LONGEST_WARM_RATIO = 1e3
-"""Largest ratio of two successive steps at which the longer one starts from the impulses of the
-shorter one. Scaled further, the rounding of these impulses would show."""
+"""Largest ratio of a step to the step before it at which the engine starts from the joint impulses
+of the step before. With a larger ratio, the scaled rounding error of these impulses would show."""
 
 LONGEST_SINGLE_RATIO = 2.0
-"""The same ratio for a single step. The engine scales the impulse that it applies, by s, but not
-the impulse that it remembers, which becomes 1 - s times as large. Further steps of the same length
-correct the remembered impulse; without them, alternating short and long steps would make it grow
-without bound."""
+"""The same ratio where a single step of a length is taken. The engine scales the impulse that it
+applies, by the ratio s, but not the impulse that it remembers, which becomes 1 - s times as large.
+Further steps of the same length correct the remembered impulse. Without them, alternating short and
+long steps would make it grow without bound."""
 
 Pusher = Callable[[Vector, Vector], None]
-"""Applies a force at a point until the end of the next step."""
+"""Function that applies a force (first argument) at a point (second argument) until the end of the
+next step."""
 
 
-LINKS_OF_A_STEP = 32  # links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
+# number of links that double the price of a step; measured, the solver of the joints takes 17, 21,
+# 31 and 60 us for 8, 16, 32 and 64 links
+LINKS_OF_A_STEP = 32
 
 
 class EngineSteps:
-    """Places the bodies of a space, takes its steps, and counts them.
+    """Takes engine steps and counts them.
 
-    A solver for joints, damping and contacts follows each engine step of a wire of several links,
-    and of sustained contact. ``work`` counts a step once for every ``LINKS_OF_A_STEP`` links.
+    After each engine step, ``joint_solver`` corrects the velocities if a wire has several links or
+    a sustained contact is closed.
+
+    Attributes:
+        space: the pymunk space.
+        joints: the pivots of the links.
+        steps: number of steps taken.
+        work: number of steps weighted by size: a step counts once for every ``LINKS_OF_A_STEP``
+            links.
+        place: sets positions and velocities of all bodies.
     """
 
     def __init__(
@@ -53,8 +65,8 @@ class EngineSteps:
         *,
         several_links: bool,
     ) -> None:
-        """Start without impulses of an earlier step; ``make_solver`` is called when the solver is
-        first needed.
+        """Prepare the steps of a space; ``make_solver`` is called when the solver is first
+        needed.
         """
         self.space = space
         self.joints = joints
@@ -79,19 +91,23 @@ class EngineSteps:
 
     @cached_property
     def joint_solver(self) -> Any:
-        """``solver.WireVelocities`` or ``link_solver.LinkVelocity``, made when it is first needed."""
+        """Solver of joints, damping and sustained contacts, created when it is first needed.
+
+        It is a ``solver.WireVelocities``, or a ``link_solver.LinkVelocity`` for a single link.
+        """
         return self._make_solver()
 
     @property
     def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """The function that takes time-symmetric steps, or None while the engine's own solver
-        handles the joints.
+        """The function that takes time-symmetric steps; None while only plain steps are possible.
+
+        Time-symmetric steps need ``solver.WireVelocities`` as the solver of the joints.
         """
         return self._take_symmetric if self._solving and self.joint_solver.reversible else None
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """Solve from now on for these sustained contacts together with the joints; () returns to
-        the steps of free flight.
+        """Keep the given sustained contacts closed from now on; () returns to steps without
+        contacts.
         """
         solving = bool(contacts) or self._several_links
         if solving is not self._solving:
@@ -107,24 +123,27 @@ class EngineSteps:
         self.joint_solver.solve(length)
 
     def step_alone(self, length: float) -> None:
-        """Take one step of the engine and its own solver, whose impulses the next step forgets."""
+        """Take one step of the engine without ``joint_solver``.
+
+        The next step does not start from the joint impulses of this step.
+        """
         self.steps += 1
         self._engine_step(length)
         self._last_length = 0.0
 
     def angles(self) -> list[float]:
-        """Return the angles of the links."""
+        """Return the angles of the links, rad."""
         return list(map(lib.cpBodyGetAngle, self._links))
 
     def rates(self) -> list[float]:
-        """Return the rates of the links."""
+        """Return the rates of the links, rad per time unit."""
         return list(map(lib.cpBodyGetAngularVelocity, self._links))
 
     def take(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
-        """Take ``count`` engine steps of one length, calling ``act`` before each.
+        """Take ``count`` engine steps of equal length, calling ``act`` before each step.
 
         Returns:
-            The links' angles, then their rates, then their accelerations in the last step.
+            The angles of all links, then their rates, then their accelerations in the last step.
         """
         self._begin(length, count)
         advance = self._step
@@ -150,8 +169,9 @@ class EngineSteps:
     def _take_symmetric(
         self, length: float, count: int, act: Callable[[], None] | None = None
     ) -> list[float]:
-        """Take an even number of time-symmetric steps from bodies placed half a step early; return
-        the same values as ``take``.
+        """Take an even number of time-symmetric steps; return the same values as ``take``.
+
+        The bodies must have been placed where they would have been half a step earlier.
         """
         self._begin(length, count)
         solver = self.joint_solver
@@ -170,8 +190,10 @@ class EngineSteps:
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
 
     def _begin(self, length: float, count: int) -> None:
-        """Count steps that are to be taken; make the engine forget the last step's impulses where it
-        would scale them too far to the length of these steps.
+        """Count the steps that are about to be taken, and decide how the first of them starts.
+
+        If these steps are much longer than the last one, the engine is made to forget the joint
+        impulses of the last step, because it would scale them by the ratio of the lengths.
         """
         self.steps += count
         self.work += count * self._price
@@ -194,23 +216,24 @@ class EngineSteps:
 def bare_space(space: pymunk.Space) -> Any:
     """Return the engine's pointer to a space, valid only while the pymunk space exists.
 
-    ``space._space`` owns the engine's space and frees it. It must not be kept beyond the
-    pymunk.Space: by then bodies, shapes and constraints may be garbage too, and the garbage
-    collector, in another thread, may remove them from the space while it is freed.
+    The pointer does not own the space, unlike ``space._space``, which frees the engine's space. A
+    reference to ``space._space`` must not outlive the pymunk.Space: bodies, shapes and constraints
+    may then be garbage too, and the garbage collector, in another thread, may remove them from the
+    space while it is being freed.
     """
     return ffi.cast("cpSpace *", space._space)
 
 
 class Placer:
-    """Set centre (x, y), angle, velocity (u, v) and rate of every body by one engine call for each
-    body.
+    """Sets and reads the positions and velocities of bodies, by one engine call for each body.
 
     Attributes:
-        values: the numbers that were last set or kept, six for each body.
+        values: six numbers for each body, as last set or read: centre x and y, angle, velocity of
+            the centre along x and y, rate.
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Prepare to place these bodies, in this order."""
+        """Prepare to place the given bodies, in the given order."""
         self._bodies = [body._body for body in bodies]
         # Room for another body, or the engine would move the numbers to a place of its own.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
@@ -221,7 +244,9 @@ class Placer:
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
-        """Set these values; None sets the last ones again."""
+        """Set the bodies' positions and velocities, six numbers for each body as in ``values``;
+        None sets ``values`` again.
+        """
         if values is not None:
             self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
@@ -231,15 +256,18 @@ class Placer:
             put(body, data)
 
     def keep(self) -> None:
-        """Keep the bodies' present values, as if these had been set last."""
+        """Read the bodies' present positions and velocities into ``values``."""
         self._numbers.num = 0
         for body in self._bodies:
             lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
 
 
 def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Callable[[], Any]]:
-    """Return two functions that give the place and the velocity of a body's point; each result has
-    ``x`` and ``y``.
+    """Return two functions without arguments: the first returns the position of a body's point,
+    the second its velocity.
+
+    ``point`` is measured from the centre of mass along the body's axes. Each result has the
+    attributes ``x`` and ``y``.
     """
     bare = body._body
     return partial(lib.cpBodyLocalToWorld, bare, point), partial(
@@ -248,5 +276,5 @@ def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Ca
 
 
 def pusher(body: pymunk.Body) -> Pusher:
-    """Return the function that pushes on a body."""
+    """Return the function that applies a force to a body at a point."""
     return partial(lib.cpBodyApplyForceAtWorldPoint, body._body)

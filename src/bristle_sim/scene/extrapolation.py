@@ -1,10 +1,12 @@
-"""The integrator of an interval without events, by engine steps extrapolated to zero step.
+"""The integrator of intervals without events: engine steps, extrapolated to the step zero.
 
-The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
-events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
-results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
-the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
-Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
+The engine moves positions by the old velocities and then changes the velocities, so its error over
+an interval without events is smooth in the step h and of first order. The interval is repeated with
+n = 4, 5, 6, 7 ... steps, and the results are extrapolated to h = 0 (Richardson; Bulirsch and Stoer
+1966); each repetition removes one power of h from the error. The difference between the last two
+extrapolated results estimates the error. The length of the next interval and the number of
+repetitions follow from this estimate as in Hairer, Norsett and Wanner, *Solving Ordinary
+Differential Equations I*, sec. II.9.
 """
 
 from __future__ import annotations
@@ -17,32 +19,38 @@ from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = 6.0
-"""Cost of placing and reading the bodies once, in engine steps; the choice of the interval uses
-it."""
+"""Cost of placing and reading the bodies once, in engine steps. The choice of the interval's length
+weighs it against the cost of the steps."""
 
-# rounding of an angle of some radians, rad, which the weights of extrapolation amplify
+# rounding error of an angle of a few radians, rad; the weights of extrapolation amplify it
 ANGLE_ROUNDING = 4e-16
-LEAST_GAIN = 0.1  # least ratio of two repetitions' errors under damping, where a single estimate may be too small
+
+# least ratio of the errors of two successive repetitions that is believed under damping, where a
+# single estimate may be too small
+LEAST_GAIN = 0.1
 
 
 class Repetitions:
-    """Numbers of steps in which an interval is repeated, and the weights that extrapolate the
+    """Numbers of steps with which an interval is repeated, and the weights that extrapolate the
     results.
 
-    Every attribute but ``least_rows`` has one entry for each repetition, for the results up to it.
+    ``costs``, ``weights``, ``first_order``, ``differences`` and ``noise`` have one entry for each
+    repetition; the entry holds for the results of this and all earlier repetitions.
 
     Attributes:
-        least_rows: number of repetitions before the first error estimate.
-        costs: cost of the repetitions, in engine steps.
-        weights: weights for results whose error is a polynomial in the step to the given ``power``.
-        first_order: weights for results whose error is a polynomial in the step itself.
-        differences: weights of the extrapolate less the extrapolate without the first result; they
-            give the error estimate.
-        noise: rounding of the extrapolate that the rounding of an angle causes, rad.
+        counts: number of steps of each repetition.
+        power: power p of the step h; the error of a result is a polynomial in h^p.
+        least_rows: number of repetitions at which the error is first estimated.
+        costs: total cost, in engine steps.
+        weights: weights for results whose error is a polynomial in h^p.
+        first_order: weights for results whose error is a polynomial in h.
+        differences: weights of the error estimate, which is the extrapolated result minus the
+            result extrapolated without the first repetition.
+        noise: rounding error of an extrapolated angle, rad.
     """
 
     def __init__(self, *counts: int, power: int = 1) -> None:
-        """Compute all weights from ascending numbers of steps."""
+        """Compute all weights from the numbers of steps, which must be ascending."""
         rows = range(1, len(counts) + 1)
         self.counts = counts
         self.power = power
@@ -57,9 +65,10 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
-    """Return the weights that extrapolate results with these numbers of steps to zero step.
+    """Return the weights that extrapolate the results of repetitions to the step zero.
 
-    They are the values at h = 0 of Lagrange's polynomials in h^power, h = 1/n.
+    They are the values at h = 0 of Lagrange's polynomials in h^power, with the steps h = 1/n for
+    the numbers of steps n in ``counts``.
     """
     return tuple(
         math.prod(n**power / (n**power - other**power) for other in counts if other != n)
@@ -69,33 +78,36 @@ def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ..
 
 HALVED = Repetitions(
     4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40
-)  # even, so that the motion is known in the middle too
-CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # few steps for an order
+)  # even numbers of steps, so that the state in the middle of the interval is computed too
+CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # fewest steps for a given order
 WIDE = Repetitions(
     4, 6, 8, 12, 16, 24, 32, 48
-)  # small weights, for forces with the rounding of a small penetration
+)  # small weights, for spring forces with the rounding error of a small penetration
 EVEN = Repetitions(
     2, 4, 6, 8, 10, 12, 16, 20, 24, power=2
-)  # symmetric in time; odd numbers have an error of their own
-LEAST_NOISE = HALVED.noise[3]  # least error of an interval that rounding permits
+)  # for time-symmetric steps; the error of odd numbers of steps is a different polynomial
+LEAST_NOISE = HALVED.noise[3]  # least error of an interval, limited by rounding
 CUT_SHORT = 0.25
-"""Least fraction of the proposed interval that a shorter one must reach to shorten the next
-proposal: an interval grows by a factor of four at most, which leads back from here."""
+"""Least length, over the proposed length, of an interval that may shorten the next proposal. An
+interval cut shorter, by an event for instance, leaves the proposal unchanged. The next interval is
+at most four times as long, which leads back from this fraction to the proposed length."""
 
 
 class Extrapolation:
-    """Integrate an interval by engine steps extrapolated to zero step, to ``tolerance * scale``.
+    """Integrates intervals without events by engine steps, extrapolated to the step zero.
 
     Args:
-        tolerance: error permitted in an interval, relative.
-        scale: scale of the motion.
-        repetitions: numbers of steps, for loads and steps that need no others.
-        longest: bound of proposed intervals. The first interval, and one extended by a tenth to
-            avoid a short remainder, may be longer.
-        damped_step: coarsest step whose error estimate is trusted under damping.
+        tolerance: largest relative error of an interval.
+        scale: scale of the motion, in scene units; the largest absolute error is ``tolerance *
+            scale``.
+        repetitions: numbers of steps of the repetitions, except for time-symmetric steps and for
+            plain steps without contacts, which have their own.
+        longest: longest interval that is proposed. The first interval may be longer, and so may an
+            interval that is extended by a tenth to avoid a short remainder.
+        damped_step: longest step whose error estimate is trusted under damping.
 
     Attributes:
-        noise: error that an interval may have.
+        noise: largest absolute error of an interval.
     """
 
     def __init__(
@@ -106,7 +118,7 @@ class Extrapolation:
         longest: float = math.inf,
         damped_step: float = math.inf,
     ) -> None:
-        """Start with an interval of about a radian of the scene's motion."""
+        """Propose a first interval in which the links turn by about one radian."""
         self._given = repetitions
         self.longest = longest
         self.damped_step = damped_step
@@ -115,22 +127,22 @@ class Extrapolation:
         self._use(repetitions)
 
     def _use(self, repetitions: Repetitions) -> None:
-        """Repeat intervals with these numbers of steps from now on, as far as their rounding is
-        below the tolerance.
+        """Use the given numbers of steps from now on, up to the repetition at which rounding error
+        would exceed the tolerance.
         """
         self.repetitions = repetitions
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
-        """Return the interval of least cost per time, shortened so that it divides the remaining
-        time evenly.
+        """Return the length of the next interval, shortened so that it divides the remaining time
+        evenly.
         """
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(
         self, scene: Scene, state: State, duration: float, load: Load | None = None
     ) -> IntervalResult:
-        """Integrate over an interval by finer and finer steps until the error estimate is within
+        """Integrate over an interval; repeat it with finer steps until the error estimate is within
         the tolerance.
         """
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
@@ -182,10 +194,10 @@ class Extrapolation:
         return found._replace(middle=state_of(scene, state.time + 0.5 * duration, middle))
 
     def accepts(self, result: IntervalResult, duration: float) -> bool:
-        """Return whether the estimate is within the tolerance; in either case it determines the
-        next interval.
+        """Return whether a result's estimated error is within the tolerance, and set the length of
+        the next interval from the error.
 
-        An accepted interval cut far short of the proposed one does not shorten the next proposal.
+        An accepted interval that was much shorter than proposed does not shorten the next proposal.
         """
         proposed = self.length
         self.length = self.next_length(result, duration)
@@ -195,8 +207,9 @@ class Extrapolation:
         return accurate
 
     def next_length(self, result: IntervalResult, duration: float) -> float:
-        """Return the length of the next interval: that of least cost per time by the error
-        estimates so far.
+        """Return the length of the next interval, chosen for the least cost per simulated time.
+
+        The cost of each number of repetitions follows from its error estimate in ``result``.
         """
         costs = self.repetitions.costs
         limit = self.noise
@@ -219,5 +232,5 @@ class Extrapolation:
         return length if result.error <= limit else min(length, 0.5 * duration)
 
     def halves(self, scene: Scene, load: Load | None) -> bool:
-        """Return whether the state in the middle of an interval is computed too."""
+        """Return whether the integration of an interval also computes the state in its middle."""
         return scene.engine.take_symmetric is None and load is None

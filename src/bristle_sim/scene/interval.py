@@ -1,5 +1,5 @@
-"""An interval of smooth motion: its result, the forces and sums of its contacts, and the load on an
-integrator.
+"""An interval of smooth motion between two events: its end state and its contact forces, impulses
+and work.
 """
 
 from __future__ import annotations
@@ -12,22 +12,24 @@ from typing import NamedTuple, Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import Curve, State
 
-# time over (1 + time at an interval's end) within which an event counts as at the interval's start
+# largest time after an interval's start, over (1 + time at its end), at which an event counts as at
+# the start; rounding error of the time
 ONE_INSTANT = 1e-15
 
 
 class Sums(NamedTuple):
-    """Forces of one contact on its link at the end of an interval, and their integrals; engine
-    units.
+    """Forces of one contact on its link at the end of an interval, and the forces' impulse and work
+    in the interval; engine units.
 
     Attributes:
         normal: normal force.
         tangential: tangential force; in stick, the force that friction would have to supply.
-        impulse_normal: integral of the normal force over the time.
-        impulse_tangential: integral of the tangential force over the time.
-        work_normal: integral of the normal force over the path.
-        work_tangential: integral of the tangential force over the path.
-        tangential_at_start: tangential force of a spring in stick at the beginning of the interval.
+        impulse_normal: impulse of the normal force.
+        impulse_tangential: impulse of the tangential force.
+        work_normal: work of the normal force.
+        work_tangential: work of the tangential force.
+        tangential_at_start: tangential force of a contact with a spring in stick, at the beginning
+            of the interval; otherwise 0.
     """
 
     normal: float = 0.0
@@ -39,32 +41,34 @@ class Sums(NamedTuple):
     tangential_at_start: float = 0.0
 
 
-# numbers of one contact in the flat list that an integrator extrapolates
+# count of values of one contact in the flat list that an integrator extrapolates
 NUMBERS = len(Sums._fields)
 
 
 def sums_of(totals: Sequence[float], index: int) -> Sums:
-    """Return the sums of one contact from the flat list of all contacts' sums."""
+    """Return one contact's forces, impulses and work from the flat list of all contacts' values."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
 class Load(Protocol):
-    """The forces of all contacts in a smooth motion, as an integrator calls them.
+    """Interface between an integrator and the forces of all contacts in a smooth motion.
 
     Attributes:
-        symmetric: whether the forces act alike forwards and backwards in time.
+        symmetric: whether the forces are the same forwards and backwards in time.
     """
 
     symmetric: bool
 
     def begin(self, step: float) -> Callable[[], None] | None:
-        """Reset the sums; return the callback to run before each step of this length, if any."""
+        """Reset impulses and work; return the callback to run before each step of the length
+        ``step``, or None if no callback is needed.
+        """
 
     def totals(self) -> list[float]:
-        """Return the numbers of :class:`Sums` of each contact, in one list, after the last step."""
+        """Return the values of :class:`Sums` of all contacts in one list, after the last step."""
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a contact would have to pull."""
+        """Return whether a contact would have to pull to stay closed."""
 
 
 class IntervalResult(NamedTuple):
@@ -72,13 +76,14 @@ class IntervalResult(NamedTuple):
 
     Attributes:
         state: the state at the interval's end.
-        accelerations: the links' accelerations there.
-        totals: the flat list of the contacts' sums.
-        error: estimated error of angles in rad and of rates per time unit; 0 without an estimate.
+        accelerations: the links' angular accelerations at the interval's end.
+        totals: the values of :class:`Sums` of all contacts in one list.
+        error: estimated error, the larger one of the error of angles, rad, and the error of rates,
+            rad per time unit; 0 without an estimate.
         failed: whether a contact would have had to pull; the rest of the result is then
             meaningless.
-        errors: estimated error after each repetition, by its number.
-        middle: the state halfway; None if the integrator does not compute it.
+        errors: estimated error after each repetition of the interval, by the repetition's index.
+        middle: the state at half the interval; None if the integrator does not compute it.
     """
 
     state: State
@@ -112,11 +117,11 @@ class IntervalResult(NamedTuple):
         )
 
     def sums(self, index: int) -> Sums:
-        """Return the forces and sums of one contact."""
+        """Return the forces, impulses and work of one contact."""
         return sums_of(self.totals, index)
 
     def moved(self, time: float) -> IntervalResult:
-        """Return the result moved on by a short time with its accelerations."""
+        """Return the result with its state advanced by a short time at constant acceleration."""
         when, angles, rates = self.state
         angles = tuple(
             [
@@ -129,7 +134,7 @@ class IntervalResult(NamedTuple):
 
 
 def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
-    """Return the state from a list that begins with the angles and rates of a scene's bodies."""
+    """Return the state from a list that begins with the angles and rates of a scene's links."""
     size = len(scene.links)
     turned = scene.turned
     return State(
@@ -138,7 +143,15 @@ def state_of(scene: Scene, time: float, values: Sequence[float]) -> State:
 
 
 class Interval:
-    """An interval that has been integrated: the results at its ends, and the function that integrates a shorter time."""
+    """An interval that has been integrated.
+
+    Attributes:
+        first: result at the start.
+        end: result at the end.
+        integrate_to: function that integrates from the start over a shorter time.
+        start: state at the start.
+        length: duration of the interval.
+    """
 
     __slots__ = ("_curve", "end", "first", "integrate_to", "length", "start")
 
@@ -156,9 +169,10 @@ class Interval:
         self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
-        """Return the state at a time after the start, by the polynomial through the known states.
+        """Return the state at a time after the start, by polynomial interpolation.
 
-        These are the start, the end and, if the integrator computed it, the middle.
+        The polynomial passes through the states at the start, at the end and, if the integrator has
+        computed it, in the middle.
         """
         if self._curve is None:
             middle = () if self.end.middle is None else (self.end.middle,)
@@ -167,12 +181,12 @@ class Interval:
 
     @property
     def instant(self) -> float:
-        """The longest time after the start that counts as the start."""
+        """The longest time after the start that counts as at the start."""
         return ONE_INSTANT * (1.0 + self.end.state.time)
 
     def up_to(self, end: IntervalResult) -> Interval:
-        """Return the interval with an earlier end; an end within an instant of the start is the
-        start.
+        """Return the interval shortened to an earlier end; an end closer than ``instant`` to the
+        start becomes the start.
         """
         if end is self.end:
             return self
@@ -181,5 +195,5 @@ class Interval:
 
 
 def at_state(state: State) -> IntervalResult:
-    """Return a state as the result of an interval of no length."""
+    """Return a state as the result of an interval of zero length."""
     return IntervalResult(state, (math.nan,) * len(state.angles), (), 0.0)

@@ -1,15 +1,15 @@
 """The velocity of a single link that obeys its joint and a sustained contact, in closed form.
 
-A link on its joint has one degree of freedom, its rate w. Let l_n and l_t be the levers of normal
-and tangent about the joint, u the velocity of the joint, and p the normal impulse. Friction adds
-the impulse f p along the surface, with f = -mu s and the sense of slip s. The contact stays closed
-if
+A link on its joint has one degree of freedom, its rate w. Let n be the contact normal, l_n and l_t
+the levers of normal and tangent about the joint, u the velocity of the joint, and p the normal
+impulse. Friction adds the impulse f p along the surface, with f = -mu s, the coefficient of
+friction mu and the sense of slip s. The contact stays closed if
 
     u.n + l_n (w + (l_n + f l_t) p/I) = 0,
 
-where I is the moment of inertia about the joint, plus the belt's damping times the step. This is
-the solution of :mod:`bristle_sim.scene.solver` for one link. With that module's matrices a pass
-would take 2.5 times as long.
+where I is the moment of inertia about the joint plus the belt's damping times the step. This
+closed form equals the solution of :mod:`bristle_sim.scene.solver` for one link; the matrices of
+that module would make a pass 2.5 times as slow.
 """
 
 from __future__ import annotations
@@ -29,16 +29,19 @@ _set_rate = lib.cpBodySetAngularVelocity
 _set_velocity = lib.cpBodySetVelocity
 
 Touch = Callable[[float, float, float, float], tuple[float, float, float, float]]
-"""Takes x and y of the joint, cosine and sine of the link's angle; returns x and y of the contact
-point's arm from the joint, and x and y of the normal."""
+"""Function that locates the contact point of a link.
+
+It takes x and y of the joint, and the cosine and sine of the link's angle. It returns x and y of
+the vector from the joint to the contact point, and x and y of the contact normal."""
 
 
 class LinkVelocity:
-    """Sets the rate of a single link after an engine step.
+    """Sets the angular velocity of a single link after each engine step so that its contact stays
+    closed.
 
     Attributes:
-        impulses: for each step, in a list for the one contact: its normal and tangential impulse,
-            and its slip velocity.
+        impulses: for each step, a list with one entry for the one contact: (normal impulse,
+            tangential impulse, slip velocity).
     """
 
     reversible = False  # steps with this solver are not symmetric in time
@@ -64,17 +67,16 @@ class LinkVelocity:
         self.impulses: list[list[tuple[float, float, float]]] = []
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep this sustained contact closed from now on."""
+        """Keep one sustained contact closed from now on; ``contacts`` holds this contact alone."""
         (closed,) = contacts
         self._touch = _touch_of(closed, self._link)
         self._ratio = -closed.pair.friction * (closed.slip or 0)
 
     def solve(self, step: float) -> None:
-        """Change the link's rate after an engine step so that the contact stays closed, with
-        implicit damping.
+        """Correct the link's rate after an engine step so that the contact stays closed; the belt's
+        damping is integrated implicitly.
 
-        The link already obeys its joint: the engine's step applies the belt's spring before it
-        solves the joint.
+        The engine step has applied the belt's spring and has already made the link obey its joint.
         """
         touch = self._touch
         body = self._body
@@ -112,8 +114,10 @@ class LinkVelocity:
 
 
 def _touch_of(closed: ClosedPair, link: Link) -> Touch:
-    """Return the function that gives a pair's contact point and normal: a corner's on the workpart,
-    or that of a straight piece, with round ends, on the bar.
+    """Return the function that locates the contact point and the normal of a pair.
+
+    On the workpart the contact point is a corner of the link. On the bar it is the point of a
+    straight segment of the wire, with round ends, that is closest to the bar.
     """
     pair = closed.pair
     corners = ((0.0, 0.0), *link.knees, link.tip)
@@ -136,7 +140,7 @@ def _touch_of(closed: ClosedPair, link: Link) -> Touch:
     def touch(
         joint_x: float, joint_y: float, cosine: float, sine: float
     ) -> tuple[float, float, float, float]:
-        """Return arm and normal of the closest point of the piece."""
+        """Return x and y of the vector from joint to contact point, and x and y of the normal."""
         x = cosine * start_x - sine * start_y
         y = sine * start_x + cosine * start_y
         u = cosine * along_x - sine * along_y

@@ -1,4 +1,7 @@
-"""Chains of rigid links whose roots are fixed or carried by a turning hub: their shape and mass, without forces."""
+"""Chains of rigid links whose roots are fixed or carried by a turning hub.
+
+This module has their geometry, kinematics and mass, without forces.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +25,15 @@ Complexes = NDArray[np.complex128]
 class Link:
     """A rigid link; engine units.
 
-    Positions are those from the link's joint at the angle 0, at which the link is along (0, -1).
+    Positions are measured from the link's joint while the link is at angle 0, at which a straight
+    link points along (0, -1).
 
     Attributes:
         mass: mass.
         inertia: moment of inertia about the centre of mass.
-        centre: centre of mass.
-        tip: end of the link.
-        knees: corners of the centre line between joint and tip.
+        centre: position of the centre of mass.
+        tip: position of the end of the link.
+        knees: positions of the corners of the centre line between joint and tip.
     """
 
     mass: float
@@ -50,7 +54,9 @@ class Link:
 
 
 class State(NamedTuple):
-    """Time, and the absolute angle, rad, and rate of every link; engine units."""
+    """The state of a mechanism: time, and absolute angle, rad, and rate of every link; engine
+    units.
+    """
 
     time: float
     angles: tuple[float, ...]
@@ -58,7 +64,9 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Positions of a link's joint, centre, tip and knees, and the velocity of its joint."""
+    """Position of a link in the plane: its joint, centre of mass, tip and knees, and its joint's
+    velocity.
+    """
 
     joint: Vector
     centre: Vector
@@ -76,13 +84,14 @@ class ChainConstants(NamedTuple):
     """Constants of identical wires; complex numbers stand for points in the plane.
 
     Attributes:
-        tips: position of every link's tip from its joint.
-        centres: position of every link's centre from its joint.
-        inertias: moment of inertia of every link about its centre.
-        arms: g_kj of one wire, transposed: from the joint of link j to the next joint (j < k) or to
-            the link's centre (j = k).
-        moments: conjugates of ``arms`` times the masses.
-        products: mass matrix at the angles 0.
+        tips: vector from joint to tip of every link, at the angle 0.
+        centres: vector from joint to centre of mass of every link, at the angle 0.
+        inertias: moment of inertia of every link about its centre of mass.
+        arms: vectors g_kj of one wire, stored at [j, k]: from the joint of link j to the next joint
+            (j < k) or to the link's centre of mass (j = k); 0 for j > k.
+        moments: complex conjugate of g_kj times the mass of link k, stored at [k, j].
+        products: complex mass matrix. Entry (i, j) times exp(i (angle_j - angle_i)) has the mass
+            matrix as its real part.
     """
 
     tips: Complexes
@@ -95,12 +104,18 @@ class ChainConstants(NamedTuple):
 
 @dataclass
 class Mechanism:
-    """Links in order from the root, which moves on a circle of ``hub_radius`` at ``hub_speed`` from
-    ``hub_start``.
+    """One or several wires, each a chain of rigid links, on a hub that turns at constant speed.
 
-    Without a hub (radius and speed 0) the root is the origin. Several ``wires`` have equally many
-    links; the links of the foremost wire come first. Each root lags the root before it by
-    ``pitch``, rad.
+    Attributes:
+        links: the links of all wires, from the root of each wire. The foremost wire comes first;
+            all wires have equally many links.
+        hub_radius: radius of the circle on which the roots move; 0 for a root at the origin.
+        hub_speed: angular velocity of the hub.
+        hub_start: angle of the first root at time 0, rad.
+        wires: number of wires.
+        pitch: angle by which each root lags the root before it, rad.
+        wire_links: number of links of one wire.
+        single_link: whether there is one link alone, with one degree of freedom.
     """
 
     links: tuple[Link, ...]
@@ -114,30 +129,33 @@ class Mechanism:
     _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Count the links of a wire; ``single_link`` is true for one link alone, with one degree of
-        freedom.
-        """
+        """Derive ``wire_links`` and ``single_link``."""
         self.wire_links = len(self.links) // self.wires
         self.single_link = len(self.links) == 1
         self._known = deque(maxlen=3)
 
     def hub_angle(self, time: float) -> float:
-        """Return the angle of the first root, rad."""
+        """Return the angle of the first wire's root at a time, rad."""
         return self.hub_start + self.hub_speed * time
 
     def root_angle(self, link: int, time: float) -> float:
-        """Return the angle of the root of a link's wire, rad."""
+        """Return the angle of the root of the wire to which a link belongs, rad.
+
+        ``link`` is the link's index.
+        """
         return self.hub_angle(time) - link // self.wire_links * self.pitch
 
     def wire(self, number: int) -> Mechanism:
-        """Return a mechanism of one of the wires alone."""
+        """Return a mechanism that consists of one wire alone; ``number`` is its index."""
         own = slice(number * self.wire_links, (number + 1) * self.wire_links)
         return Mechanism(
             self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch
         )
 
     def poses(self, state: State) -> list[Pose]:
-        """Return the poses of all links; those of the last three states are cached."""
+        """Return the positions and joint velocities of all links; the results for the last three
+        states are cached.
+        """
         for known, poses in self._known:
             if known is state:
                 return poses
@@ -169,11 +187,10 @@ class Mechanism:
     def walk(
         self, time: Array, angles: Array, rates: Array
     ) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
-        """Yield each link of a wire with its turn, rate, and its joint's position and velocity, at
-        the given times.
+        """Yield the links of a wire from root to tip with their motion at the given times.
 
-        Points are complex numbers x + iy. A point with the arm r from a joint at p has the velocity
-        p' + i rate r.
+        Points are complex numbers x + iy. A point at the vector r from a joint has the joint's
+        velocity plus i rate r.
 
         Yields:
             The link, e^(i angle), the rate, the joint's position and the joint's velocity; arrays
@@ -210,8 +227,10 @@ class Mechanism:
         )
 
     def speed_bound(self, state: State) -> float:
-        """Return a bound of the speed of all points, or of one wire relative to another, while no
-        rate exceeds the state's.
+        """Return an upper bound of the speed of every point, and of the relative speed of two
+        wires.
+
+        The bound holds as long as no rate exceeds the rate in the given state.
         """
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):
@@ -220,7 +239,9 @@ class Mechanism:
 
     @cached_property
     def constants(self) -> ChainConstants:
-        """Constants of the wires, computed when they are first needed."""
+        """Vectors, inertias and mass matrix of the links at the angle 0, computed when first
+        needed.
+        """
         size = self.wire_links
         tips, centres = np.array(
             [(complex(*link.tip), complex(*link.centre)) for link in self.links]
@@ -232,21 +253,28 @@ class Mechanism:
         return ChainConstants(tips, centres, inertias, arms.T, moments.T, products)
 
     def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix in the links' absolute angles, shape (links, links); ``turn`` is e^{i angle} of each link."""
+        """Return the mass matrix in the links' absolute angles, shape (links, links).
+
+        ``turn`` is e^{i angle} of each link, shape (links,).
+        """
         return np.asarray((turn.conj()[:, None] * self.constants.products * turn).real)
 
 
 def cross(arm: Vector, direction: Vector) -> float:
-    """Return the lever of a direction through the end of an arm, about the arm's start."""
+    """Return the moment, about the start of an arm, of a force in a direction at the arm's end.
+
+    For a unit vector as the direction this is the lever of the force.
+    """
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
 class Curve:
-    """The polynomial through the angles and rates of two states (cubic) or three states
-    (quintic)."""
+    """Interpolating polynomial of the motion, through the angles and rates of two states (cubic) or
+    three states (quintic).
+    """
 
     def __init__(self, *states: State) -> None:
-        """Compute the coefficients of Newton's form for each link, by divided differences."""
+        """Compute each link's coefficients in Newton's form, by divided differences."""
         times = [state.time for state in states for _ in range(2)]
         self._nodes = times[-2::-1]
         self._links = []
@@ -264,7 +292,7 @@ class Curve:
             self._links.append(column[::-1])
 
     def __call__(self, time: float) -> State:
-        """Return the state at a time."""
+        """Return the interpolated state at a time."""
         distances = [time - node for node in self._nodes]
         angles = []
         rates = []

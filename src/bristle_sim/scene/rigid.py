@@ -1,8 +1,7 @@
-"""Rigid sustained contacts as a load that sums their forces; the solver of the joints keeps them
-closed.
+"""Rigid sustained contacts: their forces, impulses and work, and when they must open or slip.
 
-A single link has one degree of freedom: one contact at a time fixes its motion, which follows from
-geometry and hub alone.
+The solver of the joints keeps these contacts closed. A single link has one degree of freedom, so
+one contact at a time fixes its motion, which follows from the geometry and the hub's motion alone.
 """
 
 from __future__ import annotations
@@ -27,23 +26,23 @@ from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 
 LEAST_SLIP = 1e-9
-"""Least slip velocity that has a sense, in the scene's unit, however accurate the run is."""
+"""Least slip velocity whose sense is known, in scene units, however accurate the simulation is."""
 
 LEAST_ACCELERATION = 1e-7
-"""Least acceleration of slip that has a sense, in the scene's unit; a smaller one is rounding of a
-difference over ``MOMENT``."""
+"""Least slip acceleration whose sense is known, in scene units. A smaller one is rounding error of
+the difference quotient over the time ``MOMENT``."""
 
 
 class RigidContacts:
-    """The rigid contacts of a smooth motion, which are solved for together with the joints.
+    """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
 
-    The motion ends when the force of one of them vanishes. In time-symmetric steps (``paired``) the
-    errors of the force in odd and in even steps cancel in the mean of two steps.
+    The motion ends when the normal force of a contact reaches zero. With ``paired`` true each force
+    is the mean of two time-symmetric steps, in which the errors of odd and even steps cancel.
 
     Attributes:
         scene: the scene.
-        closed: the contacts. Each sense of slip is the one that friction opposes until an event
-            changes it; None is without friction, or a single link that does not slip.
+        closed: the contacts. The sense of slip of each contact is the one that friction opposes
+            until an event changes it; None means no friction, or a single link that does not slip.
     """
 
     symmetric = True  # rigid contacts act alike forwards and backwards in time
@@ -56,7 +55,10 @@ class RigidContacts:
         self._step = 0.0
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return their least compliance in slip."""
+        """Let the contacts act from a state on; return the smallest of their relative compliances.
+
+        ``compliance_in_slip`` defines the relative compliance.
+        """
         self.closed = [
             each._replace(piece=self._next_piece(each.pair, state)) for each in self.closed
         ]
@@ -64,8 +66,8 @@ class RigidContacts:
         return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.closed)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
-        """Return the nearest state in which the contacts are closed, and in which those that stick
-        do not slip.
+        """Return the nearest state in which all contacts are closed and the sticking contacts have
+        zero slip velocity.
         """
         if self.scene.mechanism.single_link:
             (contact,) = self.closed
@@ -73,15 +75,16 @@ class RigidContacts:
         return set_back(gaps, self.closed, state)
 
     def begin(self, step: float) -> None:
-        """Reset the impulses, which the solver records in each step."""
+        """Clear the impulses of the last interval; the solver records new ones in each step."""
         self._step = step
         self._solver.impulses = []
 
     def totals(self) -> list[float]:
-        """Return the numbers of each contact's ``Sums`` in one list.
+        """Return the forces, impulses and work of all contacts in one list, in the order of
+        ``Sums``.
 
-        The normal force is that of the last step, or of the last step in which the contact would
-        have had to pull.
+        The normal force is the force in the last step. If the contact would have had to pull in any
+        step, it is the force in the last of these steps.
         """
         found = list[float]()
         for each in zip(*self._solver.impulses, strict=True):
@@ -95,15 +98,15 @@ class RigidContacts:
         return found
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
-        """Return the contacts' normal forces from the totals."""
+        """Return the contacts' normal forces from the list that ``totals`` returns."""
         return totals[: NUMBERS * len(self.closed) : NUMBERS]
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a contact would have to pull."""
+        """Return whether a contact would have to pull to stay closed."""
         return min(self.normal(totals)) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
-        """Return the friction limit of a contact less the size of its tangential force."""
+        """Return the friction limit of a contact minus the magnitude of its tangential force."""
         sums = sums_of(totals, index)
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 
@@ -115,11 +118,12 @@ class RigidContacts:
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
     def compliance_in_slip(self, gaps: Gaps, state: State, index: int = 0) -> float:
-        """Return the gain of v_n per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt, over
-        that of a free link.
+        """Return the relative compliance of a contact in slip.
 
-        Where the compliance is not positive, friction or geometry locks the link: no force keeps
-        the contact closed.
+        It is the change of the normal velocity per unit normal impulse, K_nn - mu sign(v_t) K_nt,
+        divided by the same change without joints and friction. K is the contact-space inverse mass
+        matrix, mu the coefficient of friction and v_t the slip velocity. If the relative compliance
+        is not positive, friction or geometry locks the link: no force keeps the contact closed.
         """
         pair, _, sense = self.closed[index]
         mechanism = self.scene.mechanism
@@ -152,7 +156,10 @@ class RigidContacts:
         return (normal - pair.friction * (sense or 0) * coupling) / free
 
     def _next_piece(self, pair: ContactPair, state: State) -> int:
-        """Return the piece that touches a moment from now; at a corner two pieces touch."""
+        """Return the index of the straight segment of a link that touches an instant later.
+
+        At a corner two segments touch; the instant decides between them.
+        """
         if pair.partner is None and not self.scene.mechanism.links[pair.link].knees:
             return 0
         angles = tuple(
@@ -163,19 +170,27 @@ class RigidContacts:
 
 
 def _means(numbers: Sequence[float]) -> Sequence[float]:
-    """Return the means of the first two numbers, the next two, and so on."""
+    """Return the mean of each pair of successive values: first and second, third and fourth, ..."""
     return [
         0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)
     ]
 
 
 def sense_of_slip(gaps: Gaps, pair: ContactPair, state: State, error: float) -> int | None:
-    """Return the sense of slip that friction opposes in a new contact; 0 if it sticks, None if it
-    is at rest.
+    """Return the sense of slip that friction opposes in a new contact.
 
-    The sense of a slip velocity within the run's error is unknown. Several links then stick until
-    friction no longer suffices. A single link slips in the direction of its contact point's
-    acceleration; if the acceleration is zero too, it is at rest.
+    If the slip velocity is smaller than its error, its sense is unknown. A contact of several links
+    then sticks until friction no longer suffices. A single link slips in the direction of its
+    contact point's acceleration; if the acceleration is zero too, the link is at rest.
+
+    Args:
+        gaps: gaps of the mechanism.
+        pair: the two bodies in contact.
+        state: the state at the touch.
+        error: error of a velocity, in scene units.
+
+    Returns:
+        1 or -1 in slip, 0 in stick, None for a single link at rest.
     """
     slip = gaps.closest(pair, state).velocity[1]
     least = max(LEAST_SLIP, error)

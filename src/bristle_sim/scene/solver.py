@@ -1,27 +1,33 @@
 """The velocities of several links that obey their joints and sustained contacts, by one linear
-solve a step.
+solve per step.
 
-The engine corrects one joint after the other, which takes a chain of n links about 16 n^2
-iterations. Its corrections add M^-1 J^T times impulses to the velocities. The nearest velocities
-that obey the joints, in the norm of the kinetic energy, are the same with or without these
-corrections, so one iteration is enough. The nearest velocities are
+The engine corrects one joint after the other, which takes about 16 n^2 iterations for a chain of n
+links. The solver here instead projects the engine's velocities v onto the velocities that obey the
+joints; the projection is orthogonal in the norm of the kinetic energy. The engine's corrections
+M^-1 J^T times impulses, with the mass matrix M and the joints' Jacobian J, do not change the
+projection, so one iteration of the engine is enough. The projected velocities are
 
-    v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0
-    hub speed,
+    v_k = v_root + sum_j g_kj i E_j rate_j,
+    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 w_0,
 
-with E_j = e^{i angle_j}; g_kj from the joint of link j to the next joint (j < k) or to the link's
-centre (j = k); B the derivatives of the velocities by the rates; and C the hinges' damping,
-implicit over the time s. In a plain step v are the engine's velocities and s is the step. In a
-symmetric step v is the mean of old and new velocities and s half a step: joints and damping are
-then satisfied at the midpoint. With positions half a step ahead, the error of an even number of
-such steps has only even powers of the step (Hairer, Lubich and Wanner, *Geometric Numerical
-Integration*, sec. II.4 and V.1).
+with points as complex numbers. E_j = e^{i angle_j}. At the angle 0, g_kj is the vector from the
+joint of link j to the next joint (j < k) or to the link's centre (j = k). B holds the derivatives
+of the velocities with respect to the rates. C is the damping matrix of belt and hinges, implicit
+over the time s. c_0 is a vector: the belt's damping for the first link of a wire, 0 for the others;
+w_0 is the hub's speed. In a plain step s is the step. In a symmetric step v is the mean of old and
+new velocities and s is half the step, so that joints and damping are satisfied at the midpoint.
+With positions half a step ahead, the error of an even number of symmetric steps has only even
+powers of the step (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sec. II.4 and
+V.1).
 
-Active contacts add the impulses p that keep their points in touch. Let R be the rows of the
-velocities that vanish and Q the rows of the directions in which the impulses act, friction
-included. Then
+Sustained contacts add the impulses p that keep their points in contact. The rows R give the contact
+velocities that must be zero: the normal velocities, and the slip velocities in stick. The rows Q
+give the directions in which the impulses act, friction included. Then
 
-    (R M^-1 Q^T) p = -R rates - drift,    rates change by M^-1 Q^T p.
+    (R M^-1 Q^T) p = -R rates - u,    change of the rates = M^-1 Q^T p,
+
+where M is now the mass matrix in the rates, with damping, and u holds the contact velocities that
+the roots' motion causes.
 """
 
 from __future__ import annotations
@@ -39,17 +45,19 @@ from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach
 
-# least singular value, over the largest: below it a contact repeats joints or other contacts
+# least singular value that counts, over the largest one; a smaller one is rounding error, because a
+# contact repeats the constraint of joints or other contacts
 DEPENDENT = 1e-12
 
 
 class WireVelocities:
-    """Sets the velocities of all links, one wire after the other, after an engine step.
+    """Sets the velocities of all links after each engine step so that they obey joints and
+    contacts.
 
     Attributes:
         symmetric: whether the steps are symmetric in time.
-        impulses: for each step and contact, the normal and the tangential impulse, and the slip
-            velocity.
+        impulses: for each step, a list with one entry for each contact: [normal impulse, tangential
+            impulse, slip velocity].
     """
 
     reversible = True  # steps with this solver can be symmetric in time
@@ -90,13 +98,11 @@ class WireVelocities:
         self._old = self._motion.copy()
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep these sustained contacts closed from now on."""
+        """Keep the given sustained contacts closed from now on."""
         self._contacts = contacts
 
     def begin_symmetric(self) -> None:
-        """Make the steps symmetric in time from now on, beginning with the bodies' present
-        velocities.
-        """
+        """Make the steps from now on symmetric in time; they start from the present velocities."""
         self._bodies.keep()
         self._old[:] = self._motion
         self.symmetric = True
@@ -120,8 +126,14 @@ class WireVelocities:
         self._bodies(None)
 
     def _close_joints(self, turn: Complexes, time: float) -> Array:
-        """Set the velocities to the nearest ones that obey the joints, with damping that acts for
-        ``time``; return the mass matrix with damping.
+        """Replace the velocities by the nearest velocities that obey the joints.
+
+        Args:
+            turn: e^{i angle} of each link.
+            time: time for which damping acts, in scene units.
+
+        Returns:
+            The mass matrix in the links' angles plus ``time`` times the damping matrix.
         """
         constants = self._mechanism.constants
         places = self._roots * cmath.exp(1j * self._hub[2])
@@ -141,7 +153,10 @@ class WireVelocities:
         return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
 
     def _close_contacts(self, turn: Complexes, matrix: Array) -> None:
-        """Add the contacts' impulses to the velocities."""
+        """Add the impulses that keep the contacts closed to the velocities, and record them.
+
+        ``turn`` is e^{i angle} of each link, ``matrix`` the mass matrix with damping.
+        """
         mechanism = self._mechanism
         contacts = self._contacts
         touches = [self._closest(turn, each) for each in contacts]
@@ -168,8 +183,10 @@ class WireVelocities:
         self.impulses.append(np.array([push, rub, slips + tangents @ change]).T.tolist())
 
     def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
-        """Return a pair's closest approach from the bodies in the engine, with their drift off the
-        joints.
+        """Return where a contact's link is closest to its obstacle.
+
+        It is computed from the bodies' positions in the engine, which drift off the joints slightly
+        within an interval. ``turn`` is e^{i angle} of each link.
         """
         mechanism = self._mechanism
         poses: Any = {}
