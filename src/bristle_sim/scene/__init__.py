@@ -1,20 +1,28 @@
-"""The time-domain simulation in pymunk. Entry: ``simulate.simulate``; everything runs in the scene's own units.
+"""The time-domain simulation in pymunk. Entry: ``simulate.simulate``. Inside the package all
+quantities are in engine units.
 
 In reading order; a file imports only from files below it in this list:
 
 - ``snapshots``: a run interval by interval.
-- ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire, by the same loop.
-- ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and contacts in SI units.
+- ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire,
+  by the same loop.
+- ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and
+  contacts in SI units.
 - ``run``: the loop over intervals and events.
-- ``decide``: the decision after an event; ``collisions``, ``spring_phases``: its impacts, with the error over them, and its springs.
-- ``motion``: one smooth motion, integrated interval by interval up to its first event.
-- ``events``: events, their kinds, and those of a motion; ``touches``: gaps that close; ``locate``: the locator and its root finder.
+- ``decide``: the decision after an event; ``collisions``: impacts, and the growth of the run's
+  error over them; ``spring_phases``: the phases of a contact with a spring.
+- ``motion``: a smooth motion, integrated interval by interval up to its first event.
+- ``events``: the kinds of events, and the functions whose sign changes mark them; ``touches``: gaps
+  that close; ``locate``: the instant of an event, by a root finder.
 - ``system``: the state, the plan and the record of a run.
 - ``impacts``, ``compliant``: the contact laws.
-- ``contact``: a contact that lasts; ``rigid``, ``spring``: its two kinds.
-- ``extrapolation``: engine steps extrapolated over an interval; ``interval``: its result, and the load that contacts put on it.
+- ``contact``: a sustained contact; ``rigid``, ``spring``: its two kinds.
+- ``extrapolation``: engine steps extrapolated over an interval; ``interval``: the result of an
+  interval, and the forces that contacts exert in it.
 - ``build``: the pymunk space of a mechanism.
-- ``solver``: joints and contacts of several links; ``link_solver``: of a single one.
-- ``gaps``, ``pairs``: the geometry of pairs that can touch; ``engine``: bare calls of the engine.
+- ``solver``: joint and contact forces of several links; ``link_solver``: contact forces of a single
+  link.
+- ``gaps``, ``pairs``: the geometry of a link and an obstacle that can touch; ``engine``: calls of
+  the engine.
 - ``mechanism``: chains of links.
 """

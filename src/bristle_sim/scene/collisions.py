@@ -1,6 +1,6 @@
 """Impacts at one instant, the contacts after them, and the growth of the run's error over them.
 
-:func:`bristle_sim.scene.decide.decide` calls these functions.
+:func:`bristle_sim.scene.decide.decide` calls the functions of this module.
 """
 
 from __future__ import annotations
@@ -23,17 +23,20 @@ from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 MOST_IMPACTS_AT_ONCE = 64
-"""Most impacts at one instant, per square of the number of closed contacts; after more the links
-count as wedged."""
+"""Largest number of impacts at one instant, over the square of the number of closed contacts. After
+more impacts the links count as jammed."""
 
 MOST_CHANGED_APPROACH = 0.5
-"""Largest relative change that the run's error makes in an impact's jump of the rates; errors
-beyond it do not grow linearly."""
+"""Largest relative change of an impact's velocity jumps, caused by the run's error, up to which the
+error is assumed to grow linearly."""
 
 
 class Contacts(NamedTuple):
-    """The contacts after a decision: those that act, and the pairs that separate but whose gaps are
-    still closed.
+    """The contacts after a decision.
+
+    Attributes:
+        active: the contacts that exert forces.
+        separating: pairs that move apart but whose gaps are still closed.
     """
 
     active: Sequence[ActiveContact] = ()
@@ -43,7 +46,7 @@ class Contacts(NamedTuple):
 def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
 ) -> list[ActiveContact]:
-    """End and record the contacts in ``ending``; return the other contacts."""
+    """Record the contacts in ``ending`` as ended, and return the other contacts."""
     system.scene.engine.keep_closed(())
     for contact in contacts:
         if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
@@ -52,13 +55,14 @@ def end_contacts(
 
 
 def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
-    """Record the release of each contact as an event."""
+    """Record an event for the release of each contact."""
     for contact in contacts:
         system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
 
 
 def given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
-    """Stop the run at a contact that its law cannot resolve, with the law's advice.
+    """Stop the run at a contact that its law cannot resolve; the law's message becomes the
+    explanation of the stop.
 
     Raises:
         ValueError: the law's own error, if the contact is the run's first.
@@ -70,7 +74,7 @@ def given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
 
 
 def jammed(system: System, contacts: Sequence[ActiveContact], pair: ContactPair) -> Contacts:
-    """Stop the run at an impact that jams a link."""
+    """Stop the run because an impact jams a link."""
     system.stop(StopReason.JAM)
     system.event("jam", system.wires_of(pair))
     return Contacts(contacts)
@@ -81,12 +85,19 @@ def resolve_impacts(
 ) -> Contacts:
     """Resolve an impact and the impacts that it causes at the same instant; return the contacts
     after them.
+
+    Args:
+        system: the run.
+        motion: the motion before the impact.
+        pair: the link and the obstacle that touch.
+        name: name of the touch as an event.
+        rests: whether the link comes to rest, without restitution.
     """
     single_link = system.mechanism.single_link
     contacts: Sequence[ActiveContact] = motion.contacts
     known = [contact for contact in contacts if contact.pair is pair]
     if known:
-        # Another piece of the same link takes over.
+        # Another straight segment of the same link takes over the contact.
         contacts = end_contacts(system, contacts, known, pair.name)
     elif single_link:
         contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
@@ -113,8 +124,10 @@ def resolve_impacts(
 
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
-    """Return the least opening rate of a single link between this pair and any other pair that it
-    touches.
+    """Return the smallest rate at which a single link gains clearance between a pair and any other
+    pair that it touches.
+
+    A negative rate wedges the link.
     """
     touch = system.gaps.closest(pair, system.state)
     closed = [other for other in system.pairs if other is not pair and system.touches(other)]
@@ -123,10 +136,11 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
 
 
 def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Contacts:
-    """Resolve the impacts that the first one causes at other closed contacts; return the contacts
+    """Resolve an impact, and those that it causes at other closed contacts; return the contacts
     after them.
 
-    The contact of fastest approach comes first.
+    The contact with the fastest approach is resolved first, repeatedly, until no contact
+    approaches.
     """
     lasting = {contact.pair: contact for contact in motion.ordered}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
@@ -151,7 +165,9 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
-    """Resolve the impact by the pair's law, or without restitution where the link comes to rest."""
+    """Resolve an impact by the contact law of its pair, without restitution if the link comes to
+    rest; return the record.
+    """
     before = system.state
     touched = pair
     law = system.law_of(pair)
@@ -170,13 +186,14 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
 def propagate_error(
     system: System, pair: ContactPair, before: State, record: ContactRecord
 ) -> None:
-    """Propagate the run's error over an impact.
+    """Propagate the run's error estimate over an impact.
 
-    Two neighbouring motions are compared with the simulated one: both differ from it by the error
-    in angle, and by plus or minus the error in rate. Each touches at another instant, with another
-    approach and another lever, so its rates jump differently. If the law has adjusted the slip so
-    that it ends together with the approach, it is uncertain whether the contact sticks or jams; the
-    error is then lost.
+    Two neighbouring motions are compared with the simulated motion. Both differ from it by the
+    error in angle; one has the error added to its angular velocities, the other has it subtracted.
+    Each neighbouring motion touches at another instant, with another speed of approach and another
+    lever of the normal, so its velocities jump by another amount. If the law has adjusted the slip
+    so that slip and approach end together, it is uncertain whether the contact sticks or jams; the
+    error is then recorded as unknown.
     """
     gaps = system.gaps
     recording = system.recording
@@ -209,10 +226,10 @@ def propagate_error(
 
 
 def _jump_ratio(touch: ClosestApproach, other: ClosestApproach, *, single_link: bool) -> float:
-    """Return the jump of the rates in the second of two nearby impacts over that in the first.
+    """Return the ratio of the velocity jumps in two nearby impacts: ``other`` over ``touch``.
 
-    A jump is proportional to the approach and, for a single link, inversely proportional to the
-    lever of the normal.
+    A jump is proportional to the speed of approach. For a single link it is also inversely
+    proportional to the lever of the normal.
     """
     jump = touch.velocity[0]
     other_jump = other.velocity[0]

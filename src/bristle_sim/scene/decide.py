@@ -1,8 +1,9 @@
 """The decision after an event: which contacts begin, which change, and which end.
 
-:func:`decide` makes every such decision: for impacts, releases, hand-overs, changes of slip,
-springs and rest. Impulses change the state's rates. Links in contact are also set back onto their
-obstacles, because an integrator constrains only velocities.
+:func:`decide` makes this decision for every kind of event: impacts, releases, passages of a contact
+from link to link, changes of slip, phases of contact springs, and rest. Impulses change the angular
+velocities. Links in contact are also moved back onto their obstacles, because an integrator
+constrains only velocities.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ def first_motion(system: System) -> Motion:
 
 
 def decide(system: System, motion: Motion, event: Happening) -> Motion:
-    """Return the motion that follows an event; the same motion if no contact changes."""
+    """Return the motion that follows an event. If no contact changes, it is the same motion."""
     kind = event.kind
     subject = event.subject
     if kind in (Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED):
@@ -86,21 +87,23 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
 
 
 def _sense_after(system: System, event: Happening) -> int:
-    """Return the sense of slip of a rigid contact after an event of its friction; 0 sticks."""
+    """Return the sense of slip of a rigid contact after an event that changes its slip: +1, -1, or
+    0 for stick.
+    """
     contact: ActiveContact = event.subject
     if event.kind is Kind.SLIPS:
         return int(event.detail)
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
-    # Geometry and hub alone determine how a single link slips: it turns back where several may stick.
+    # Geometry and hub alone determine how a single link slips: its slip reverses where several links may stick.
     return -(contact.slip or 0) if system.mechanism.single_link else 0
 
 
 def begin_motion(system: System, contacts: Contacts) -> Motion:
-    """Return the motion with these contacts, the rigid ones closed exactly.
+    """Return the motion with the given contacts, after their gaps have been closed exactly.
 
-    The run stops if its last event has happened and no contact has a spring, or if no force keeps a
-    rigid contact closed.
+    The run stops in two cases: if its last event has happened and no contact has a spring, or if no
+    force can keep a rigid contact closed.
     """
     springs = [contact.spring for contact in contacts.active if contact.spring is not None]
     if system.recording.stop_reason is None and system.had_last_event and not springs:
@@ -139,8 +142,10 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
 def _engage(
     system: System, motion: Motion, ordered: Sequence[ActiveContact], *, paired: bool
 ) -> None:
-    """Close rigid contacts in the nearest state, and let them slip in the sense of their motion
-    from there on.
+    """Move the links to the nearest state in which all rigid contacts are closed, and set each
+    contact's sense of slip.
+
+    ``ordered``: the rigid contacts. ``paired``: whether no contact has a spring.
     """
     gaps = system.gaps
     for contact in ordered:
@@ -159,7 +164,7 @@ def _engage(
 
 
 def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
-    """Stop a run in which no force keeps a contact closed: friction jams the link, or a
+    """Stop a run in which no force can keep a contact closed: friction jams the link, or a
     frictionless link meets its obstacle end-on.
     """
     if any(contact.pair.friction for contact in contacts):
@@ -171,15 +176,15 @@ def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
 
 
 def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) -> Contacts:
-    """Return the contacts after a touch, which becomes a contact with a spring, a contact at rest,
-    or an impact.
+    """Return the contacts after a touch, which is resolved as a contact with a spring, as a contact
+    at rest, or as an impact.
     """
     name = _touch_name(system, pair)
     law = system.law_of(pair)
     known = [contact for contact in motion.contacts if contact.pair is pair]
     began = None
     if not known and rests and not system.mechanism.single_link:
-        # Coupled links would pass a hop on to each other for ever: all touching links come to rest together.
+        # Coupled links would excite each other's small rebounds for ever: all touching links come to rest together.
         began = ActiveContact(pair)
     elif not known and not law.instantaneous and -system.approach(pair) > system.slow:
         try:
@@ -196,7 +201,9 @@ def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) 
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:
-    """Return the name of a touch; a wire's first touch of an obstacle has a name of its own."""
+    """Return the event name of a touch. A wire's first touch of an obstacle has a name of its own,
+    as ``strike``.
+    """
     wire = system.wires_of(pair)[0]
     size = system.mechanism.wire_links
     for contact, links in system.recording.contacts:
@@ -206,8 +213,9 @@ def _touch_name(system: System, pair: ContactPair) -> str:
 
 
 def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind: Kind) -> Contacts:
-    """Return the contacts after an event of a spring, which changes its phase or ends its
-    contact."""
+    """Return the contacts after an event of a contact spring, which changes the spring's phase or
+    ends its contact.
+    """
     spring = contact.spring
     pair = contact.pair
     assert spring is not None
@@ -245,8 +253,10 @@ def _spring_changed(system: System, motion: Motion, contact: ActiveContact, kind
 
 
 def _add_limit_error(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """Add the difference from the impact law to the run's error, for a contact that stands for the
-    rigid-body limit.
+    """Add to the run's error the difference between a contact with a spring and the impact law that
+    it stands for.
+
+    This applies only to contacts that represent the rigid-body limit.
     """
     if contact.start is None or not system.follows_law(spring):
         return

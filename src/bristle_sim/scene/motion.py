@@ -1,7 +1,6 @@
-"""The smooth motion between two changes of contact: in flight, in contact, or both at different
-links.
+"""The smooth motion between two changes of contact; each link is in flight or in contact.
 
-It is integrated interval by interval; an interval is shortened to its first event.
+The motion is integrated interval by interval. An interval is shortened to its first event.
 """
 
 from __future__ import annotations
@@ -25,42 +24,45 @@ from bristle_sim.scene.touches import SHORTEST_INTERVAL, first_touch_of_all
 from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
-"""Longest interval, in radians of the fastest motion. Within it each event's value changes its sign
-once at most, and the cubic through the ends is off by at most 1/384 of the motion."""
+"""Longest interval, in radians of the fastest motion. Within it each event's function changes sign
+at most once, and the cubic polynomial between the interval's ends deviates by at most 1/384 of the
+motion."""
 
 BEYOND_RELEASE = 1.02
-"""Length of the next interval over the time to an expected release, so that the interval contains
-the release."""
+"""Length of the next interval over the time until an expected release. It exceeds 1, so that the
+release lies within the interval."""
 
 SHORTEST_CONTACT_INTERVAL = 1e-9
-"""Shortest interval of a contact with a spring, over the contact's duration: rounding exceeds the
-tolerance in a shorter one."""
+"""Shortest interval of a contact with a spring, over the duration of the contact. In a shorter
+interval rounding error exceeds the tolerance."""
 
 SHORTEST_SAMPLED = 2e-3
-"""Shortest interval with inner samples, scene time units. In a shorter one the cubic is enough: its
-error falls with the third power of the length."""
+"""Shortest interval with inner samples, in engine time units. In a shorter interval the cubic
+polynomial is accurate enough: its error falls with the third power of the interval."""
 
 INNER_SAMPLES = (0.25, 0.5, 0.75)
-"""Places of a single link's samples within an interval of sustained contact, as fractions of the
-interval: there the links' motion follows from geometry alone."""
+"""Instants of a single link's inner samples in an interval of sustained contact, as fractions of
+the interval. At these instants the motion follows from geometry alone."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
-"""Error of the rate on the quintic through an interval's ends and middle, per fifth power of its length in radians of the fastest
-motion: the largest slope of (s (s - 1/2) (s - 1))^2, 0.0174, over 6!."""
+"""Error of the angular velocity on the quintic polynomial through an interval's ends and middle,
+over the fifth power of the interval in radians of the fastest motion. It is the largest slope of (s
+(s - 1/2) (s - 1))^2, 0.0174, over 6!."""
 
 
 @dataclass(slots=True, eq=False)
 class Motion:
-    """One smooth motion of the links, up to the next change of contact.
+    """A smooth motion of the links, up to the next change of contact.
 
     Attributes:
         contacts: the active contacts, the rigid ones first.
         separating: pairs that have been released but whose gaps are still closed.
-        rigid: keeps rigid contacts closed; None without rigid contacts.
+        rigid: solver that keeps rigid contacts closed; None without rigid contacts.
         load: forces of all contacts; None without contacts.
-        limit: longest permitted next interval; a contact may end as soon as it begins.
-        before: result at the last interval's end; None in the first interval.
-        monitors: monitors of the motion's events, contact events first.
+        limit: longest next interval, in engine time units; it is short where a contact may end as
+            soon as it begins.
+        before: result at the end of the last interval; None in the first interval.
+        monitors: sign monitors of the motion's events, contact events first.
     """
 
     contacts: tuple[ActiveContact, ...] = ()
@@ -78,18 +80,19 @@ class Motion:
 
     @property
     def springs(self) -> Iterator[tuple[ActiveContact, Spring]]:
-        """The contacts with springs."""
+        """The contacts with springs, each with its spring."""
         return (
             (contact, contact.spring) for contact in self.contacts if contact.spring is not None
         )
 
 
 def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happening | None]:
-    """Integrate over an interval.
+    """Integrate the motion over its next interval.
 
     Returns:
-        The interval, or None; then the event that changes a contact whose force has vanished, or
-        None. If both are None, the next interval must be shorter.
+        Two values, of which one at least is None: the interval, and the event of a contact that
+            slips or whose force has fallen to zero. If both are None, the integration must be
+            repeated over a shorter interval.
     """
     start = system.state
     first = motion.before is None
@@ -122,7 +125,9 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 
 
 def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening:
-    """Return the event of a contact that has stuck and begins to slip against friction."""
+    """Return the event that a sticking contact begins to slip because its tangential force exceeds
+    friction.
+    """
     return Happening(
         Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1
     )
@@ -131,12 +136,12 @@ def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening
 def _approach_release(
     system: System, motion: Motion, rigid: RigidContacts, result: IntervalResult, length: float
 ) -> Happening | None:
-    """Return the event at which a contact is released or begins to slip; None if the next interval
-    must be shorter first.
+    """Return the event at which a contact is released or begins to slip, or None.
 
-    Only a contact that does not stick is released: its force vanishes where its gap begins to open.
-    In stick the normal force also depends on friction, which cannot without the normal force, and
-    the gap may still close.
+    If None is returned, the integration must be repeated over a shorter interval. Only a contact
+    that does not stick is released: its normal force falls to zero where its gap begins to open. In stick
+    the normal force depends on friction too. Friction ends with the normal force, and without
+    friction the gap may still close.
     """
     plan = system.plan
     first = motion.before is None
@@ -155,8 +160,8 @@ def _approach_release(
 
 
 def _until_release(motion: Motion) -> float:
-    """Return the length of an interval that ends just after the first force vanishes, by
-    extrapolation.
+    """Return the time from now until just after a contact force first reaches zero, extrapolated
+    from the present forces.
     """
     return BEYOND_RELEASE * min(
         (contact.vanishes_in for contact in motion.contacts), default=math.inf
@@ -166,9 +171,11 @@ def _until_release(motion: Motion) -> float:
 def up_to_first_event(
     system: System, motion: Motion, interval: Interval
 ) -> tuple[Interval, Happening | None]:
-    """Return an interval up to its first event, and the event or None."""
-    # Events of contacts come first: a link that slides onto its neighbour does not touch the
-    # obstacle with it before.
+    """Return an interval shortened to its first event, and this event; without an event, the whole
+    interval and None.
+    """
+    # Events of contacts come first: a contact that slides onto the neighbouring link is no touch of
+    # that link.
     changed, triggered = first_change(system, motion.monitors, interval)
     active = [contact.pair for contact in motion.contacts]
     interval, touch = first_touch_of_all(system, changed, active, motion.separating)
@@ -185,10 +192,12 @@ def up_to_first_event(
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
-    """Accept an interval's end, and set links in sustained contact back onto their obstacles.
+    """Accept an interval: advance the run to its end and move links in sustained contact back onto
+    their obstacles.
 
-    The first interval of a flight after a contact may be the flight's only one. It gets one more
-    sample where the polynomial through three samples is less accurate than the run.
+    The first interval of a flight after a contact may be the only interval of this flight. It is
+    sampled once more in its middle if the polynomial through three samples would be less accurate
+    than the run.
     """
     gaps = system.gaps
     recording = system.recording
@@ -225,14 +234,16 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
 
 
 def _add(system: System, motion: Motion, interval: Interval) -> None:
-    """Add the contacts' impulses and work in an interval, and record their forces at its end."""
+    """Add the impulses and the work of the contacts in an interval, and record the contact forces
+    at its end.
+    """
     ends: dict[ActiveContact, float] = {}
     begins: dict[ActiveContact, float] = {}
     for index, contact in enumerate(motion.contacts):
         sums = sums_of(interval.end.totals, index)
         contact.add(sums)
         if contact.spring is None:
-            # A located release has the error of rounding, which may make the force negative.
+            # At a located release, rounding error may make the force negative.
             first, bend = contact.expect_release(sums, interval.length)
             begins[contact] = max(0.0, first)
             ends[contact] = max(0.0, sums.normal)

@@ -1,10 +1,10 @@
-"""The run of a scene: one smooth motion after another, and a decision after each event between
+"""The loop of a run: smooth motions, and a decision about the contacts after each event between
 them.
 
-In flight nothing touches. Where a gap closes, its instant is located and the contact law resolves
-the impact. If the link is then pressed on the obstacle, the contact is sustained, with Coulomb
-friction, until its force has fallen to zero; the instant of release is located too. Several
-contacts may be sustained at a time.
+In flight nothing touches. Where a gap closes, the instant is located and the contact law resolves
+the impact. If the link is then pressed onto the obstacle, the contact is sustained, with Coulomb
+friction, until its normal force falls to zero. The instant of this release is located too. Several
+contacts may be sustained at the same time.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
     """Run a system from its present state to the plan's end, interval by interval.
 
     Yields:
-        The motion with which the run starts, and None. At the end of each interval its motion, and the event that ended it or
-        None; after an event once more, with the motion that was decided and None. At the end of the run a motion without
-        contacts, and None.
+        Pairs of a motion and an event. The first pair is the motion with which the run starts, and
+            None. At the end of each interval, the pair is the motion, and the event that ended the
+            interval or None. After an event another pair follows: the new motion, and None. The
+            last pair is a motion without contacts, and None.
     """
     plan = system.plan
     engine = system.scene.engine

@@ -1,4 +1,4 @@
-"""The public entry: a tool, or a row of bristles, simulated in pymunk from a given start."""
+"""Public functions that simulate a tool, or a row of bristles, in pymunk from a given start."""
 
 from __future__ import annotations
 
@@ -30,27 +30,29 @@ from bristle_sim.settings import EVENTS, Settings, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import shown
 
-# names in a trajectory's parameters
+# values of the entry "method" in a trajectory's parameters
 METHOD = "pymunk"
 ROW_METHOD = "pymunk, a row of bristles"
-REST_PERIODS = 3.0  # length of a run on a hub at rest, in periods of the bristle
+REST_PERIODS = 3.0  # duration of a run on a hub at rest, over the bristle's period of oscillation
 RETRACTION_LIMIT = (
     math.pi / 2.0
 )  # angle from the radial direction at which a bristle lies on the hub, rad
 OVERLAP_ROUNDING = 1e-11
-"""Largest overlap of bristle and obstacle that is accepted at the start, over the bristle's
-length."""
+"""Largest overlap of bristle and obstacle accepted at the start, as a fraction of the bristle's
+length: rounding error."""
 
 PLACE_KEYS = {
     "bar": ("bar_horizontal", "bar_vertical"),
     "workpart": ("penetration",),
-}  # parameters that place the bar and the workpart
+}  # parameters that determine the positions of the bar and of the workpart
 
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """A start at which every wire has the same angle and rate relative to its root; every number is
-    checked.
+    """A start at which every wire has the same angle and the same angular velocity relative to its
+    root.
+
+    Every number is checked against its declared range.
     """
 
     hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad [requested]")
@@ -69,24 +71,26 @@ def simulate(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate one bristle, rigid or a wire of links, in pymunk from a given start.
+    """Simulate one bristle, rigid or a chain of links, in pymunk from a given start.
 
     Args:
-        tool: the tool; its parts that are None are absent from the scene.
+        tool: the tool; parts that are None are absent from the simulation.
         settings: numerical settings.
-        start_hub_angle: angle of the root from the direction of the workpart, rad; by default ``tool.start_hub_angle``.
+        start_hub_angle: angle of the root from the direction of the workpart, rad; by default
+            ``tool.start_hub_angle``.
         start_relative_angle: angle of the bristle from the radial direction, rad.
-        start_relative_rate: its rate relative to the hub, rad/s.
-        stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``,
-            ``workpart release``, ``wire touch``, ``wire release``, ``largest retraction``, ``highest relative speed``,
-            ``retraction limit`` or ``jam``.
+        start_relative_rate: angular velocity of the bristle relative to the hub, rad/s.
+        stop_after: name of the event that ends the run: ``bar touch``, ``bar release``, ``strike``,
+            ``workpart touch``, ``workpart release``, ``wire touch``, ``wire release``,
+            ``largest retraction``, ``highest relative speed``, ``retraction limit`` or ``jam``.
 
     Returns:
         The trajectory, in SI units.
 
     Raises:
-        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, rounding hides the accuracy,
-            or a contact cannot be resolved in time.
+        ValueError: if the start is out of range or overlaps an obstacle; if no event has the name
+            ``stop_after``; if rounding errors exceed the requested accuracy; or if a contact cannot
+            be resolved in time.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     (run,) = run_in_si(tool, *prepare(tool, settings, begin, stop_after=stop_after))
@@ -111,20 +115,20 @@ def simulate_row(
 
     Args:
         tool: the tool; every bristle has its parameters.
-        settings: numerical settings; ``hub_turn`` is that of the last bristle, measured from the
-            start of the foremost one.
+        settings: numerical settings. The run ends when the last root is ``hub_turn`` past the
+            starting angle of the foremost root.
         bristles: number of bristles.
-        pitch: angle from each root to the next one behind it, rad.
-        neighbour_friction: Coulomb's mu between two wires.
-        neighbour_restitution: energetic coefficient e* between two wires.
+        pitch: angle between neighbouring roots, rad.
+        neighbour_friction: Coulomb's coefficient of friction mu between two wires.
+        neighbour_restitution: energetic coefficient of restitution e* between two wires.
         start_hub_angle: angle of the foremost root from the direction of the workpart, rad; by
             default ``tool.start_hub_angle``.
         stop_after: name of an event; the run ends when every bristle has had this event.
 
     Returns:
-        One trajectory for each bristle, the foremost first, at common instants. The touch of two
-        wires is the event ``wire touch`` of both. The obstacle of its two contact records is
-        ``wire``; each record has its own normal.
+        One trajectory for each bristle, the foremost first, with the same sampling instants. Where
+        two wires touch, both trajectories have the event ``wire touch`` and a contact record with
+        the obstacle ``wire``. Each record has its own normal.
 
     Raises:
         ValueError: as for ``simulate``, and if bristles overlap at the start.
@@ -137,7 +141,7 @@ def simulate_row(
 def run_in_si(
     tool: Tool, system: System, units: Units, parameters: dict[str, Any]
 ) -> tuple[Trajectory, ...]:
-    """Run a prepared system and return the trajectory of each wire in SI units."""
+    """Run a prepared system to its end and return one trajectory for each wire, in SI units."""
     engine = system.scene.engine
     wall = clock.perf_counter()
     cpu = clock.process_time()
@@ -156,12 +160,17 @@ def prepare(
     *,
     stop_after: str | None,
 ) -> tuple[System, Units, dict[str, Any]]:
-    """Check the input of a run and prepare its system.
+    """Check the input of a run and prepare the system to be run.
 
-    ``begin`` is the hub's angle, and the angle and rate of every wire relative to its root.
+    Args:
+        tool, settings, stop_after: as for ``simulate``.
+        begin: angle of the hub, rad, or None for the tool's own start; then angle, rad, and angular
+            velocity, rad/s, of every wire relative to its root.
+        row: number, pitch and contact parameters of the bristles.
 
     Returns:
-        The system, its units, and a description of the run in plain numbers and strings.
+        The system, the conversion factors from engine units to SI units, and the input as a dict of
+        plain numbers and strings.
     """
     tool = checked_tool(tool)
     if not isinstance(settings, Settings | None):
@@ -195,7 +204,9 @@ def prepare(
 
 
 def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
-    """Return the plan of a run that ends when the last wire has turned as far as requested."""
+    """Return the plan of a run, which ends when the last root is ``hub_turn`` past the starting
+    angle of the foremost root.
+    """
     mechanism = scene.mechanism
     turn = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch
     speed = mechanism.hub_speed
@@ -211,24 +222,27 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
     )
 
 
-# least number of steps in the longest damped interval at which repetitions differ by the error of
-# the rates
+# least number of engine steps in the longest damped interval with which the differences between
+# repetitions of the interval are an estimate of the error of the rates
 DAMPED_STEPS = 27
 
 LOCAL_FRACTION = 0.05
-"""Error permitted in one interval, over the run's accuracy: enough for twenty intervals."""
+"""Error permitted in one interval, as a fraction of the run's accuracy: the errors of twenty
+intervals add up to the accuracy."""
 
 SOME_INTERVALS = 50.0
-"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion. For a single link,
-the intervals that damping forces within the time in which the belt forgets an error, c/k, are
-counted; for several links, those that damping or vibration forces in the whole run."""
+"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion.
+
+For a single link it is compared with the number of intervals that damping requires within the
+belt's relaxation time c/k. For several links it is compared with the number of intervals that
+damping or vibration requires in the whole run."""
 
 
 def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
-    """Return the integrator that keeps a run within the settings' accuracy.
+    """Return the integrator whose error in each interval keeps a run within the requested accuracy.
 
     Raises:
-        ValueError: if the motion is so small that rounding would hide errors of the accuracy.
+        ValueError: if the motion is so small that rounding error exceeds the requested accuracy.
     """
     scale = motion_scale(scene, start)
     fraction = LOCAL_FRACTION
@@ -257,7 +271,11 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:
-    """Refuse a start in which a bristle stands in an obstacle, or in another bristle."""
+    """Check that no bristle overlaps an obstacle or another bristle at the start.
+
+    Raises:
+        ValueError: if one does; the message states the overlap, m.
+    """
     poses = scene.mechanism.poses(start)
     for pair in scene.effects.pairs:
         gap = pair.closest(poses, start.rates).gap
