@@ -1,4 +1,4 @@
-"""Questions about one run or many; each is answered by a function that returns a
+"""Studies: functions that answer one question each with simulations, and return a
 ``comparison.Report``.
 
 Public: ``sweep.sweep``, ``design.design``, and the function of each scenario: ``whole_pass``,

@@ -1,10 +1,10 @@
-"""Three bristles in one tool: knee bent backwards, straight, and bent forwards. Which tips slide,
-and which retract at once?
+"""Three tools that differ in the bristle's knee: bent backwards, straight, and bent forwards. Which
+tips slide on the workpart, and which retract at once?
 
 In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as
 soon as it strikes, while the other two slide first. The farther ahead a knee puts the tip, the
-sooner the strike's friction reverses its slip. A wire of links strikes a workpart whose stiffness
-would keep the rigid bristle in contact for the requested duration.
+sooner friction reverses the slip in the strike. The wire is a chain of links. The contact is a
+spring, of the stiffness that would keep a rigid bristle in contact for the requested duration.
 """
 
 import math
@@ -27,24 +27,29 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
 
-# largest forward slide of a tip that retracts at once, over the largest slide of all
+# A tip counts as retracting at once if it slides forward by no more than this fraction of the
+# largest forward slide of the three tips.
 RETRACTS = 0.05
-REST = 1e-4  # largest slip speed of a tip at rest, over the fastest slip
+# A tip counts as at rest if its slip speed is no more than this fraction of its fastest slip.
+REST = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """The slide of a tip on the workpart in its first strike.
+    """Slide of a tip along the workpart in its first strike.
 
     Attributes:
-        forward: longest distance ahead of the first touch, m.
-        total: displacement in the whole contact, m; negative for a tip that has retracted.
+        forward: largest distance of the tip ahead of its first touch, m.
+        total: displacement from the first touch to the release, m; negative if the tip has moved
+            back.
         duration: duration of the contact, s.
         compression_time: time from the first touch to the deepest penetration, s.
-        ending: end of the first slip: it ``turns``, or it ``stops`` and the tip sticks; None if it
+        ending: how the first slip ends: it ``turns`` into slip in the other direction, or it
+            ``stops`` and the tip sticks; None if it lasts until the release.
+        ending_phase: phase in which the first slip ends, ``compression`` or ``restitution``; None
+            if it lasts.
+        ending_time: time from the first touch to the end of the first slip, s; infinite if it
             lasts.
-        ending_phase: phase of that end, ``compression`` or ``restitution``; None if slip lasts.
-        ending_time: time of that end from the first touch, s; infinite if slip lasts.
     """
 
     forward: float
@@ -56,7 +61,7 @@ class Slide:
     ending_time: float
 
     def __str__(self) -> str:
-        """Return the distance of the slide, and the manner and time of its end, in words."""
+        """Return a phrase with the distance of the slide, and how and when it ends."""
         ending = "slip neither turns nor stops"
         if self.ending is not None:
             ending = f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
@@ -66,7 +71,11 @@ class Slide:
 
 @dataclass(frozen=True, slots=True)
 class BentBristles:
-    """The three tools, their passes and their slides, by shape."""
+    """The three tools, their passes and the slides of their tips.
+
+    The keys are the shapes ``reverse``, ``straight`` and ``forward``. A slide is None if the tip
+    does not strike.
+    """
 
     tools: dict[str, Tool]
     trajectories: dict[str, Trajectory]
@@ -76,7 +85,7 @@ class BentBristles:
 def slide_path(history: ContactHistory) -> Array:
     """Return the tip's displacement along the workpart since the first touch, m, shape (n,).
 
-    It is integrated by the trapezoidal rule.
+    The tangential velocity is integrated over the n samples by the trapezoidal rule.
     """
     steps = (
         0.5
@@ -87,10 +96,10 @@ def slide_path(history: ContactHistory) -> Array:
 
 
 def slide_of(contact: ContactRecord) -> Slide:
-    """Return the slide of a tip in a strike that was resolved in time.
+    """Return the slide of a tip during its contact with the workpart.
 
     Raises:
-        ValueError: for a contact without a history.
+        ValueError: if the contact has no history over time, which only the compliant law records.
     """
     history = contact.history
     if history is None:
@@ -119,10 +128,11 @@ def slide_of(contact: ContactRecord) -> Slide:
 
 
 def bent_bristles(tool: Tool, settings: Settings) -> Report:
-    """Simulate three passes: with the tool's knee bent backwards, straight, and bent forwards.
+    """Simulate three passes, with the tool's knee bent backwards, straight, and bent forwards, and
+    compare the slides of the tips.
 
     Raises:
-        ValueError: if the tool's contact is not resolved in time, or a pass exceeds its step budget
+        ValueError: if the contact law is not ``compliant``, or a pass exceeds its step budget
             before the strike.
     """
     if tool.contact.law != "compliant":
@@ -161,7 +171,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
 
 
 def answer(slides: Mapping[str, Slide | None]) -> str:
-    """Return the sentence that names the tips that slide, those that retract, and the slip that
+    """Return the study's answer in words: which tips slide, which retract at once, and whose slip
     ends first.
     """
     struck = {shape: slide for shape, slide in slides.items() if slide is not None}
@@ -208,7 +218,9 @@ def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> lis
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:
-    """Return the comparison of the forward bent tip's slide with the other two, and with the film."""
+    """Return a sentence that compares the slide of the forward bent tip with the other two slides,
+    and with the film.
+    """
     found = [slide.forward for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):
         return "not every shape strikes: nothing to compare with the film"

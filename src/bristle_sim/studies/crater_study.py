@@ -1,11 +1,14 @@
-"""Compare chapter 4's crater depths with print and with those that follow from a contact simulated in time.
+"""Crater depths by the formulas of Zhang 2020, chapter 4, compared with the printed values and with
+the depths that a simulated contact gives.
 
-Chapter 4's depths are formulas and stand under theory. The simulated contact is the bristle's in the scene, compression only,
-for the time that the camera saw: its force and its energy give depths of their own.
+The simulated contact is that of the bristle's tip in compression alone. It lasts for the
+compression time that the camera saw. One depth follows from its force, another from its energy.
 
-(4.45), 2 eta + beta - alpha = C, leaves C to the work material. The dissertation takes that of least work, 90 degrees, and its
-crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
-comes out of the surface (4.35): then there is a C, but no chip.
+Equation (4.45), 2 eta + beta - alpha = C with the shear angle eta, the friction angle beta and the
+rake angle alpha, leaves the constant C to the work material. The dissertation takes the C of least
+work, 90 degrees, and its crater is deeper than measured. A smaller C makes a flatter shear plane
+and a shallower crater. Below some C the shear plane no longer comes out of the surface (4.35): such
+a C may fit the depth, but makes no chip.
 """
 
 import math
@@ -44,7 +47,7 @@ from bristle_sim.theory.merchant import (
 )
 from bristle_sim.theory.monofilament import tip_speed
 
-MEASURED = 1.3e-4  # Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)
+MEASURED = 1.3e-4  # Measured depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)
 
 FORMULA_DEPTHS = {
     "merchant_crater_depth": ("depth by Merchant's plies", "m"),
@@ -62,9 +65,17 @@ CONTACT_DEPTHS = {
 class CraterStudy:
     """Results of the study, from which its figures are drawn.
 
-    There are no angles of the cut where the shear plane does not come out of the surface, as ``no_chip`` says, and no contact
-    where the tip does not approach (``no_contact``). The craters that follow from the contact are those of a shear plane that
-    ends at a surface parallel to the path, or inclined to it.
+    Attributes:
+        crater: parameters of the crater.
+        angles: angles of the cut; None if the shear plane does not come out of the surface.
+        wire_diameter: diameter of the wire, m.
+        no_chip: reason why there are no angles.
+        contact: the simulated contact; None if the tip does not approach the surface.
+        no_contact: reason why there is no contact.
+        parallel: crater cut by the contact if the shear plane ends at a surface parallel to the
+            tip's path.
+        inclined: crater cut by the contact if the shear plane ends at the real surface, inclined to
+            the path.
     """
 
     crater: Crater
@@ -78,14 +89,16 @@ class CraterStudy:
 
     @property
     def impact_angle(self) -> float:
-        """Return gamma, rad."""
+        """Return the angle gamma between the tip's path and the surface, rad."""
         return math.radians(self.crater.impact_angle_deg)
 
 
 def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
-    """Compute the crater's depth by every available method.
+    """Compute the crater's depth by every formula of chapter 4 and from a simulated contact.
 
-    Raises ValueError if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
+    Raises:
+        ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes
+            cannot be simulated.
     """
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
     study = _study(hub, bristle, crater, settings, speed)
@@ -133,9 +146,14 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 
 
 def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> SweptTip:
-    """Return the crater as a body, as deep as the energy of the contact in time cuts with the surface inclined.
+    """Return the crater as a three-dimensional body, the volume that the tip sweeps.
 
-    Raises ValueError as ``crater_study`` does, and for a tip that does not approach.
+    Its depth is that which the energy of the simulated contact cuts, with the surface inclined to
+    the tip's path.
+
+    Raises:
+        ValueError: if the tip does not approach, the parameters leave a formula's range, or the
+            contact cannot be simulated.
     """
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
     study = _study(hub, bristle, crater, settings, speed)
@@ -166,7 +184,10 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
 def _study(
     hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float
 ) -> CraterStudy:
-    """Simulate only the contact's compression: the tip cuts until it is deepest."""
+    """Simulate the contact and compute the craters that it cuts.
+
+    Only compression is simulated, since the tip cuts until it is deepest.
+    """
     if bristle.wire_diameter == 0.0:
         raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
     cut = cut_of(crater, bristle.wire_diameter)
@@ -196,9 +217,10 @@ def _study(
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
-    """Return the simulated contact's depths, and those of a rigid-body impact whose force is a quarter of a sine wave.
+    """Return the crater depths by the simulated contact, and the same depths by theory.
 
-    The latter gives up m v/3 along the path and the energy m v^2/6.
+    In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. Along the
+    path the tip, of speed v, gives up the momentum m v/3 and the energy m v^2/6.
     """
     crater = study.crater
     parallel = study.parallel
@@ -223,7 +245,9 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 
 
 def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
-    """Return the keyword arguments of the crater's formulas, in SI units and rad."""
+    """Return the keyword arguments of the crater formulas for these parameters, in SI units and
+    rad.
+    """
     names = ("friction", "shear_yield_stress", "compression_time")
     return {name: getattr(crater, name) for name in names} | {
         "impact_angle": math.radians(crater.impact_angle_deg),
@@ -232,7 +256,12 @@ def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
 
 
 def merchant_depth_course(crater: Crater) -> Array:
-    """Return the depth after each ply, 0 first, m, by (4.57) as printed, in degrees; shape (plies + 1,)."""
+    """Return how the crater deepens by Merchant's relation (4.57): the depth after each ply of the
+    chip, m.
+
+    The first depth is 0; the shape is (plies + 1,). The plies take equal times. The sine and cosine
+    arguments are in degrees as printed.
+    """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     steep = math.degrees(math.atan2(1.0, crater.friction))
     gamma = crater.impact_angle_deg
@@ -249,7 +278,12 @@ def merchant_depth_course(crater: Crater) -> Array:
 
 
 def energy_depth_course(crater: Crater) -> Array:
-    """Return the depth after each ply by work and energy (4.58, 4.62-4.65), m, from the printed motion (4.6, 4.7)."""
+    """Return how the crater deepens by work and energy (4.58, 4.62-4.65): the depth after each ply
+    of the chip, m.
+
+    The first depth is 0; the shape is (plies + 1,). The bristle's motion is the printed one (4.6,
+    4.7).
+    """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     wire = Bristle()
     motion = PRINTED_KINEMATICS
@@ -261,7 +295,7 @@ def energy_depth_course(crater: Crater) -> Array:
 
 
 def _constant_deg(crater: Crater, wire_diameter: float) -> float | None:
-    """Return C for the measured depth, degrees; None where there is none."""
+    """Return the constant C of (4.45), deg, that gives the measured depth; None if no C gives it."""
     try:
         return math.degrees(
             float(

@@ -1,10 +1,11 @@
-"""The bar position by the quasi-static cue formulas, compared with that by a simulated release from
-rest.
+"""The position of the bar by the quasi-static cue formulas, compared with the position by a
+simulated release of the bristle from rest.
 
 In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation
-(Zhang 2020, sec. 2.2), and its cue time places the bar (2.1). The formulas neglect the centrifugal
-stiffening, which the simulated release includes. Both neglect the effects of the bar, which a whole
-pass includes: the impact of the first touch, and the swing after the last touch.
+(Zhang 2020, sec. 2.2). The cue time, from the release to the highest speed, places the bar (2.1).
+The formulas neglect the centrifugal stiffening, which the simulated release includes. Both neglect
+the effects of the bar: the impact of the first touch, and the swing after the last touch. A
+simulated whole pass includes these too.
 """
 
 from __future__ import annotations
@@ -48,29 +49,31 @@ QUANTITIES = {
     "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
 
-# Largest number of hub turns of a release; only on an extremely soft belt does the bristle still
-# accelerate then.
+# Longest simulated release, in revolutions of the hub. Only on an extremely soft belt does the
+# bristle still accelerate after it.
 FULL_TURNS = 1e3
-# Largest increase of the density of samples for a damped release; beyond it the scene's own steps
-# are as short.
+# Largest factor by which a damped release is sampled more densely; with more, the samples would be
+# as close as the steps of the simulation.
 MOST_DAMPED = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release up to the highest relative speed, and the cues by simulation and formula.
+    """Cues of the bristle by a simulated release and by formula, and whole passes with the bar
+    placed accordingly.
 
     Attributes:
         tool: the tool.
         retraction: retraction at the release, rad.
-        trajectory: the release.
-        simulated: cue by the simulated release; None if the speed has no maximum.
+        trajectory: simulated release up to the highest relative speed.
+        simulated: cue by the simulated release; None if the relative speed has no maximum.
         formula: cue by the formulas; None without a belt.
-        reference: cue by the reference.
-        bar: bar of the tool.
-        passes: whole passes, with the bar at the release's cue, if it has one, and with ``bar``.
-        readings: the release for each reading of the printed belt stiffness, and ``own`` for any
-            other stiffness of the tool.
+        reference: cue by the independent reference solution; None if it was not requested.
+        bar: the bar at the position to compare with.
+        passes: results of whole passes: first with the bar at the cue of the release, if there is
+            one, then with ``bar``.
+        readings: this comparison for each reading of the printed belt stiffness, and under ``own``
+            for the tool's stiffness if it is none of these.
     """
 
     tool: Tool
@@ -87,8 +90,8 @@ class CueTiming:
     def wires(self) -> Array:
         """Centre lines of the wire at its release and when it is fastest, shape (2, corners, 2), m.
 
-        Both are turned about the hub's centre so that the fastest wire strikes radially, at the
-        impact angle gamma.
+        Both are rotated about the hub's centre such that the wire at its fastest stands radially at
+        the impact angle gamma.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
@@ -98,8 +101,9 @@ class CueTiming:
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
-    """Return a bar of the same radius out of the bristle's reach, for a study that determines the
-    bar's position.
+    """Return a bar of the same radius outside the bristle's reach.
+
+    A study that determines the bar's position starts with it.
     """
     away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
@@ -113,12 +117,21 @@ def cue_timing(
     bar: Bar | None = None,
     with_reference: bool = True,
 ) -> Report:
-    """Simulate the release from rest at a retraction (rad), and place the bar by it, for each belt
-    stiffness.
+    """Simulate a release from rest, place the bar by it, and compare with the cue formulas, for
+    each belt stiffness.
 
-    The belt stiffness is that of the tool, the printed "0.00041 N m/rad" read per radian and per
-    degree, and that of the bristle filmed at 254 Hz. Whole passes are simulated with ``bar``, by
-    default the tool's bar, too.
+    The belt stiffnesses are the tool's, the printed "0.00041 N m/rad" taken per radian and per
+    degree, and the stiffness at which the bristle swings at the filmed 254 Hz.
+
+    Args:
+        tool: the tool.
+        retraction: retraction at the release, rad.
+        settings: accuracy and limits of the simulations.
+        bar: bar of the whole passes that are simulated in addition; the tool's bar by default.
+        with_reference: whether to solve the release by the independent reference too.
+
+    Returns:
+        The report of the comparison.
 
     Raises:
         ValueError: if nothing drives the bristle, the wire bends, the tip cannot reach the workpart
@@ -200,8 +213,8 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 def _timed(
     tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool
 ) -> CueTiming:
-    """Simulate the release, and whole passes with the bar at the release's cue and at its own
-    position.
+    """Simulate the release, and whole passes with the bar at the cue of the release and at the
+    bar's own position.
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
@@ -246,7 +259,9 @@ def _timed(
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a release (Zhang 2020, eq. 2.1); None if its relative speed has no maximum."""
+    """Return the cue of a simulated release (Zhang 2020, eq. 2.1); None if the relative speed has
+    no maximum.
+    """
     time = run.event_time("highest relative speed")
     if time is None:
         return None
@@ -256,12 +271,14 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 
 
 def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quantity, ...]:
-    """Compare the bar position by the release with those by the formula and by the reference.
+    """Compare the bar position by the release with the positions by the formula and by the
+    reference.
 
-    The speed is highest where the torques of belt and damping balance; there alpha''' = -(K/I)
-    alpha'. A relative error delta of the rate therefore moves that instant t by c delta/K, which is
-    the fraction c delta/(K t) of t. A coordinate of the bar magnifies an error of the direction by
-    the ratio of the other coordinate to it.
+    The tolerances follow from the error of the rate. The speed is highest where the torques of belt
+    and damping balance; there alpha''' = -(K/I) alpha'. A relative error delta of the rate
+    therefore shifts the instant t of the highest speed by c delta/K, a fraction c delta/(K t) of
+    it. An error of the bar's direction changes each coordinate of the bar in proportion to the
+    other coordinate.
     """
     tool = timing.tool
     cue = timing.reference
@@ -280,7 +297,9 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
 
 
 def _tolerance(settings: Settings) -> float:
-    """Return the largest relative difference of a release from the reference."""
+    """Return the largest relative difference from the reference at which a release still counts as
+    right.
+    """
     return max(1e-8, 10.0 * settings.accuracy)
 
 

@@ -1,8 +1,11 @@
-"""Find the contact stiffness and wire damping that would explain film and crater: a map over both, and the nearest pair.
+"""The contact stiffness and wire damping that would explain the high-speed film and the crater: a
+map over both, and the pair that comes nearest.
 
-Film and micrograph give three facts of a strike of a straight wire: one touch, some 50 us of compression, a crater 130 um deep.
-The contact's stiffness, given here as the time that a rigid bristle would be in touch, was not measured, nor was the damping.
-Each case is a pass of a wire of links to its strike, followed for half a millisecond: the wire vibrates when it arrives.
+Film and micrograph give three facts of a strike of a straight wire: it touches once, compression
+lasts some 50 us, and the crater is 130 um deep. Neither the contact's stiffness nor the damping was
+measured. The stiffness is given here as the duration of the contact that a rigid bristle would
+have. Each point of the map is a pass of a wire of links, simulated to half a millisecond after the
+first touch. The wire already vibrates when it strikes.
 """
 
 import dataclasses
@@ -31,10 +34,10 @@ from bristle_sim.studies.whole_pass import require_result, run_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.trajectory import Trajectory
 
-# Time for which the run continues after a strike, s: one and a half periods of the wire's first bending mode
+# Time simulated after the first touch, s: one and a half periods of the wire's first bending mode
 FOLLOWED = 5e-4
-# Film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches, time to the deepest penetration of the
-# first, s, and depth of the crater, m; of several touches the deepest.
+# Measured values by film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches; time from the first
+# touch to its deepest penetration, s; depth of the deepest crater, m.
 MEASURED = {
     "touches": 1.0,
     "compression_time": PRINTED_COMPRESSION,
@@ -47,17 +50,28 @@ MEASURES = {
     "crater_depth": ("crater depth by energy", "m"),
     "forward_slide": ("slide forward in the first touch", "m"),
 }
-"""A case's results: label and unit."""
+"""Measures of a strike at a point of the map: label and unit of each."""
 
-# Relative difference within which a measured value counts as explained: film and micrograph are read to about that
+# Largest relative difference at which a measured value counts as explained: about the reading error of film and
+# micrograph
 EXPLAINED = 0.1
-# Contact duration of the passes that find the instant of the strike, s; up to there it has no effect
+# Contact duration of the passes that find the instant of the strike, s; it has no effect before the strike
 ANY_DURATION = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
 class FilmMap:
-    """The map over damping ratios and durations, NaN without a strike, and place, tool and whole pass of the nearest case."""
+    """The map of the measures over wire damping and contact duration, and its nearest point.
+
+    Attributes:
+        grid: parameters of the map and of the camera.
+        dampings: damping ratios of the wire's bending, one for each row of the map.
+        durations: durations of a rigid bristle's contact, s, one for each column.
+        results: measures over the map by name; NaN without a strike.
+        nearest: row and column of the point that comes nearest to the measured values.
+        tool: tool of the nearest point.
+        run: whole pass of that tool.
+    """
 
     grid: FilmGrid
     dampings: Array
@@ -69,7 +83,11 @@ class FilmMap:
 
     @property
     def frames(self) -> Array:
-        """Return the instants about the strike at which the camera's shutter opens, s; the strike is midway between two."""
+        """Return the instants at which the camera's shutter opens, s, from half a millisecond
+        before the strike to half a millisecond after it.
+
+        The strike is midway between two of them.
+        """
         strike = self.run.event_time("strike") or 0.0
         step = 1.0 / self.grid.frame_rate
         return np.asarray(
@@ -79,16 +97,21 @@ class FilmMap:
 
     @property
     def seen(self) -> tuple[list[float], list[float]]:
-        """Return the middle of each exposure and the tip's mean height over the workpart in it, s and m."""
+        """Return what each film frame shows: the middle of its exposure, s, and the tip's mean
+        height above the workpart during it, m.
+        """
         instants = self.frames[:, np.newaxis] + np.linspace(0.0, self.grid.exposure, 11)
         heights = self.run.at(instants).tip[..., 1].mean(axis=1) + self.tool.workpart_depth
         return instants[:, 5].tolist(), heights.tolist()
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Map touches, compression time and crater over contact duration and wire damping, and examine the nearest case.
+    """Map number of touches, compression time and crater depth over contact duration and wire
+    damping, and vary the tool of the nearest point.
 
-    Raises ValueError if no pass of the map strikes, or the extra ``sweep`` is not installed.
+    Raises:
+        ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not
+            installed.
     """
     started = clock.perf_counter()
     found = _mapped(tool, grid, settings)
@@ -175,10 +198,18 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
 
 
 def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
-    """Return the MEASURES of the strike of a tool at other values of its keys.
+    """Simulate a strike of the tool with some of its parameters changed, and return its MEASURES.
 
-    The pass ends half a millisecond after the first touch. A contact that was not resolved in time has no compression.
-    Raises ValueError for a pass without a strike, or one that is given up.
+    The pass ends half a millisecond after the first touch. Compression time and slide are None
+    unless the contact law is ``compliant``.
+
+    Args:
+        settings: accuracy and limits of the simulation.
+        tool: the tool.
+        keys: values of the changed parameters, by name.
+
+    Raises:
+        ValueError: if the pass has no strike, or is given up.
     """
     with warnings.catch_warnings(
         action="ignore", category=UnusualValueWarning
@@ -200,7 +231,10 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
 
 
 def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any]]:
-    """Return the measures of the nearest case with other shapes, numbers of links and friction, or why there are none."""
+    """Return the measures of the nearest point with another shape, number of links or friction.
+
+    A variant that cannot be simulated has the reason under ``failure``.
+    """
     links = best.bristle.links
     changes: dict[str, dict[str, float]] = {
         "straight": {},
