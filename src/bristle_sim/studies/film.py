@@ -97,7 +97,7 @@ class FilmMap:
 
     @property
     def seen(self) -> tuple[list[float], list[float]]:
-        """Return what each film frame shows: the middle of its exposure, s, and the tip's mean
+        """Return the contents of each film frame: the middle of its exposure, s, and the tip's mean
         height above the workpart during it, m.
         """
         instants = self.frames[:, np.newaxis] + np.linspace(0.0, self.grid.exposure, 11)

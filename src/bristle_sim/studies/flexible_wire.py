@@ -1,9 +1,10 @@
-"""The strike of a wire that bends, compared with that of the rigid bristle at the same contact
-stiffness.
+"""The strike of a wire that bends, compared with the strike of a rigid bristle on a contact of the
+same stiffness.
 
-The end of a straight radial wire strikes while the whole wire turns at one rate. The contact is a
-spring with energetic restitution. Its stiffness is given as the duration of the rigid bristle's
-contact. Unlike an instantaneous impact, this strike converges as the number of links grows.
+The end of a straight radial wire strikes while the whole wire turns at one angular velocity. The
+contact is a spring with energetic restitution. Its stiffness is given as the duration of the
+contact that the rigid bristle would have. Unlike an instantaneous impact, this strike converges as
+the number of links grows.
 """
 
 from __future__ import annotations
@@ -48,16 +49,17 @@ MEASURES = {
 
 REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
-"""Largest friction for which the reference is computed: its steps shrink with the duration of
-slip."""
+"""Largest coefficient of friction for which the reference is computed. Friction shortens the slip,
+and the steps of the reference with it."""
 
 NO_REFERENCE = (
     "There is a reference for the frequencies alone: with a friction of more than"
     f" {REFERENCE_FRICTION:g}, or with a wire as stiff as this, it takes too many steps."
 )
 
-LONGEST_CONTACT = 10.0  # longest contact, in durations of the rigid bristle's contact
-STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: far below the width of a line
+# Longest contact that the reference follows, in durations of the rigid bristle's contact
+LONGEST_CONTACT = 10.0
+STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: errors far below the width of a line
 # Contact stiffnesses of the figure, as durations of the rigid bristle's contact over the requested
 # duration
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
@@ -69,10 +71,10 @@ class FlexibleStrike:
 
     Attributes:
         tool: tool whose workpart is at the end of the wire at ``impact_angle``.
-        impact_angle: angle of the radial wire to the workpart's normal, rad.
-        rate: rate of all links, rad/s.
-        contact: duration that gives the stiffness.
-        settings: settings of the simulation.
+        impact_angle: angle between the radial wire and the workpart's normal, rad.
+        rate: angular velocity of all links before the strike, rad/s.
+        contact: stiffness of the contact, given as the duration of the rigid bristle's contact.
+        settings: accuracy and limits of the simulation.
     """
 
     tool: Tool
@@ -83,7 +85,11 @@ class FlexibleStrike:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness of the contact, N/m, with K_nn = L^2 sin^2(gamma)/I of the rigid bristle."""
+        """Stiffness of the contact, N/m.
+
+        It follows from the contact's duration and the rigid bristle's normal inverse mass at the
+        tip, K_nn = L^2 sin^2(gamma)/I.
+        """
         bristle = self.tool.bristle
         part = self.tool.workpart
         assert part is not None
@@ -93,19 +99,20 @@ class FlexibleStrike:
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, **changes: Any) -> FlexibleStrike:
-        """Return the strike of a wire with another number of links, and with other contact or
-        settings if given.
+        """Return the same strike of a wire with another number of links.
+
+        ``changes`` are new values of other attributes, such as ``contact`` or ``settings``.
         """
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> WireStrike:
-        """Simulate the strike in the scene, with free motion of a given duration (s) after it."""
+        """Simulate the strike, and the free motion for the time ``flight``, s, after it."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
         )
 
     def reference(self) -> ContactRecord:
-        """Return the contact by the reference."""
+        """Return the record of the contact by the independent reference solution."""
         from bristle_sim.reference import strike_reference
 
         longest = LONGEST_CONTACT * self.contact.duration
@@ -124,14 +131,15 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of strikes over those of the rigid bristle, for many contact stiffnesses and numbers
-    of links.
+    """Measures of the strike of a wire relative to the rigid bristle, over contact stiffness and
+    over number of links.
 
     Attributes:
-        durations: contact stiffnesses, as durations of the rigid bristle's contact, s.
-        by_duration: ratios over ``durations``, by number of links and measure.
+        durations: contact stiffnesses, given as durations of the rigid bristle's contact, s.
+        by_duration: ratios to the rigid bristle at each of ``durations``, by number of links and
+            name of the measure.
         links: numbers of links.
-        by_links: ratios over ``links``, by measure.
+        by_links: ratios to the rigid bristle at each of ``links``, by name of the measure.
     """
 
     durations: Array
@@ -142,7 +150,7 @@ class WireStudy:
 
 @dataclass(frozen=True, slots=True)
 class FlexibleWire:
-    """The requested strike, of the wire and of the rigid bristle."""
+    """The requested strike, and its simulations with the wire of links and with the rigid bristle."""
 
     strike: FlexibleStrike
     wire: WireStrike
@@ -160,7 +168,7 @@ def flexible_wire(
     *,
     with_reference: bool = True,
 ) -> Report:
-    """Compare the strike of a wire of links with that of the rigid bristle.
+    """Simulate the strike of a wire of links, and compare it with the strike of the rigid bristle.
 
     Raises:
         ValueError: for values that contradict each other, or a contact that does not end.
@@ -221,9 +229,10 @@ def _answer(
 
 
 def again(wire: WireStrike) -> float | None:
-    """Return the instant at which the wire's end enters the workpart again, s from the first touch.
+    """Return the instant at which the wire's end enters the workpart a second time, s after the
+    first touch.
 
-    If it does not within the time shown, return None.
+    It is None if the end does not do so within the simulated time.
     """
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
@@ -231,10 +240,10 @@ def again(wire: WireStrike) -> float | None:
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures by the reference.
+    """Return the measures of the strike by the independent reference solution.
 
-    They are empty if the reference takes too long, and lack the ratio if the rigid bristle does not
-    rebound.
+    The dictionary is empty if the reference takes too many steps. It has no ratio to the rigid
+    bristle if the rigid bristle does not rebound.
     """
     from bristle_sim.reference import TooStiffError
 
@@ -252,7 +261,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
     """Return impulse, peak force, duration and crater depth of a contact, in the units of MEASURES.
 
     Raises:
-        ValueError: for a contact that was not resolved in time.
+        ValueError: if the contact has no history over time, because the wire's end barely touches.
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError(
@@ -270,10 +279,11 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
-    """Simulate the strikes of the figure.
+    """Simulate the strikes for the figure of the study.
 
-    The strikes at several contact stiffnesses have 2, 4 and 8 links. Those at the requested
-    stiffness have every number of links.
+    At each of the contact ``stiffnesses``, in durations over the requested duration, wires of 2, 4
+    and 8 links strike. At the requested stiffness wires of every number of links up to the tool's
+    strike.
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
@@ -281,8 +291,8 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures of strikes over those of the rigid bristle; NaN if a contact does not
-        end.
+        """Return the measures of strikes, each divided by the measure of the rigid bristle's
+        strike; NaN if a contact does not end.
         """
         found = []
         for each in strikes:
@@ -310,8 +320,11 @@ def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, floa
 def tool_at_surface(
     hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float
 ) -> Tool:
-    """Return a tool whose workpart is at the end of the wire that stands radially at an impact
-    angle, rad.
+    """Return a tool whose workpart just meets the end of the wire that stands radially at the
+    impact angle, rad.
+
+    Raises:
+        ValueError: if the angle is so large that the hub's rim would touch the workpart.
     """
     reach = hub.radius + bristle.length
     if reach * math.cos(impact_angle) <= hub.radius:
@@ -327,7 +340,9 @@ def tool_at_surface(
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
-    """Compare the scene's bending frequencies with those of the beam and of the chain of links."""
+    """Compare the bending frequencies of the simulated wire with theory: a continuous beam, and a
+    chain of links.
+    """
     bristle = tool.bristle
     found = []
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)

@@ -1,11 +1,11 @@
-"""The assumed force curve of chapter 3, compared with the force of a simulated contact of the
-bristle.
+"""The force curve that chapter 3 of Zhang 2020 assumes, compared with the force of a simulated
+contact of the bristle.
 
-The curve (3.19) is that of a ball on a plate, transferred to the bristle. The simulated contact is
-a spring in the scene, with the same compressive impulse and compression time. A curve of the form
-(3.3) that is fitted to a measured record may replace (3.19). Two checks show whether the record has
-that form: the impulse is compared with a sum over the points, and the residuals with the noise,
-which is estimated from second differences.
+The curve (3.19) belongs to a ball on a plate and is transferred to the bristle. The simulated
+contact is a spring, with the same compressive impulse and compression time. A curve of the form
+(3.3) fitted to a measured record may replace (3.19). Two checks show whether the record has that
+form. First, the impulse of the fitted curve is compared with a sum over the points. Second, the
+residuals are compared with the noise, which is estimated from second differences.
 """
 
 import math
@@ -37,18 +37,17 @@ PRINTED = {
     "compression_time": "eq. 3.20: compression time",
     "compressive_impulse": "eq. 3.9: compressive impulse of the bristle",
 }
-"""Places of the printed values in the dissertation, by quantity."""
+"""Where the dissertation prints the value of each quantity."""
 
-# Range of the sum over points before and after the contact, as a fraction of the contact's duration
+# The impulse is summed over the contact and over this fraction of its duration before and after it
 SUMMED_BEYOND = 0.1
-# Largest root mean square difference of a contact from the form (3.3), over its peak force, as
-# chosen. A half sine
-# differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
+# Largest root mean square difference, over the peak force, at which a record counts as having the
+# form (3.3). A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-# Largest relative difference of the impulse, as chosen. The fit of a half sine has 0.9 % more, that
-# of sin^1.5 none.
+# Largest relative difference of the impulses at which the fit counts as right. The fit of a half
+# sine has 0.9 % more impulse; the fit of sin^1.5 has the exact impulse.
 FORM_IMPULSE = 0.02
-CERTAIN = 5.0  # largest difference by noise, in its standard deviations
+CERTAIN = 5.0  # largest difference that noise alone explains, in standard deviations
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +55,11 @@ class MeasuredForce:
     """Measured points of a contact, shape (n,), and the curve fitted to them.
 
     Attributes:
-        time: times since the fitted start, s, from half a duration before the contact to half a
-            duration after it.
+        time: times since the start of the fitted contact, s. They begin half of its duration before
+            the contact, and end half of its duration after it.
         force: forces above the baseline, N.
-        fit: the fit.
-        reading: columns and units from which the points were read.
+        fit: the fitted curve with its standard errors.
+        reading: sentence that names the columns and units in which the file was read.
     """
 
     time: Array
@@ -71,11 +70,12 @@ class MeasuredForce:
 
 @dataclass(frozen=True, slots=True)
 class ForceComparison:
-    """Results of the comparison, for its figures.
+    """Results of the comparison, from which its figures are drawn.
 
     Attributes:
         curve: the curve (3.19), or the curve fitted to measured points.
-        contact: the simulated contact; None if the bristle cannot have such a contact.
+        contact: the simulated contact; None if the bristle cannot have a contact with the requested
+            values.
         measured: the measured points, if given.
         no_contact: reason why there is no contact.
     """
@@ -94,11 +94,11 @@ def force_comparison(
     measurement: Measurement,
     settings: Settings,
 ) -> Report:
-    """Compare a simulated contact with the curve of chapter 3, or with a curve fitted to measured
-    points.
+    """Compare the force of a simulated contact with the curve of chapter 3, or with a curve fitted
+    to measured points.
 
     Raises:
-        ValueError: for points that are no force history.
+        ValueError: if the measured points are not the force of a contact.
     """
     measured = _measured_force(measurement)
     contact = None
@@ -172,9 +172,10 @@ def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
 
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
-    """Return a fit as a dictionary: values and standard errors by name, and three numbers.
+    """Return a fit as a dictionary for the JSON.
 
-    The numbers are the start, s, and the baseline and the root mean square of the residuals, N.
+    It holds the fitted values and their standard errors by name, the start of the contact, s, and
+    the baseline and the root mean square of the residuals, N.
     """
     values, errors = (
         dict(zip(fit.names, each.tolist(), strict=True))
@@ -185,10 +186,11 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
 
 
 def _measured_force(measurement: Measurement) -> MeasuredForce | None:
-    """Read and fit the file of a measurement; return None without a file.
+    """Read the file of a measurement and fit a curve to it; return None if no file is given.
 
     Raises:
-        ValueError: for a file that is no force history; the message is one line with the key.
+        ValueError: if the file does not hold the force of a contact. The message is one line that
+            names the parameter.
     """
     if measurement.force_csv is None:
         return None
@@ -211,7 +213,9 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
 
 
 def _measured_rows(measured: MeasuredForce) -> list[Quantity]:
-    """Compare the impulse of the fit with that of the points, and the misfit with the noise."""
+    """Compare the impulse of the fitted curve with the sum over the points, and the residuals with
+    the noise.
+    """
     curve = measured.fit.curve
     length = measured.fit.curve.duration
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's

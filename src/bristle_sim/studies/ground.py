@@ -1,17 +1,17 @@
-"""Strikes on a piece of the track, and the ground that they leave, by three rules for how a crater meets an
+"""The ground that strikes leave on a part of the track, by three rules for how a crater meets an
 earlier one.
 
-Every strike brings the shape of one crater (``theory/crater_body.py``) to a height z_0, and what is
-above it is gone. The rules differ in z_0:
+Every strike lowers the shape of one crater (``theory/crater_body.py``) until its deepest point is
+at a height z_0, and removes everything above the shape. The rules differ in z_0:
 
-- ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is that
-  of a crater of the strike's depth on a plane, as if energy per volume were constant. The shape
-  continues beyond the first crater's outline.
+- ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is the
+  volume of a crater of the strike's depth on a plane, as if energy per volume were constant. The
+  shape continues beyond the first crater's outline.
 - ``plane``: z_0 is the strike's depth below the original plane.
-- ``ground``: z_0 is the strike's depth below the mean of the ground within the outline, and nothing
-  outside of it is cut.
+- ``ground``: z_0 is the strike's depth below the mean height of the ground within the outline.
+  Nothing outside of the outline is cut.
 
-The ground is periodic: what leaves it on one side enters on the other.
+The ground is periodic: a crater that crosses one edge continues at the opposite edge.
 """
 
 from __future__ import annotations
@@ -29,20 +29,23 @@ from bristle_sim.parameters import Blasting
 from bristle_sim.theory.crater_body import CraterBody
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles, section_heights
 
-# Strikes between two searches for the highest cell, which bounds the places that a strike can cut;
-# it only ever falls
+# Number of strikes between two searches for the highest cell. Its height limits the cells that a
+# strike can cut, and never rises.
 HIGHEST_EVERY = 64
-CELLS_ALONG = 2  # cells along the slide on a cell across: Rz is measured along, over sharp ridges
-MARGIN = 1.1  # of the height of the first window tried over the height that a strike before needed
+# Number of cells along the slide in the width of a cell across it; along the slide they are finer,
+# since Rz is measured there, over sharp ridges
+CELLS_ALONG = 2
+# Ratio of the height of the first window tried to the height that the strike before needed
+MARGIN = 1.1
 
 
 def floor_of_volume(above: Array, volume: float) -> float:
-    """Return the height z_0 for which the sum of max(above - z_0, 0) is the volume, in the unit of
-    the heights.
+    """Return the height z_0 down to which cells of unit area must be cut to remove a given volume.
 
-    The mean of the cells less the volume's share is too low while cells below it count; without
-    them it rises, until no cell is below it (Michelot 1986). Three columns, of which the highest
-    two take a volume of 3:
+    z_0 solves sum of max(above - z_0, 0) = volume, in the unit of the heights. The search first
+    spreads the volume over all cells; the height is then too low if some cells are below it.
+    Without these cells it rises, until no cell is below it (Michelot 1986). Three columns, of which
+    the highest two give up a volume of 3:
 
     >>> floor_of_volume(np.array([1.0, 4.0, 0.0]), 3.0)
     1.0
@@ -57,12 +60,15 @@ def floor_of_volume(above: Array, volume: float) -> float:
 
 @dataclass(eq=False)
 class Ground:
-    """Heights above the original plane, m, shape (across, along); it changes with every strike.
+    """Grid of ground heights, which every strike changes.
 
     Attributes:
-        cell: width of a cell across the slide, m; ``step`` is its length along it.
+        body: shape of the crater that a strike cuts.
+        rule: rule for z_0: ``energy``, ``plane`` or ``ground``.
+        cell: width of a cell across the slide, m; ``step`` is its length along the slide.
+        heights: heights above the original plane, m, shape (across, along).
         covered: number of cells that were struck.
-        taken: volumes that the strikes took, in order, m^3.
+        taken: volumes that the strikes removed, in their order, m^3.
     """
 
     body: CraterBody
@@ -76,7 +82,7 @@ class Ground:
 
     @classmethod
     def plane(cls, body: CraterBody, blasting: Blasting) -> Ground:
-        """Return the plane ground before the first strike."""
+        """Return a plane ground, before the first strike."""
         cell = blasting.cell
         along = CELLS_ALONG * round(blasting.ground_length / cell)
         heights = np.zeros((round(blasting.ground_width / cell), along))
@@ -89,12 +95,14 @@ class Ground:
 
     @property
     def coverage(self) -> float:
-        """Return the struck fraction of the ground."""
+        """Return the fraction of the ground that was struck."""
         return self.covered / self.heights.size
 
     def strike(self, x: float, y: float, depth: float) -> None:
-        """Cut a crater whose outline on a plane has its middle at (x, y), and whose depth there is
-        ``depth``, m.
+        """Cut one crater into the ground.
+
+        On a plane its outline would have its middle at (x, y), m, and its depth would be ``depth``,
+        m.
         """
         if len(self.taken) % HIGHEST_EVERY == 0:
             self._highest = float(self.heights.max())
@@ -114,11 +122,13 @@ class Ground:
         self.heights[place] = cut
 
     def _by_volume(self, x: float, y: float, depth: float) -> tuple[Any, Array, Array]:
-        """Return the cells that a strike may cut, their heights, and the shape at the height that
-        takes its volume.
+        """Find the height at which the crater removes the volume of the strike.
 
-        The window is large enough if the shape at its edge would be above the ground's highest
+        The grid's window is large enough if the crater's shape at its edge is above the highest
         cell.
+
+        Returns:
+            The cells that the strike may cut, their heights, and the shape at the height found.
         """
         volume = float(self.body.volume(depth)) / (self.cell * self.step)
         height = MARGIN * max(self._needed, depth)
@@ -132,8 +142,10 @@ class Ground:
             height = MARGIN * self._needed
 
     def _window(self, x: float, y: float, height: float) -> tuple[Any, Array]:
-        """Return the cells where the shape is up to some height above its lowest point, at least
-        one, and the shape there.
+        """Return the cells where the crater's shape is at most ``height`` above its lowest point,
+        and the shape there.
+
+        There is at least one cell.
         """
         start, end, side = self.body.reach(height)
         along, dx = _cells(x, start, end, self.step, self.heights.shape[1])
@@ -144,8 +156,10 @@ class Ground:
 def _cells(
     middle: float, start: float, end: float, step: float, period: int
 ) -> tuple[NDArray[np.int_], Array]:
-    """Return the numbers of the cells between two distances from a place, no cell twice, and their
-    distances, m.
+    """Return the indices of the cells between two distances from ``middle``, and the cells'
+    distances from it, m.
+
+    The grid is periodic. No cell occurs twice.
     """
     first = math.ceil((middle + start) / step)
     last = max(math.floor((middle + end) / step), first)
@@ -157,23 +171,25 @@ def _cells(
     return numbers % period, step * numbers.astype(float) - middle
 
 
-INSTANTS = 12  # at which roughness and coverage are recorded while the surface forms
-MOST_STRIKES = 200_000  # of a surface; some minutes
-COVERAGE_ROUNDS = 8  # of the search for the feed that gives a coverage; two to four are usual
-# Distance of the coverage from the wanted one that ends the search, and the largest one that is
-# accepted after its last round
+INSTANTS = 12  # number of instants at which roughness and coverage are recorded
+MOST_STRIKES = 200_000  # largest number of strikes on a surface; they take some minutes
+# Largest number of iterations of the search for the feed that gives a coverage; two to four are usual
+COVERAGE_ROUNDS = 8
+# Largest error of the coverage at which that search ends, and largest error that is accepted after
+# its last iteration
 COVERAGE_TOLERANCE = 1e-3
 COVERAGE_ACCEPTED = 1e-2
-SPREAD = 3.0  # standard deviations at which the depths' scatter is cut off
+SPREAD = 3.0  # largest deviation of a depth from the mean, in standard deviations
 
 
 class Blasted(NamedTuple):
-    """The ground after the strikes.
+    """The ground after the strikes, and how it formed.
 
     Attributes:
         ground: the ground.
-        places, depths: of the strikes in order, m.
-        course: strikes, Rz (m), coverage and mean depth (m) while the surface forms, by name.
+        places: middle (x, y) of each crater's outline, m, in the order of the strikes.
+        depths: depth of each crater on a plane, m.
+        course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
     """
 
     ground: Ground
@@ -183,7 +199,10 @@ class Blasted(NamedTuple):
 
 
 def whole_planes(blasting: Blasting) -> Blasting:
-    """Return the blasting of a ground that is whole planes wide, where they make a pattern."""
+    """Return the blasting parameters with a ground that is a whole number of bristle planes wide.
+
+    Randomly placed strikes have no planes; their parameters stay as they are.
+    """
     if blasting.places == "random":
         return blasting
     pitch = blasting.track_width / blasting.planes
@@ -192,10 +211,19 @@ def whole_planes(blasting: Blasting) -> Blasting:
 
 
 def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
-    """Return the ground after the strikes that the coverage, the areal ratio or the feed demands.
+    """Strike a plane ground until it has the requested coverage, areal ratio or feed.
 
-    ``rate`` is the tool's, in strikes a second. Raises ValueError for too many strikes or none, and
-    for a coverage that no feed gives.
+    Args:
+        blasting: parameters of the track and the ground.
+        body: shape of the first crater.
+        rate: number of strikes of the tool a second.
+
+    Returns:
+        The ground after the strikes.
+
+    Raises:
+        ValueError: for fewer than one strike or too many strikes, and for a coverage that no feed
+            gives.
     """
     area = blasting.ground_length * blasting.ground_width
     if blasting.coverage is None:
@@ -226,13 +254,16 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
 
 
 def _avrami(coverage: float) -> float:
-    """Return the areal ratio at which random places cover a fraction, A = -ln(1 - coverage)."""
+    """Return the areal ratio A = -ln(1 - coverage), the area of all craters over the ground's area,
+    at which randomly placed craters cover a fraction.
+    """
     return -math.log1p(-coverage)
 
 
 def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
-    """Return the ground after a number of strikes; fewer if random places cover the wanted fraction
-    before.
+    """Return the ground after a number of strikes.
+
+    Randomly placed strikes end earlier if they reach the requested coverage.
     """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(
@@ -270,10 +301,10 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
 
 
 def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Array:
-    """Return the places of the strikes in order, m, shape (number, 2).
+    """Return the places of the strikes in their order, m, shape (number, 2).
 
-    In a pattern the strikes of a pass follow each other evenly along the track, plane after plane;
-    passes after the first one begin at a random place.
+    In a pattern the strikes of one pass of the tool are evenly spaced along the track, one plane of
+    bristles after another. Every further pass begins at a random place.
     """
     length = blasting.ground_length
     width = blasting.ground_width
@@ -293,6 +324,6 @@ def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Arr
 
 
 def mean_rz(ground: Ground, cutoff: float) -> float:
-    """Return the mean Rz of all profiles along the slide, m."""
+    """Return the roughness Rz as the mean over all profiles along the slide, m."""
     profiles = roughness_profiles(ground.heights, ground.step, cutoff)
     return float(section_heights(profiles, ground.step, cutoff, SECTIONS).mean())

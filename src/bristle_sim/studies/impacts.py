@@ -1,9 +1,9 @@
 """Single impacts compared with their closed forms: the radial bristle, and Stronge's single and
 double pendulums.
 
-The scene computes an impact by the requested contact law and, for comparison, by the other laws.
-Rates of pendulums are signed as in the dissertation, negative in approach; in the scene the same
-motion turns the other way.
+Each impact is simulated by the requested contact law and, for comparison, by the other laws.
+Angular velocities of pendulums have the sign of the dissertation, negative in approach. In the
+simulation the same motion has the other sign.
 """
 
 import math
@@ -32,25 +32,27 @@ from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum
 LAWS = ("energetic", "compliant", "engine")
 
 COMPLIANT_TOLERANCE = 3e-3
-"""Largest relative difference of a contact resolved in time from its rigid-body limit, at the
+"""Largest relative difference of a contact simulated over time from its rigid-body limit, at the
 default accuracy.
 
-Usually it is a thousandth of that; near the stick threshold the limit is approached slowly."""
+Usually the difference is a thousand times smaller; near the threshold of stick it decreases
+slowly with the duration of the contact."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impacts:
-    """One impact of a chain on a surface, computed by every contact law.
+    """One impact of a chain of rods on a surface, computed by every contact law.
 
     Attributes:
         chain: the rods before the impact.
         surface: the surface.
-        law: the requested law.
+        law: the requested contact law.
         strikes: results by law.
         refusals: reasons why other laws have no result, by law.
         contact_duration: requested duration of the contact, s, or None.
-        timing: reason for the duration of the contact in a film.
-        elastic: whether the contact is elastic along the surface; closed forms are not.
+        timing: how the duration of the contact in a film was chosen.
+        elastic: whether the contact is elastic along the surface; the closed forms assume that it
+            is not.
     """
 
     chain: Chain
@@ -64,13 +66,12 @@ class Impacts:
 
 
 AT_REST = 1e-13
-"""Largest rate after an impact that is zero, over the fastest rate before it; also the largest
-tangential work that is zero, over the normal work."""
-# Relative rounding of the distance of a position from the hub's centre. The height of the tip over
-# the root is the
-# difference of two positions.
+"""Largest rate after an impact that counts as zero, over the fastest rate before it. Also the largest
+tangential work that counts as zero, over the normal work."""
+# Relative rounding error of a position's distance from the hub's centre. The height of the tip over
+# the root is the difference of two positions.
 HEIGHT_ROUNDING = 1e-15
-MOST_WIDENED = 1e-3  # largest relative allowance for magnified rounding
+MOST_WIDENED = 1e-3  # largest amount by which magnified rounding errors widen a relative tolerance
 
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
@@ -84,7 +85,9 @@ RODS = {
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """Return the bristle that stands radially at an impact angle (rad) and turns at a rate (rad/s)."""
+    """Return the bristle as a chain of one rod that stands radially at the impact angle, rad, and
+    turns at the rate, rad/s.
+    """
     return Chain(
         (bristle.mass,),
         (bristle.length,),
@@ -97,7 +100,9 @@ def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -
 
 
 def double_chain(pendulum: DoublePendulum) -> Chain:
-    """Return the rods of a double pendulum; in the scene their rates have the other sign."""
+    """Return the two rods of a double pendulum for the simulation, where their angular velocities
+    have the other sign.
+    """
     return Chain(
         (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
         (pendulum.length, pendulum.length),
@@ -114,7 +119,9 @@ def oblique_impact(
     contact: Contact,
     settings: Settings,
 ) -> Report:
-    """Compare one strike of a radial bristle with the closed forms (Zhang 2020, eqs. 2.19-2.65)."""
+    """Simulate one strike of a radial bristle, and compare it with the closed forms (Zhang 2020,
+    eqs. 2.19-2.65).
+    """
     gamma = math.radians(state.impact_angle_deg)
     rate = state.speed_ratio * hub.speed
     impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
@@ -127,10 +134,11 @@ def oblique_impact(
 def single_pendulum(
     pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Compare the strike of Stronge's single pendulum with the closed forms (Zhang 2020, sec.
-    2.4.1).
+    """Simulate the strike of Stronge's single pendulum, and compare it with the closed forms (Zhang
+    2020, sec. 2.4.1).
 
-    With two coefficients of friction the formulas are those of the bristle on a hub of zero radius.
+    If friction differs between compression and restitution, the closed forms are those of the
+    bristle on a hub of zero radius.
     """
     gamma = math.radians(pendulum.impact_angle_deg)
     rod = (pendulum.mass, pendulum.length)
@@ -150,7 +158,9 @@ def single_pendulum(
 def _bristle_rows(
     impacts: Impacts, contact: Contact, settings: Settings, theory: Any, names: Iterable[str]
 ) -> list[Quantity]:
-    """Compare the quantities of one rod's impact, by name, with attributes of the closed form."""
+    """Compare the named quantities of one rod's impact with the closed form's attributes of the
+    same names.
+    """
     chain = impacts.chain
     surface = impacts.surface
     gamma = -chain.angles[0]
@@ -182,10 +192,10 @@ def _bristle_rows(
 def double_pendulum(
     pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Compare the strike of Stronge's double pendulum with the closed forms (Zhang 2020, eqs.
-    2.66-2.111).
+    """Simulate the strike of Stronge's double pendulum, and compare it with the closed forms (Zhang
+    2020, eqs. 2.66-2.111).
 
-    The mass ratio is arbitrary.
+    The two rods may have any ratio of masses.
     """
     impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
@@ -226,7 +236,9 @@ def _row(
     within: float | None,
     least: float,
 ) -> Quantity:
-    """Return a quantity; a side that does not exceed ``least`` is 0."""
+    """Return a comparison of a simulated and a theoretical value, ``sides``; a value of magnitude
+    up to ``least`` counts as 0.
+    """
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
     return Quantity(name, words[1], first, second, tolerance=within, label=words[0])
 
@@ -234,12 +246,14 @@ def _row(
 def _tolerance(
     contact: Contact, settings: Settings, surface: Surface, jam: float | None, rounding: float
 ) -> float | None:
-    """Return the largest relative difference of a law from theory; None for a law that does not
-    follow theory.
+    """Return the largest relative difference of a contact law from theory; None for a law that does
+    not follow the theory.
 
-    Near the jam, mu = tan gamma, the results magnify the rounding of K by the inverse of the
-    distance. ``rounding`` is the rounding magnified by geometry: a bristle short compared with its
-    hub or nearly upright, or stick under a huge first mass.
+    At the jam, mu = tan gamma, the solution is singular. Near it the rounding error of the inverse
+    mass matrix K is magnified by the inverse of the relative distance from the jam. ``jam`` is the
+    friction at the jam, if there is one. ``rounding`` is the rounding error that geometry
+    magnifies: of a bristle that is short compared with its hub or nearly upright, or of stick under
+    a huge first mass.
     """
     timed = contact.law == "compliant" and contact.duration is not None
     if contact.law == "engine" or timed or contact.tangential_compliance:
@@ -255,7 +269,7 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """Simulate the strike by the requested law, and by every other law that has a result."""
+    """Simulate the strike by the requested contact law, and by every other law that has a result."""
     strikes = dict[str, ChainStrike]()
     refusals = dict[str, str]()
     for law in dict.fromkeys((*LAWS, contact.law)):
@@ -322,7 +336,7 @@ def _report(
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
-    """Return the results of a law for the JSON, in SI units."""
+    """Return the results by one contact law for the JSON, in SI units."""
     normal, tangential = one.contact.impulse
     works = one.contact.work or (None, None)
     return {

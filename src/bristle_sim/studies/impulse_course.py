@@ -1,9 +1,9 @@
-"""The velocities of the contact point over the normal impulse of an impact.
+"""The velocities of the contact point during an impact, as functions of the normal impulse.
 
-With p the normal impulse, the velocities of the contact point are piecewise linear in p: v = v(0) +
-K (p, p_t), and p_t changes by -mu sign(v_t) dp in slip (Zhang 2020, eqs. 2.34, 2.43, 2.74, 2.80,
-2.98). A contact that is resolved in time passes the same points, whatever its stiffness, since time
-enters only through p = integral of the normal force.
+Let p be the normal impulse and p_t the tangential impulse. The velocities of the contact point are
+piecewise linear in p: v = v(0) + K (p, p_t). In slip p_t changes by -mu sign(v_t) dp (Zhang 2020,
+eqs. 2.34, 2.43, 2.74, 2.80, 2.98). A contact simulated over time passes the same points, whatever
+its stiffness, since time enters only through p = integral of the normal force.
 """
 
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ class ImpulseCourse:
 
     Attributes:
         impulse: normal impulse, ascending from 0, N s, shape (n,).
-        normal_velocity: v_n, m/s, shape (n,).
-        tangential_velocity: v_t, m/s, shape (n,).
-        phases: names of the pieces between two impulses, if known.
-        compression_end: p_c, impulse at the end of compression, N s.
-        slip_stop: p_s, impulse at which the initial slip stops, N s; inf if it lasts.
+        normal_velocity: velocity v_n away from the surface, m/s, shape (n,).
+        tangential_velocity: velocity v_t along the surface, m/s, shape (n,).
+        phases: names of the phases between consecutive impulses, if known.
+        compression_end: normal impulse p_c at the end of compression, N s.
+        slip_stop: normal impulse p_s at which the initial slip stops, N s; inf if it lasts.
     """
 
     impulse: Array
@@ -40,7 +40,8 @@ class ImpulseCourse:
 
 
 def contact_inverse_mass(chain: Chain) -> Array:
-    """Return K = J M^-1 J^T at the tip of hinged uniform rods, 1/kg.
+    """Return the inverse mass matrix K = J M^-1 J^T at the tip of a chain of hinged uniform rods,
+    1/kg.
 
     The order is (normal, tangential), the shape (2, 2).
     """
@@ -49,13 +50,17 @@ def contact_inverse_mass(chain: Chain) -> Array:
 
 
 def tip_response(chain: Chain) -> tuple[Array, Array]:
-    """Return J, shape (2, rods), and the response M^-1 J^T of the rods to an impulse at the tip,
-    shape (rods, 2), 1/kg.
+    """Return the Jacobian of the tip's velocity, and the response of a chain of hinged uniform rods
+    to an impulse at the tip.
 
-    In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of
-    u_i cos theta_i) = J u. The kinetic energy is u^T M u/2. M_ii is m_i/3 plus the masses beyond i.
-    For i < j, M_ij is cos(theta_i - theta_j) times the sum of m_j/2 and the masses beyond j,
-    whatever the lengths. A hub of constant speed takes no part.
+    The generalised speeds are u_i = L_i theta_i'. The tip moves with the normal velocity sum of u_i
+    sin theta_i and the tangential velocity sum of u_i cos theta_i, together J u. The kinetic energy
+    is u^T M u/2. M_ii is m_i/3 plus the masses beyond rod i. For i < j, M_ij is cos(theta_i -
+    theta_j) times the sum of m_j/2 and the masses beyond rod j, whatever the lengths. The hub turns
+    at constant speed and does not respond.
+
+    Returns:
+        The Jacobian J, shape (2, rods), and the response M^-1 J^T, shape (rods, 2), 1/kg.
     """
     masses = np.array(chain.masses)
     angles = np.array(chain.angles)
@@ -70,7 +75,7 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
-    """Return the velocity (v_n, v_t) of the tip, including the hub's motion, m/s."""
+    """Return the velocity of the tip, which includes the hub's motion: (normal, tangential), m/s."""
     speeds = np.array(
         [chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)]
     )
@@ -79,9 +84,9 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """Return the piecewise linear course by the energetic law, from touch to separation.
+    """Return the velocities over the normal impulse by the energetic law, from touch to separation.
 
-    It is one point if the tip does not approach.
+    They are piecewise linear. If the tip does not approach, there is a single point.
     """
     inverse_mass = contact_inverse_mass(chain)
     before = tip_velocity(chain)
@@ -107,7 +112,7 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return the course of a contact resolved in time.
+    """Return the velocities over the normal impulse of a contact simulated over time.
 
     The normal impulse is the integral of cubics through the force of each phase.
     """
