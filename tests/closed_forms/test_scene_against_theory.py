@@ -42,6 +42,10 @@ class TestFlight:
         np.testing.assert_allclose(
             run.relative_rate, (exponent * motion).real, rtol=0.0, atol=accuracy * natural
         )
+        fastest = run.event_time("highest relative speed")
+        assert fastest is not None
+        acceleration = (exponent**2 * amplitude * np.exp(exponent * fastest)).real
+        assert abs(acceleration) <= 10.0 * accuracy * natural**2
 
     @pytest.mark.parametrize("speed", [0.0, 261.8])
     def test_pendulum(self, speed: float) -> None:
@@ -58,3 +62,8 @@ class TestFlight:
         np.testing.assert_allclose(
             swing, 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta), rtol=0.0, atol=1e-8
         )
+        fastest = run.event_time("highest relative speed")
+        assert fastest is not None
+        # Where the field's potential is least.
+        lowest = 0.3 + speed * fastest if speed else 0.0
+        assert run.at(fastest).angles[0] == pytest.approx(lowest, abs=1e-7)
