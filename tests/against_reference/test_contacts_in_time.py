@@ -197,3 +197,13 @@ def test_the_knee_of_a_bent_wire_meets_the_workpart(angle: float, position: floa
     height = run.centre_line[:, :, 1] + run.tool.workpart_depth
     assert height.min() >= -1e-7 * run.tool.bristle.length
     assert height[:, 1].min() <= 1e-7 * run.tool.bristle.length
+
+
+def test_a_tip_that_has_left_its_dent_strikes_the_surface() -> None:
+    """The first contact leaves a dent of 1 % of the length; the hop over it ends at the height of the workpart."""
+    tool = bs.Tool().replace(contact="compliant", contact_duration=1e-4)
+    run = bs.simulate(tool, bs.Settings(hub_turn=2.5))
+    first, second = [each for each in run.contacts if each.obstacle == "workpart"][:2]
+    assert first.outcome == "rebound"
+    height = np.interp(second.time, run.time, run.tip[:, 1]) + tool.workpart_depth
+    assert height == pytest.approx(0.0, abs=1e-6 * tool.bristle.length)
