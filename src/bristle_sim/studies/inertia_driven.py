@@ -1,9 +1,10 @@
 """A tool without a bar, compared with the bar-cued tool by simulation, by energy and by the
-reference.
+independent reference solution.
 
-The bristle arrives in translation on a straight belt and enters the pulley. It thus starts radial
-with the relative rate -omega. The report has its tip speed when it is radial again, and the pulley
-speed for the tip speed of the bar-cued tool.
+The bristle travels in translation on the straight part of the belt and then enters the pulley.
+There it is radial and does not turn, so that its rate relative to the pulley is -omega. It lags,
+and its belt swings it back. The report has its tip speed when it is radial again, and the pulley
+speed that would give it the tip speed of the bar-cued tool.
 """
 
 import dataclasses
@@ -31,32 +32,34 @@ QUANTITIES = {
     "hub_speed_for_equal_tip_speed": ("pulley speed for the bar-cued tip speed", "rad/s"),
 }
 
-# Length of the first run, in half periods of the bristle on its belt; large amplitude and damping
-# lengthen the period.
+# Duration of the first run, in half periods of the bristle on its belt. It is more than one, since
+# large amplitude and damping lengthen the period.
 HALF_PERIODS = 1.3
-DOUBLINGS = 6  # number of doublings of that length after which the bristle does not return
-LEAST_TURN = 1e-12  # least turn of the hub in a run, rad
-# Least relative rate at the radial direction, over the pulley's rate. An overdamped bristle creeps
-# towards radial and
-# passes it by rounding alone.
+# Number of times that this duration is doubled before the bristle counts as never returning
+DOUBLINGS = 6
+LEAST_TURN = 1e-12  # smallest angle by which the hub may turn in a run, rad
+# Smallest relative rate, over the pulley's rate, at which the bristle counts as passing the radial
+# direction. An overdamped bristle creeps towards it and passes it by rounding errors alone.
 LEAST_RATE = 1e-6
-# largest number of hub speeds tried; the tip speed is nearly proportional to the hub speed
+# Largest number of iterations of the secant method for the hub speed; few are needed, as the tip
+# speed is nearly proportional to it
 TRIES = 20
 
 BareRun = Callable[[Tool, float], Trajectory]
-"""Function that simulates a tool without a bar for a time, s, from the entry into the pulley."""
+"""Function (tool, time) that simulates a tool without a bar from the bristle's entry into the pulley,
+for a time in s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Radial:
-    """The bristle when it is radial again.
+    """State of the bristle when it is radial again.
 
     Attributes:
         time: time since the entry into the pulley, s.
-        relative_rate: rate relative to the pulley, rad/s.
+        relative_rate: angular velocity relative to the pulley, rad/s.
         retraction: largest retraction until then, rad.
         tip_speed: speed of the tip, m/s.
-        trajectory: the run until then.
+        trajectory: motion from the entry until then.
     """
 
     time: float
@@ -68,7 +71,11 @@ class Radial:
 
 @dataclass(frozen=True, slots=True)
 class InertiaDriven:
-    """The tool, its bristle when it is radial again, and the bar-cued pass."""
+    """Results of the study: the tool, the state of its bristle when it is radial again, and the
+    bar-cued pass.
+
+    The state is None if the bristle does not become radial again.
+    """
 
     tool: Tool
     radial: Radial | None
@@ -76,8 +83,8 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate the bristle thrown by its inertia, and find the pulley speed for the tip speed of
-    the bar-cued tool.
+    """Simulate a bristle that its inertia alone throws, and find the pulley speed at which its tip
+    is as fast as in the bar-cued tool.
 
     Raises:
         ValueError: if the hub is at rest, the wire bends, or a run exceeds the step budget.
@@ -127,7 +134,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
 
 def until_radial(tool: Tool, run: BareRun) -> Radial | None:
-    """Return the bristle when it passes the radial direction; None if it does not."""
+    """Return the state of the bristle when it is radial again; None if it never is."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     inertia = bare.bristle.inertia_about_root
@@ -187,10 +194,14 @@ def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float
 
 
 def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
-    """Return the pulley speed for a tip speed by the secant method; None if the bristle leans over."""
+    """Return the pulley speed at which the tip, when radial again, has the bar-cued tip's
+    ``strike_speed``, by the secant method.
+
+    It is None if the bristle leans over, or the method does not converge.
+    """
 
     def missing(speed: float) -> float:
-        """Return the tip's speed less the bar-cued tip's, m/s."""
+        """Return the difference of the tip's speed and the bar-cued tip's speed, m/s."""
         tried = (
             radial if speed == tool.hub.speed else until_radial(tool.replace(hub_speed=speed), run)
         )
@@ -213,9 +224,10 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> Values:
-    """Return the values by energy and quadrature for an undamped belt.
+    """Return the quantities by conservation of energy and quadrature; empty for a belt with
+    damping.
 
-    The hub speed follows from the bar-cued strike.
+    The hub speed for an equal tip speed is computed from the simulated bar-cued strike.
     """
     if tool.belt_damping:
         return {}

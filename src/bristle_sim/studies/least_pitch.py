@@ -1,9 +1,10 @@
-"""The least pitch of bristles in one plane: below it, two wires touch each other.
+"""The least pitch of the bristles in one plane; below it two neighbouring wires touch each other.
 
-It follows from the motion of one bristle alone. On a hub of constant speed each bristle that
+It follows from the motion of one bristle alone. On a hub of constant speed omega each bristle that
 touches no other bristle repeats the motion of the bristle before it, when the hub has turned by the
-pitch beta. Let A(t) be the motion of a lone bristle. Two wires touch if the capsules (the centre
-line with half the wire's diameter about it) of A(t) and of its follower A(t - beta/omega) touch.
+pitch beta. Let A(t) be the motion of a lone bristle. Its follower moves as A(t - beta/omega),
+turned about the hub by the pitch. The two wires touch if the distance of their centre lines is the
+wire's diameter.
 """
 
 import math
@@ -19,15 +20,17 @@ from bristle_sim.studies.pass_invariants import Points, complex_points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
-# Least step between tried pitches, rad; a local minimum of the distance between them is refined.
+# Smallest step between tried pitches, rad. If the distance of the wires has a minimum in between, the
+# minimum is refined.
 PITCH_STEP = math.radians(0.25)
-PITCH_TOLERANCE = 1e-9  # tolerance of the least pitch, rad: 6e-8 deg
-# Number of equally spaced instants of a pass, besides the samples, at which the distance is
-# computed: every 0.2 deg
-# of the hub's turn.
+PITCH_TOLERANCE = 1e-9  # largest error of the least pitch, rad: 6e-8 deg
+# Number of equally spaced instants of a pass at which the distance is computed, besides the samples:
+# one for every 0.2 deg of the hub's turn.
 INSTANTS = 1500
-MINIMA_REFINED = 2  # number of local minima of the distance over time that are refined, least first
-# Largest number of samples of a lone pass in a search: eight times that of the operating point.
+# Number of local minima of the distance over time that are refined, beginning with the smallest
+MINIMA_REFINED = 2
+# Largest number of samples of a lone pass for which the pitch is searched: eight times the number at
+# the operating point.
 MOST_SAMPLES = 5000
 LARGEST_PITCH = math.pi / 2.0  # pitch at which the downward search starts, rad
 # Distance above a least pitch at which the search for a smaller one begins, rad: a thousand times
@@ -37,14 +40,14 @@ NEXT_SEARCH = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LeastPitch:
-    """A pitch above which two wires do not touch up to an instant of a pass.
+    """A pitch above which two neighbouring wires do not touch up to some instant of a pass.
 
     Attributes:
         name: name of the quantity.
         until: the instant, s; None without a strike.
-        of_follower: whether the instant is one of the follower's own pass, a pitch later, instead
-            of the pass of the bristle in front.
-        by_theory: the pitch by the motion of a lone bristle, deg.
+        of_follower: whether the instant belongs to the follower's own pass, which is later by the
+            pitch, and not to the pass of the bristle in front.
+        by_theory: the pitch by the motion of a lone bristle, deg; None if it was not computed.
     """
 
     name: str
@@ -54,9 +57,10 @@ class LeastPitch:
 
 
 def polyline_distance(first: Points, second: Points) -> Array:
-    """Return the least distance of two polylines of complex points; 0 if they cross.
+    """Return the smallest distance of each pair of polylines; 0 if the two cross.
 
-    The polylines have shape (n, corners), the distances (n,).
+    The corners are complex numbers x + i y. The polylines have shape (n, corners), the distances
+    (n,).
     """
     found = np.full(len(first), np.inf)
     for i in range(first.shape[1] - 1):
@@ -76,11 +80,16 @@ def polyline_distance(first: Points, second: Points) -> Array:
 
 
 def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
-    """Return the least distance of the centre lines of a bristle and its follower up to an instant,
-    m.
+    """Return the smallest distance of the centre lines of a bristle and its follower up to an
+    instant, m.
 
-    Between samples at intervals of h rad of its motion, the cubics of a line have an error of
-    h^4/384: 1e-8 at 150 samples a period.
+    Between samples the centre line is a cubic in time. If the bristle moves by h rad of its
+    oscillation between samples, the relative error is h^4/384: 1e-8 at 150 samples a period.
+
+    Args:
+        lone: motion of the lone bristle.
+        pitch: angle by which the follower is behind, rad.
+        until: the instant, s.
     """
     delay = pitch / lone.hub_speed
     begin = float(lone.time[0])
@@ -107,7 +116,10 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Return the least value of a function with one minimum between bounds, and its place."""
+    """Return the minimum of a function between two bounds, and its argument.
+
+    The function must have one local minimum there.
+    """
     found = minimize_scalar(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)}
     )
@@ -126,12 +138,12 @@ def least_pitch(
     bristle.
 
     Args:
-        lone: run of the lone bristle, which starts at rest relative to the hub.
-        wire_diameter: distance of the centre lines at a touch, m.
+        lone: motion of the lone bristle, which starts at rest relative to the hub.
+        wire_diameter: diameter of the wires, m; wires touch if their centre lines are as close.
         until: instant up to which touches count, s.
-        of_follower: whether ``until`` is an instant of the follower's own pass, a pitch later,
-            instead of the pass in front.
-        largest: pitch at which the downward search starts, and wires do not touch, rad.
+        of_follower: whether ``until`` is an instant of the follower's own pass, which is later by
+            the pitch, and not of the pass of the bristle in front.
+        largest: pitch from which the search goes downwards, rad; the wires must not touch there.
 
     Raises:
         ValueError: if the wire has no thickness.
@@ -166,9 +178,10 @@ def least_pitch(
 
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches, the narrowest first.
+    """Return the theoretical least pitches up to the instants of a pass, in ascending order of the
+    pitch.
 
-    They have no value if ``unsearched`` gives a reason.
+    Their values are None if ``unsearched`` gives a reason.
     """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()
@@ -197,7 +210,7 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
 
 
 def unsearched(tool: Tool, lone: Trajectory) -> str:
-    """Return the reason why no least pitch is searched; empty if one is."""
+    """Return the reason why the least pitch cannot be searched; empty if it can."""
     if lone.time.size > MOST_SAMPLES:
         return "the pass has too many oscillations of the bristle on its belt"
     if nearest_approach(lone, LARGEST_PITCH, float(lone.time[-1])) <= tool.bristle.wire_diameter:

@@ -3,7 +3,8 @@ ellipse on a floor.
 
 Spheres: aluminium oxide, 5 mm, on soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001,
 Powder Technology 120, 281-291). The points were read off the published figures. Nothing is fitted:
-K = diag(1, 7/2)/m, e = 0.98, mu = 0.092.
+the inverse mass matrix is K = diag(1, 7/2)/m, the energetic restitution e* = 0.98, and the friction
+mu = 0.092.
 
 Ellipse: the planar impact data set of Fazeli, Donlon, Drumwright and Rodriguez (2017), in a file
 that the user gives. Friction and restitution are fitted to every second impact, and each law
@@ -32,10 +33,9 @@ RADIUS = 0.0025
 FRICTION = 0.092
 RESTITUTION = 0.98
 
-# Measured values over the angle of incidence from the normal, deg (Kharaz et al. 2001): ratio of
-# the tangential velocity
-# of the centre after to before, spin after (rad/s), and rebound angle of the centre from the normal
-# (deg).
+# Pairs (angle of incidence from the normal, deg, measured value) by Kharaz et al. 2001. The values are
+# the centre's tangential velocity after over before the impact, the spin after it (rad/s), and the
+# angle from the normal at which the centre rebounds (deg).
 MEASURED_SPHERES = {
     "restitution": np.array([
         (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
@@ -50,8 +50,7 @@ MEASURED_SPHERES = {
         (39.535, 32.613), (49.747, 45.125), (60.208, 57.474),
     ]),
 }  # fmt: skip
-# Mass (kg), half axes (m) and radius of gyration (m) of the ellipse, by the description of the data
-# set
+# Mass (kg), half axes (m) and radius of gyration (m) of the ellipse, by the data set's description
 MASS = 0.0364
 HALF_AXES = (0.035, 0.025)
 GYRATION = 0.0192
@@ -62,12 +61,12 @@ Law = Callable[..., Impact]
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """The impacts of the file.
+    """Measured impacts of the ellipse on the floor.
 
     Attributes:
-        before: velocities before, (v_x, v_y, angular velocity), shape (n, 3); the angular velocity
-            is clockwise, as in the file.
-        after: velocities after, as ``before``.
+        before: velocities (v_x, v_y, angular velocity) before each impact, shape (n, 3), m/s and
+            rad/s; the angular velocity is clockwise, as in the file.
+        after: velocities after each impact, likewise.
         jacobian: contact Jacobian of each impact, shape (n, 2, 3).
     """
 
@@ -77,39 +76,49 @@ class Ellipse:
 
     @property
     def inverse_mass(self) -> Array:
-        """K of each impact, shape (n, 2, 2)."""
+        """Inverse mass matrix K at the contact of each impact, 1/kg, shape (n, 2, 2)."""
         return np.asarray(np.einsum("kij,klj->kil", self.jacobian, self.jacobian / INERTIA))
 
     def every_second(self, first: int) -> Ellipse:
-        """Return every second impact from a first one on."""
+        """Return every second impact, beginning with the impact of index ``first``."""
         return Ellipse(self.before[first::2], self.after[first::2], self.jacobian[first::2])
 
     def predicted(
         self, law: Law, friction: float, restitution: float, **compliance: float
     ) -> Array:
-        """Return the impulses by a law from the contact velocities before, N s, shape (n, 2)."""
+        """Return the impulses that a contact law predicts from the measured velocities before the
+        impacts.
+
+        They are (normal, tangential), N s, shape (n, 2).
+        """
         approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
         hit = law(self.inverse_mass, approach, friction, restitution, **compliance)
         return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
 
     def misfit(self, impulse: Array) -> Array:
-        """Return |v predicted - v measured|/|v measured| in the norm of the kinetic energy."""
+        """Return the relative error of the velocity after each impact that an impulse gives.
+
+        It is |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
+        """
         missed = (
             self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
         )
         return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
 
     def best_impulse(self) -> Array:
-        """Return the impulse at the contact that comes nearest to the measured state, in the norm
-        of the kinetic energy.
+        """Return the impulse at the contact point that comes nearest to the measured velocities
+        after each impact, in the norm of the kinetic energy.
         """
         change = np.einsum("kij,kj->ki", self.jacobian, self.after - self.before)
         return np.linalg.solve(self.inverse_mass, change[..., None])[..., 0]
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
-    """Return velocity ratio, spin (rad/s) and rebound angle (deg) of spheres over the angle of
-    incidence (deg).
+    """Return the predicted rebound of spheres over the angle of incidence, deg.
+
+    ``compliance`` is the ratio of tangential to normal compliance of the contact, eta^2. The result
+    has the names of MEASURED_SPHERES: the ratio of tangential velocities, the spin, rad/s, and the
+    rebound angle, deg.
     """
     angle = np.radians(angle_deg)
     velocity = SPEED * np.stack([-np.cos(angle), np.sin(angle)], axis=-1)
@@ -125,7 +134,9 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
 
 
 def spheres(compliance: float) -> dict[str, float]:
-    """Return the root mean square error of the law for each measured quantity of the spheres."""
+    """Return the root mean square error of the predicted rebound for each measured quantity of the
+    spheres.
+    """
     missed = {
         name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1]
         for name, at in MEASURED_SPHERES.items()
@@ -133,7 +144,7 @@ def spheres(compliance: float) -> dict[str, float]:
     return {name: float(np.sqrt(np.mean(each**2))) for name, each in missed.items()}
 
 
-# longest time to read a file, s; usual is 1 s, on a busy machine less than 10 s
+# Longest time to read a file, s. Usually it takes 1 s, on a busy machine less than 10 s.
 LONGEST_READING = 60.0
 
 READER = """
@@ -149,20 +160,21 @@ bounces = np.atleast_1d(loadmat(sys.argv[1], squeeze_me=True, struct_as_record=F
 chosen = [each.states for each in bounces if not np.any(each.flags)]
 np.save(sys.stdout.buffer, np.array(chosen, dtype=float).reshape(-1, 12))
 """
-"""Program that writes the states of the impacts of a MATLAB file.
+"""Program that reads a MATLAB file and writes the states before and after its impacts.
 
 It runs in a process of its own, since SciPy's reader may crash on a damaged file."""
 
 
 def read_ellipse(path: str) -> Ellipse:
-    """Read the impacts of the file whose flags are all 0, with their contact Jacobians.
+    """Read the measured impacts of the ellipse from a file, with their contact Jacobians.
 
-    The angle of the ellipse runs clockwise. A body turned by it has its contact at x = (a^2 - b^2)
-    sin cos/h from the centre, a height h = sqrt(a^2 sin^2 + b^2 cos^2) below it. There v_n = v_y -
-    x w and v_t = v_x - h w.
+    Only impacts whose flags are all 0 are read. The ellipse's angle in the file is clockwise. An
+    ellipse of half axes a and b, turned by that angle, touches the floor at a height h = sqrt(a^2
+    sin^2 + b^2 cos^2) below its centre, and at x = (a^2 - b^2) sin cos/h from it. The velocity of
+    the contact point is v_n = v_y - x w and v_t = v_x - h w, with the angular velocity w.
 
     Raises:
-        ValueError: if the file does not exist or has no such impacts.
+        ValueError: if the file does not exist or has fewer than four impacts of finite numbers.
     """
     if not Path(path).is_file():
         raise ValueError(f"data = {path}: must be a file with the measured impacts of the ellipse")
@@ -187,8 +199,10 @@ def read_ellipse(path: str) -> Ellipse:
 
 
 def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]:
-    """Return the mu and e* of least mean misfit; the search starts at the best point of a coarse
-    grid.
+    """Return the friction mu and the restitution e* with which a contact law has the least mean
+    misfit to measured impacts.
+
+    The search starts at the best point of a coarse grid.
     """
     from scipy.optimize import minimize
 
@@ -204,7 +218,9 @@ def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]
 
 
 def measured_impacts(measured: Measured) -> Report:
-    """Predict the impacts of the spheres and, if its file is given, of the ellipse."""
+    """Predict the rebound of the spheres and, if its file is given, of the ellipse, and report the
+    errors.
+    """
     squared = measured.tangential_compliance
     names = ("restitution_error", "spin_error", "rebound_angle_error_deg")
     units = ("1", "rad/s", "deg")
@@ -237,8 +253,8 @@ def measured_impacts(measured: Measured) -> Report:
 
 
 def _ellipse_values(ellipse: Ellipse, compliance: float) -> dict[str, float]:
-    """Return friction and restitution fitted to every second impact, and the mean errors on the
-    other impacts.
+    """Return the friction and restitution that are fitted to every second impact, and each law's
+    mean error on the other impacts.
     """
     train, test = ellipse.every_second(0), ellipse.every_second(1)
     laws: dict[str, tuple[Law, dict[str, float]]] = {

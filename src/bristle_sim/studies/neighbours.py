@@ -1,5 +1,5 @@
-"""Neighbours in one plane: the least pitches at which wires do not touch, and the effect of a touch
-on the strike.
+"""Neighbouring bristles in one plane: the least pitches at which their wires do not touch, and the
+effect of a touch on the strike.
 
 Rows of bristles are simulated together and compared with the motion of a lone bristle.
 """
@@ -31,19 +31,20 @@ from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
 
-# First width of the interval about the theoretical least pitch that the search on simulated rows
-# bisects, deg.
+# First width, deg, of the interval about the theoretical least pitch in which the least pitch of
+# simulated rows is searched by bisection.
 FIRST_WIDTH = 0.1
 RESOLUTION = 0.005  # last width of that interval, deg
-# Largest width of that interval, deg. It is doubled until wires touch at one end only; beyond this
-# the search fails.
+# Largest width of that interval, deg. The interval is doubled until the wires touch at its lower end
+# alone. If it becomes wider than this, the search fails.
 WIDEST = 1.6
 AGREEMENT = 0.05  # largest difference of simulated and theoretical least pitch, deg
-# Samples in a period of the lone bristle on its belt, for the cubics of its centre line.
+# Number of samples in a period of the lone bristle on its belt. Its centre line is interpolated
+# between them.
 SAMPLES_PER_PERIOD = 150
 
 UNCHANGED = (
-    1e-3  # Relative change of the impulse by a neighbour below which its three digits are the same
+    1e-3  # relative change of the impulse by a neighbour's touch that its three digits do not show
 )
 
 STRIKE = {
@@ -61,7 +62,16 @@ LEAST_PITCHES = {
 
 @dataclass(frozen=True, slots=True)
 class NeighbourRow:
-    """A row of bristles simulated together, the foremost first, and the pass of a lone bristle."""
+    """A row of bristles simulated together, with the pass of a lone bristle.
+
+    Attributes:
+        tool: the tool.
+        neighbours: parameters of the row.
+        settings: accuracy and limits of the simulations.
+        bristles: motions of the bristles, the foremost first.
+        lone: motion of the lone bristle.
+        least: theoretical least pitches.
+    """
 
     tool: Tool
     neighbours: Neighbours
@@ -72,14 +82,14 @@ class NeighbourRow:
 
     @property
     def touches(self) -> list[float]:
-        """Instants at which two wires of the row touch, s."""
+        """Instants at which two wires of the row begin to touch, s."""
         return sorted({time for run in self.bristles for time in _touches(run)})
 
 
 def neighbours(
     tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False
 ) -> Report:
-    """Find the least pitches by theory and on simulated rows, and simulate one row at the requested
+    """Find the least pitches by theory and by simulated rows, and simulate one row at the requested
     pitch.
 
     Raises:
@@ -188,9 +198,9 @@ def _strikes_table(strikes: Sequence[Values]) -> Table:
 
 
 def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
-    """Return state and impulse of the last bristle at its strike, for each pitch in degrees.
+    """Return the state and impulse of the row's last bristle at its strike, over pitches in deg.
 
-    Without a run or a strike they are NaN.
+    They are NaN at a pitch where the row cannot be simulated or does not strike.
     """
     found = np.full((len(STRIKE), len(pitches)), math.nan)
     for number, pitch in enumerate(pitches):
@@ -203,8 +213,8 @@ def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
 
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
-    """Return time, the hub angle of the foremost root, and every bristle's relative angle, at each
-    sample.
+    """Return the motion of a row for a table: time, hub angle of the foremost root, and every
+    bristle's angle relative to the hub, at each sample.
     """
     angles = {
         f"relative_angle_{number} (rad)": run.relative_angle
@@ -235,7 +245,13 @@ def _simulated(
 
 
 def root_pitch(tool: Tool) -> float:
-    """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg."""
+    """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg.
+
+    d is the wire's diameter, r_h the hub's radius.
+
+    Raises:
+        ValueError: if the hub is thinner than the wire.
+    """
     if not tool.bristle.wire_diameter < 2.0 * tool.hub.radius:
         raise ValueError(
             f"hub_radius = {tool.hub.radius:g}: must be above half of wire_diameter (in m)"
@@ -244,7 +260,13 @@ def root_pitch(tool: Tool) -> float:
 
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
-    """Search near the theoretical pitch for the largest pitch at which two simulated wires touch."""
+    """Search for the largest pitch at which two simulated wires touch, near the theoretical least
+    pitch.
+
+    Returns:
+        The comparison of both pitches; the simulated one is None if it was not searched or not
+        found.
+    """
     compared = Quantity(
         least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name]
     )
@@ -255,7 +277,7 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
     speed = row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
-        """Return whether two wires touch at a pitch, deg."""
+        """Return whether the wires of two simulated bristles touch at a pitch, deg."""
         if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
@@ -277,8 +299,8 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the quantities of a bristle's first strike, in the units of STRIKE; None without a
-    strike.
+    """Return the quantities of a bristle's first strike, in the units of STRIKE; they are None
+    without a strike.
     """
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
@@ -291,8 +313,8 @@ def _touches(run: Trajectory) -> list[float]:
 
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
-    """Return the touches and the strike of the last bristle, with the strike of a lone bristle as
-    theory.
+    """Compare the strike of the row's last bristle, and the touches of its wire, with a lone
+    bristle as theory.
     """
     tool = row.tool
     last = row.bristles[-1]
@@ -310,7 +332,7 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
-        """Return the tolerance of a quantity by name; None if nothing judges it."""
+        """Return the tolerance of a quantity by name; None if nothing can judge it."""
         value = (referred or theory)[name]
         # A touch may change all later motion, and any bristle of the row may end the run for all.
         if touched and reference is None:

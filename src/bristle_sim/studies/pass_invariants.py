@@ -1,9 +1,9 @@
-"""Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact
-law at the strike.
+"""Invariants that every pass must satisfy, whatever its parameters: energy, no overlap, friction,
+and the impact law at the strike.
 
-The invariants, and the geometry of a rigid wire's contacts, follow from the trajectory and the
-tool's parameters, independently of the scene. Points and directions are complex numbers x + i y
-from the hub's centre, m; the first axis of arrays runs over n instants.
+The invariants, and the geometry of a rigid wire's contacts, are computed from the trajectory and
+the tool's parameters alone, independently of the simulation. Points and directions are complex
+numbers x + i y from the hub's centre, m. The first axis of arrays runs over n instants.
 """
 
 import math
@@ -21,19 +21,18 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Points = NDArray[np.complex128]
 
-# Largest error of an invariant over the requested accuracy: a squared rate doubles an error, and
-# the errors of two
-# contacts and two flights add up.
+# Ratio of the tolerance of an invariant to the requested accuracy: a squared rate doubles an error,
+# and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
-# Least relative tolerance: energies are sums over some hundred intervals, each with an error of
+# Smallest relative tolerance: energies are sums over some hundred intervals, each with an error of
 # 1e-13.
 LEAST_TOLERANCE = 1e-9
-# Least relative tolerance with contacts resolved in time. Rounding of the penetration limits their
-# duration to some
-# 1e-6 of the motion's time scale or more, and they differ from the rigid-body limit by as much.
+# Smallest relative tolerance with contacts that are simulated over time. Rounding error of the
+# penetration keeps their duration above some 1e-6 of the motion's time scale, and they differ from
+# the rigid-body limit by as much.
 LEAST_COMPLIANT_TOLERANCE = 1e-5
-# Largest interval between simultaneous contacts with bar and workpart, over the run's time; the law
-# is for one contact.
+# Largest time between contacts with bar and workpart that count as simultaneous, over the run's time.
+# The impact law is for one contact and is not tested there.
 SAME_INSTANT = 1e-9
 
 WORDS = {
@@ -44,22 +43,28 @@ WORDS = {
     "friction_cone_excess": "friction",
     "friction_work": "friction",
 }
-"""Words for the invariants in the sentence that says which of them hold."""
+"""Word for each invariant in the sentence that lists the satisfied invariants."""
 
 
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
     """Return the errors of a pass's invariants, with tolerances that follow from the accuracy.
 
-    In theory every error is 0. Each is a fraction of the size named last:
+    In theory every error is 0. Each is a fraction of a reference value:
 
-    ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic
-    energy. ``deepest_overlap``: deepest overlap of wire and obstacle, of the bristle's length.
-    ``impulse_momentum_error``: (v' - v) - K p at the strike, of the speed before it.
-    ``restitution_work_error``: W_r + e*^2 W_c of the normal force at the strike, of W_c.
-    ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike,
-    of the normal impulse. ``friction_work``: largest work that friction does in a contact, of the
-    largest kinetic energy. Energy balance and impulse-momentum error are defined for a rigid
-    bristle; a wire of several links has none.
+    - ``energy_balance``: largest imbalance of energy in a flight or an impact, over the largest
+      kinetic energy.
+    - ``deepest_overlap``: deepest overlap of wire and obstacle, over the bristle's length.
+    - ``impulse_momentum_error``: change of velocity at the strike that the impulse p does not
+      explain, (v' - v) - K p, over the speed before it. K is the inverse mass matrix.
+    - ``restitution_work_error``: W_r + e*^2 W_c at the strike, over W_c. W_c and W_r are the works
+      of the normal force in compression and restitution.
+    - ``friction_cone_excess``: tangential impulse at the strike beyond mu_1 p_c + mu_2 (p_f - p_c),
+      over the normal impulse. mu_1 and mu_2 are the friction in compression and restitution, p_c
+      and p_f the normal impulse at the end of compression and at the end.
+    - ``friction_work``: largest positive work of friction in a contact, over the largest kinetic
+      energy.
+
+    Energy balance and impulse-momentum error are defined for a rigid bristle alone.
     """
     least = LEAST_COMPLIANT_TOLERANCE if tool.contact.law == "compliant" else LEAST_TOLERANCE
     within = dict.fromkeys(WORDS, max(least, MAGNIFIED * settings.accuracy))
@@ -79,7 +84,7 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
-    """Return the sentence with the invariants that hold and the largest of their errors."""
+    """Return the sentence that lists the satisfied invariants and the largest of their errors."""
     kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
     *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
     return f"{' and '.join(filter(None, [', '.join(others), last]))} are satisfied to {max(kept.values()):.0e}"
@@ -90,9 +95,11 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     quadrature, J.
 
     The balance is that of Jacobi's integral, the energy in the frame of the hub: kinetic, belt,
-    centrifugal and gravity energy. In flight it falls at the rate c alpha'^2 - omega m g x. An
-    impact changes it by the work of the impulse less omega times the moment of the impulse.
-    Sustained contacts are left out, since the obstacle's shape prescribes their motion.
+    centrifugal and gravity energy. In flight it falls at the rate c alpha'^2 - omega m g x, where c
+    is the belt's damping, alpha the relative angle and x the place of the bristle's centre. An
+    impact changes it by the work of the impulse less omega times the moment of the impulse about
+    the hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes their
+    motion.
     """
     bristle = tool.bristle
     omega = tool.hub.speed
@@ -112,7 +119,9 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope = 2.0 * damping * relative * acceleration - omega * weight * forward
 
     def lost(at: Array) -> float:
-        """Integrate the power over samples by the trapezoidal rule with end slopes, of fourth order, J."""
+        """Return the energy lost over some samples, J: the integral of the power by the trapezoidal
+        rule with end slopes, of fourth order.
+        """
         step = np.diff(run.time[at])
         mean = 0.5 * (power[at][1:] + power[at][:-1])
         return float(step @ (mean - step / 12.0 * np.diff(slope[at])))
@@ -139,7 +148,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
-    """Return whether the rigid-body law applies to a contact.
+    """Return whether the rigid-body impact law applies to a contact.
 
     It does not apply to a sustained contact, a contact of requested duration, or a jam.
     """
@@ -148,10 +157,10 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
 
 
 def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
-    """Return the levers of the normal and tangential force of a contact, m.
+    """Return the lever arms of the normal and the tangential force of a contact, m.
 
     Returns:
-        Moments of unit forces about the hub's centre, and about the root.
+        The two arms about the hub's centre, and the two arms about the root.
     """
     lines = wire_lines(
         tool, run.hub_angle[:1] + run.hub_speed * contact.time, np.array(contact.angles)
@@ -164,7 +173,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     """Return the deepest overlap of wire and obstacle at any sample, over the wire's length; 0
     without overlap.
 
-    A contact resolved in time over a requested duration leaves a crater, which is no error.
+    A contact of requested duration enters the workpart, which is no error.
     """
     depths = [0.0]
     if tool.workpart is not None and (
@@ -181,7 +190,9 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Return the errors of the impact law at the first strike; empty if that law does not apply."""
+    """Return the errors of the impact law at the first strike; empty if the law does not apply
+    there.
+    """
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
         return {}
@@ -213,13 +224,16 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
 
 
 def complex_points(points: Any) -> Points:
-    """Return points or vectors, with coordinates in the last axis, as complex numbers."""
+    """Return points or vectors as complex numbers x + i y; the last axis of ``points`` holds x and
+    y.
+    """
     return np.asarray(points @ np.array([1.0, 1j]))
 
 
 def wire_lines(tool: Tool, hub_angle: Array, angle: Array) -> Points:
-    """Return the corners of the wire's centre line, from root to tip, shape (n, corners); angles in
-    rad.
+    """Return the corners of the wire's centre line, from root to tip, shape (n, corners).
+
+    ``hub_angle`` and ``angle`` are the angles of hub and wire, rad, shape (n,).
     """
     path = complex_points(np.array([(0.0, 0.0), *tool.bristle.path]))
     return np.asarray(
@@ -229,16 +243,21 @@ def wire_lines(tool: Tool, hub_angle: Array, angle: Array) -> Points:
 
 
 def levers(normal: Points, point: Points) -> Array:
-    """Return the moments about the origin of unit normal and tangential forces at a point, shape (n, 2), m."""
+    """Return the moments about the origin of a unit normal force and a unit tangential force at
+    each point, m, shape (n, 2).
+    """
     arm = np.conj(point) * normal
     return np.stack([arm.imag, -arm.real], axis=-1)
 
 
 def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
-    """Return the point of each centre line nearest to the bar; ``lines`` has shape (n, corners).
+    """Return the point of each centre line that is nearest to the bar.
+
+    ``lines`` are the corners of the centre lines, shape (n, corners).
 
     Returns:
-        Number of its piece, fraction along the piece, and the point.
+        The index of the straight segment on which the point is, its place on the segment as a
+        fraction, and the point.
     """
     assert tool.bar is not None
     centre = complex(*tool.bar.centre)
@@ -252,7 +271,9 @@ def nearest(tool: Tool, lines: Points) -> tuple[Array, Array, Points]:
 
 
 def touched(tool: Tool, obstacle: str, lines: Points) -> tuple[Points, Points]:
-    """Return the obstacle's normal and the contact point of each centre line, both of shape (n,)."""
+    """Return the obstacle's outward normal and the contact point for each centre line, both of
+    shape (n,).
+    """
     if obstacle == "workpart":
         corner = 1 + abs(lines[:, 1:].imag + tool.workpart_depth).argmin(axis=1)  # tip or knee
         return np.full(len(lines), 1j), lines[np.arange(len(lines)), corner]
