@@ -1,7 +1,8 @@
-"""A scenario's quantities over one key or two, and in sentences: how they run, where the outcome
-changes, which points lack results.
+"""A scenario's quantities as functions of one or two parameters, and sentences on them: how they
+change, where the outcome changes, and which points lack results.
 
-The quantities are those of passes in arrays where that is possible, else of single runs.
+Whole passes of a straight rigid bristle are computed in arrays, all points at once. Other scenarios
+run once for each point.
 """
 
 import functools
@@ -32,23 +33,27 @@ from bristle_sim.studies.many_passes import (
 from bristle_sim.studies.sweep_point import FAILURE, outcome_of
 from bristle_sim.studies.whole_pass import QUANTITIES
 
-FORMULA = " by formula"  # suffix of the name of a quantity's value by formula
+FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
 
 
-CODE = "outcome_code"  # name of the outcome's place in OUTCOMES, among the numbers of a run
+CODE = "outcome_code"  # name under which a run returns the index of its outcome in OUTCOMES
 
 
 @dataclass(frozen=True, slots=True)
 class Swept:
-    """Quantities over one key or two, in SI units and degrees where a name ends in ``_deg``.
+    """Quantities over one or two parameters, in SI units, or in degrees where a name ends in
+    ``_deg``.
 
     Attributes:
-        axes: values of each key.
-        values: quantities by name, arrays with an axis for each key, NaN where there is none.
-        units, labels: by name; a name without a label stands for itself.
-        failure: why a point lacks some, in words, empty where it lacks none.
-        outcome: of each pass in words; None where the scenario has none.
-        check: how far the scene agrees, in words; empty where each point is a run of its own.
+        axes: values of each parameter, by its name.
+        values: quantities by name, as arrays with one axis for each parameter; NaN where there is
+            no value.
+        units: units of parameters and quantities, by name.
+        labels: names of quantities in words; a quantity without a label is shown by its name.
+        failure: reason why a point lacks a quantity, for each point; empty where all are there.
+        outcome: outcome of the pass at each point, in words; None if the scenario has no passes.
+        check: sentence on the agreement with single simulations at some points; empty if every
+            point is a simulation.
     """
 
     axes: dict[str, Array]
@@ -61,19 +66,19 @@ class Swept:
 
     @property
     def known(self) -> dict[str, Array]:
-        """Return the quantities that have a value somewhere."""
+        """Return the quantities that have a value at one point or more."""
         return {name: each for name, each in self.values.items() if np.isfinite(each).any()}
 
     @property
     def changing(self) -> dict[str, Array]:
-        """Return the quantities that change by more than rounding."""
+        """Return the quantities that change by more than rounding error over the points."""
         known = self.known
         return {name: each for name, each in known.items() if _spread(each) > ROUNDING}
 
 
 ROUNDING = 1e-7
-"""Range of a quantity's values over their size, below which it counts as constant: tenfold the
-usual accuracy of the passes."""
+"""Largest relative range of a quantity's values at which it counts as constant: ten times the usual
+accuracy of the passes."""
 
 
 def _spread(values: Array) -> float:
@@ -82,8 +87,11 @@ def _spread(values: Array) -> float:
 
 
 def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -> Swept:
-    """Return the quantities of the whole pass over keys of a straight rigid bristle, and the
-    scene's agreement at some points."""
+    """Compute whole passes of a straight rigid bristle over one or two parameters, all points at
+    once.
+
+    Some points are simulated one by one too; ``check`` of the result states how well they agree.
+    """
     names = list(axes)
     grids = dict(zip(names, np.meshgrid(*axes.values(), indexing="ij", sparse=True), strict=True))
     passes = pass_quantities(tool, settings, **grids)
@@ -106,18 +114,20 @@ def sweep_of_runs(
     workers: Any = None,
     store: Any = None,
 ) -> Swept:
-    """Run a scenario at every combination of the values of one or two keys.
+    """Run a scenario at every combination of the values of one or two parameters.
 
     Args:
-        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError
-            of a point is its reason.
-        axes: the values of each key, in SI units.
-        workers, store: those of :func:`bristle_sim.sweep`, which raises the same errors. Without
-            both, the points are computed one after the other.
+        run: function that takes the parameters as keyword arguments and returns the scenario's
+            report. If it raises ValueError, the message is the reason why the point lacks results.
+        axes: values of each parameter, in SI units.
+        workers: processes or cluster that compute the points, as for :func:`bristle_sim.sweep`,
+            which raises the same errors.
+        store: folder that keeps finished points, as for :func:`bristle_sim.sweep`. Without workers
+            and store the points are computed one after the other.
 
     Returns:
-        The simulated values of the report's quantities; those by formula for one that is nowhere
-        simulated.
+        The simulated values of the report's quantities. A quantity that is not simulated at any
+        point has its values by formula.
     """
     function = functools.partial(_quantities, run)
     shape = tuple(len(values) for values in axes.values())
@@ -156,8 +166,9 @@ def sweep_of_runs(
 
 
 def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict[str, NDArray[Any]]:
-    """Return the results of a function at every combination of values, and the reasons of
-    failures."""
+    """Return the results of a function at every combination of the values, with the reasons of
+    failures.
+    """
     shape = tuple(len(values) for values in axes.values())
     columns: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
     points = itertools.product(*(values.tolist() for values in axes.values()))
@@ -171,8 +182,11 @@ def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Return a report's simulated values, the formula's for the others, and the reason why some may
-    be missing."""
+    """Run a scenario at one point and return its values by name: simulated ones, else those by
+    formula.
+
+    The entry ``failure`` is the reason why some values may be missing.
+    """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
     if report.outcome_in_words in OUTCOMES:
@@ -188,14 +202,15 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
 
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")
-"""Quantities that come before others."""
+"""Quantities that are described first."""
 
-NAMED = 3  # quantities that an answer names
+NAMED = 3  # largest number of quantities, and of reasons, in an answer
 
 
 def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
-    """Return how the first quantities run, where the outcome changes, why points lack results, and
-    what the scene says."""
+    """Return a sweep's answer: how the first of the chosen quantities change, where the outcome
+    changes, why points lack results, and the check.
+    """
     over = " and ".join(
         f"{key} from {shown_value(found, key, values[0])} to {shown_value(found, key, values[-1])}"
         for key, values in found.axes.items()
@@ -216,7 +231,9 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
 
 
 def shown_value(found: Swept, name: str, value: float) -> str:
-    """Return a value with its unit, of a key with the one in which it is displayed."""
+    """Return a value in words with its unit; a parameter is converted to the unit in which it is
+    displayed.
+    """
     if name in found.axes:
         unit, size = display_unit(name, found.units[name])
         return f"{plain_number(float(value) / size, 4)} {unit}".rstrip()
@@ -224,7 +241,9 @@ def shown_value(found: Swept, name: str, value: float) -> str:
 
 
 def _along(found: Swept, name: str) -> str:
-    """Return how a quantity runs over the key: it rises, falls, or has its extremes within."""
+    """Return in words how a quantity changes along the parameter: it is constant, rises, falls, or
+    has extremes in between.
+    """
     (key,) = found.axes
     values = found.values[name]
     known = np.flatnonzero(np.isfinite(values))
@@ -251,8 +270,9 @@ def _between(found: Swept, name: str) -> str:
 
 
 def _outcomes(found: Swept) -> str:
-    """Return the outcomes along the key, with the values from which they hold, or their parts of a
-    map."""
+    """Return the outcomes in words: along one parameter, the values at which the outcome changes;
+    over two parameters, the fraction of points with each outcome.
+    """
     assert found.outcome is not None
     words = found.outcome.ravel()
     if len(found.axes) > 1:
@@ -272,7 +292,7 @@ def _outcomes(found: Swept) -> str:
 
 
 def constants_in_words(found: Swept) -> list[str]:
-    """Return the quantities that do not change, with their values."""
+    """Return a phrase for each quantity that is constant over the points, with its value."""
     shown = []
     for name, values in found.known.items():
         if name not in found.changing:

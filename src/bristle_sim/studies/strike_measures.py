@@ -1,4 +1,6 @@
-"""A strike in numbers and words: the state of the bristle, impulses, works, rates and the outcome."""
+"""Measures of a strike in numbers and words: state of the bristle, impulses, works, rates and
+outcome.
+"""
 
 import math
 from typing import Any
@@ -29,16 +31,17 @@ IMPACT = {
 """Impulses, works and rates of a strike: label and unit of each quantity."""
 
 RADIAL = 0.005
-"""Largest lag of a bristle that is radial in words, deg: half a unit of the last digit shown."""
+"""Largest lag, deg, at which a sentence calls the bristle radial: half a unit of the last digit shown."""
 
 
 def state_at_strike(
     tool: Tool, run: Trajectory, contact: ContactRecord | None
 ) -> dict[str, float | None]:
-    """Return lag, relative rate and tip speed at the strike, in the units of STATE; None without a
-    contact.
+    """Return lag, relative rate and tip speed at the strike, in the units of STATE; they are None
+    without a contact.
 
-    The links of a wire that bends vibrate. Its lag and rate are those of the line from root to tip.
+    The links of a wire that bends vibrate. Its lag and rate are therefore those of the straight
+    line from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
@@ -63,15 +66,15 @@ def state_at_strike(
 
 
 def beside_radial(lag: float) -> str:
-    """Return a lag in degrees as words, for example ``2.74° short of radial``."""
+    """Return a lag, deg, in words, for example ``2.74° short of radial``."""
     if abs(lag) < RADIAL:
         return "radial"
     return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return impulses, works and rates of a contact, in the units of IMPACT; None where the law has
-    none.
+    """Return impulses, works and rates of a contact, in the units of IMPACT; a quantity that the
+    contact law does not give is None.
     """
     if contact is None:
         return dict.fromkeys(IMPACT)
@@ -91,8 +94,10 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
 
 
 def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
-    """Return the outcome of a contact as fields of a report: its name, the words for it in
-    sentences, and the contact's phases. A jam is reported as stiction.
+    """Return the outcome of a contact as fields of a report: the outcome's name, its words in
+    sentences, and the phases of the contact.
+
+    A jam is reported as ``stiction``.
     """
     if contact is None:
         return {"outcome": "no contact", "outcome_in_words": "does not strike"}
@@ -104,14 +109,16 @@ def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
 
 
 LARGEST_MAGNIFICATION = 10.0
-"""Largest magnification of the impulse by friction without a warning: there 1 % more friction
-changes the impulse by about 10 %."""
+"""Largest factor by which friction may magnify the impulse without a warning. At this factor 1 % more
+friction changes the impulse by about 10 %."""
 
 
 def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
-    """Return a clause that says where a strike's impulse is outside its model, and the remedy; empty where it is not.
+    """Return a warning clause, with the remedy, if a strike's impulse cannot be trusted; empty if
+    it can.
 
-    ``bends_at_once``: whether a wire of several links strikes in an instant; its impulse shrinks with the links without limit.
+    ``bends_at_once``: whether a wire of several links strikes in an instant. The impulse of that
+    model goes to zero as the number of links grows.
     """
     if bends_at_once:
         return (

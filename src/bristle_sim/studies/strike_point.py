@@ -1,4 +1,6 @@
-"""A pass up to its strike at other values of a tool's keys: one point of a map or sweep."""
+"""A pass up to its strike with some of the tool's parameters changed: one point of a map or a
+sweep.
+"""
 
 import dataclasses
 import math
@@ -26,18 +28,22 @@ STRIKE_UNITS = {
     },
     "crater_depth": "m",
 }
-"""Units of the measures of a cued strike."""
+"""Unit of each measure of a cued strike."""
 
 
 class NotCuedError(ValueError):
-    """Error: the pass has no strike that the bar has cued."""
+    """Raised for a pass without a cued strike: the bristle must touch the bar, leave it, and then
+    strike the workpart.
+    """
 
 
 def strike_of_keys(
     settings: Settings | None = None, tool: Tool | None = None, /, **values: float
 ) -> dict[str, float | None]:
-    """Return the measures of the strike of a tool with other values of its keys, in the units of
-    STRIKE_UNITS.
+    """Simulate a pass with some of the tool's parameters changed, and return the measures of its
+    strike, in the units of STRIKE_UNITS.
+
+    ``values`` are the changed parameters by name.
 
     Raises:
         ValueError: if the run exceeds the step budget, or has no cued strike.
@@ -50,11 +56,11 @@ def strike_of_keys(
 
 
 def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the measures of the strikes of tools at arrays of their keys, in the units of
-    STRIKE_UNITS.
+    """Return the measures of the strikes of many tools, in the units of STRIKE_UNITS.
 
-    They are computed in arrays where that is possible, else by the scene, one at a time. A strike
-    that the bar has not cued, or none, is NaN; ``failure`` has the reason.
+    The tools differ in ``values``, arrays of parameters by name. They are computed in arrays where
+    that is possible, otherwise simulated one at a time. Without a cued strike the measures are NaN,
+    and ``failure`` has the reason.
     """
     if unable(tool):
         return _strikes_by_scene(settings, tool, values)
@@ -97,9 +103,9 @@ def _strikes_by_scene(
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
-    """Return lag and relative speed at the strike of a pass with a bar.
+    """Simulate a pass with the given bar, and return the lag and the relative speed at its strike.
 
-    Without a strike they are None, and ``no_strike`` states the reason.
+    Without a cued strike they are None, and ``no_strike`` is the reason.
     """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
@@ -113,12 +119,11 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the measures of the strike of a bristle that the bar has cued; an unknown measure is
-    None.
+    """Return the measures of a cued strike; a measure that is not known is None.
 
     Raises:
-        NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or
-            while it touches it.
+        NotCuedError: if the bristle does not strike, or has not touched the bar before, or still
+            touches it.
     """
     strike = run.first_contact("workpart")
     if strike is None:
@@ -137,9 +142,10 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
-    """Return the depth, m, of the crater of a contact, along the tip's velocity before it.
+    """Return the depth of the crater that a contact cuts, m, along the tip's velocity before the
+    contact.
 
-    It is None if the tip does not enter the workpart obliquely, or the law has no work.
+    It is None if the tip does not enter the workpart obliquely, or the contact law gives no work.
     """
     normal, tangential = contact.velocity_before
     entry = math.atan2(-normal, abs(tangential))
@@ -154,14 +160,20 @@ def crater_depth(
     entry: float,
     wire_diameter: float,
 ) -> float:
-    """Return the depth of a crater whose chip takes the energy that the tip loses in compression,
-    m.
+    """Return the depth of a crater, m, whose chip takes the energy that the tip loses in
+    compression.
 
-    The tip, as wide as the wire, cuts straight along its velocity, at the angle ``entry`` to the
-    surface, rad, into API 5L steel. The shear plane ends at the inclined surface
-    (theory/crater_cutting.py).
+    The tip is as wide as the wire. It cuts straight along its velocity into API 5L steel. The shear
+    plane ends at the real surface, inclined to the path (theory/crater_cutting.py).
 
-    Raises ValueError for a wire without thickness.
+    Args:
+        compressive_work: work of the normal and of the tangential force in compression, J.
+        friction: friction between chip and tip.
+        entry: angle between the tip's velocity and the surface, rad.
+        wire_diameter: diameter of the wire, m.
+
+    Raises:
+        ValueError: for a wire without thickness.
     """
     if wire_diameter == 0.0:
         raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")

@@ -1,9 +1,9 @@
-"""From the crater to the surface: the roughness, coverage and area an hour that a tool makes,
-crater by crater.
+"""From crater to surface: the roughness, the coverage and the area per hour that a tool makes,
+computed crater by crater.
 
-The first crater is the tip's swept path, of the depth that the contact's energy gives with the
-surface inclined (``crater_study``), or a paraboloid of given sizes. The tool places strikes on a
-piece of its track; ``ground`` cuts them.
+The first crater is the volume that the tip sweeps. Its depth follows from the contact's energy,
+with the surface inclined to the tip's path (``crater_study``). It may also be a paraboloid of given
+sizes. The tool's strikes are placed on a part of its track, and ``ground`` cuts their craters.
 """
 
 import io
@@ -32,9 +32,10 @@ from bristle_sim.theory.roughness import (
 )
 
 MEASURED_RZ = (62e-6, 83e-6)  # mean Rz on corroded API 5L, m (Stango and Khullar, NACE 09191, 2009)
-MEASURED_LENGTH = 3.25e-4  # path of the tip and width of the crater, m (Zhang 2020, figs. 4.3, 4.6)
+# Length of the tip's path and width of the crater, m (Zhang 2020, figs. 4.3, 4.6)
+MEASURED_LENGTH = 3.25e-4
 MEASURED_WIDTH = 6.51e-4
-LONG_CUTOFF = 2.5e-3  # the next cut-off of ISO 21920-3 above 0.8 mm, m
+LONG_CUTOFF = 2.5e-3  # cut-off wavelength, m: the next one above 0.8 mm in ISO 21920-3
 
 UNITS = {
     "rz": ("Rz along the slide", "m"),
@@ -64,22 +65,26 @@ UNITS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlastedSurface(EqualByValue):
-    """A piece of a blasted surface and its measures, in SI units.
+    """A part of a blasted surface and its measures, in SI units.
 
     Attributes:
-        blasting, body: the parameters, and the first crater.
-        heights: above the original plane, m, shape (across, along).
-        places, depths: of the strikes in order, m: the middle (x, y) of each outline, and the depth
-            on a plane.
-        taken: volume that each strike took, m^3.
-        course: strikes, Rz (m), coverage and mean depth (m) while the surface forms, by name.
-        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: mean over all profiles, along the slide but for
-            ``rz_across``; None where the ground is too short for the cut-off, or has no element.
-        sections_across: section lengths of the profiles across.
-        sa, sdr: of the heights less their mean, not filtered.
-        coverage, strikes_per_crater_area, mean_depth, removed_volume: of the piece.
-        removal_rate, area_rate, feed, strike_rate: of the tool.
-        crater_depth, crater_length, crater_width, crater_area, crater_volume: of the first crater.
+        blasting: parameters of the track and the ground.
+        body: shape of the first crater.
+        heights: heights above the original plane, m, shape (across, along).
+        places: middle (x, y) of each crater's outline, m, in the order of the strikes.
+        depths: depth of each crater on a plane, m.
+        taken: volume that each strike removed, m^3.
+        course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
+        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: roughness, mean over all profiles; the profiles
+            run along the slide, for ``rz_across`` across it. A value is None if the ground is too
+            short for the cut-off, or the profiles have no complete profile element.
+        sections_across: number of section lengths in the profiles across the slide.
+        sa, sdr: roughness of the unfiltered heights less their mean.
+        coverage, strikes_per_crater_area, mean_depth, removed_volume: measures of this part of the
+            surface.
+        removal_rate, area_rate, feed, strike_rate: rates of the whole tool.
+        crater_depth, crater_length, crater_width, crater_area, crater_volume: sizes of the first
+            crater.
     """
 
     blasting: Blasting
@@ -113,7 +118,7 @@ class BlastedSurface(EqualByValue):
     crater_volume: float
 
     def ground(self) -> Ground:
-        """Return the plane ground before the first strike."""
+        """Return a plane ground of the same grid, before the first strike."""
         return Ground.plane(self.body, self.blasting)
 
 
@@ -124,7 +129,7 @@ def surface(
     settings: Settings | None = None,
     **keys: Any,
 ) -> BlastedSurface:
-    """Compute a piece of the surface that a tool makes, with its roughness, coverage and area an
+    """Compute a part of the surface that a tool makes, with its roughness, coverage and area per
     hour.
 
     >>> import bristle_sim as bs
@@ -135,19 +140,21 @@ def surface(
     covered 0.98
 
     Args:
-        tool: the dissertation's by default; its pass gives the strike unless ``crater`` does.
-        crater: the strike's speed and angle, and how the tip cuts; by default the pass's own, and
-            as the dissertation's cuts.
-        settings: accuracy of the contact that is resolved in time.
-        keys: those of the scenario ``surface``, such as ``feed_speed="10 mm/s"``: numbers in SI
-            units or texts with a unit.
+        tool: the tool; the dissertation's by default. A pass of it gives the strike, unless
+            ``crater`` does.
+        crater: speed and angle of the strike, and the cutting properties of tip and workpart. By
+            default speed and angle are those of the pass, and the cutting properties those of the
+            dissertation.
+        settings: accuracy of the simulated contact.
+        keys: parameters of the scenario ``surface``, such as ``feed_speed="10 mm/s"``, as numbers
+            in SI units or texts with a unit.
 
     Returns:
-        The surface. The same seed gives the same one, bit for bit.
+        The surface. The same seed gives the same surface, bit for bit.
 
     Raises:
-        ValueError: in one line, for a key that is refused, keys that do not fit together, or a tool
-            without a strike.
+        ValueError: in one line, for a parameter that is refused, parameters that do not fit
+            together, or a tool without a strike.
     """
     tool = Tool() if tool is None else tool
     return blasted_surface(tool, crater, Blasting(**keys), settings or Settings())
@@ -156,7 +163,7 @@ def surface(
 def blasted_surface(
     tool: Tool, crater: Crater | None, blasting: Blasting, settings: Settings
 ) -> BlastedSurface:
-    """Return the surface that a tool makes; arguments as for ``surface``."""
+    """Return the surface that a tool makes; the arguments are those of ``surface``."""
     body = first_crater(tool, crater, blasting, settings)
     blasting.check_crater("crater_length", body.length)
     blasting.check_crater("crater_width", body.width)
@@ -170,10 +177,12 @@ def blasted_surface(
 def first_crater(
     tool: Tool, crater: Crater | None, blasting: Blasting, settings: Settings
 ) -> CraterBody:
-    """Return the first crater: a paraboloid where one of its sizes is given, else the path of the
-    tip.
+    """Return the shape of the first crater.
 
-    Raises ValueError if the tool has no strike that cuts.
+    It is a paraboloid if any of its sizes is given, else the volume that the tip sweeps.
+
+    Raises:
+        ValueError: if the tool has no strike that cuts.
     """
     given = (blasting.crater_depth, blasting.crater_length, blasting.crater_width)
     if None not in given:
@@ -186,7 +195,9 @@ def first_crater(
 
 
 def _own_strike(tool: Tool) -> Crater:
-    """Return the speed and angle of the strike of the tool's pass, as the dissertation's tip cuts."""
+    """Return the speed and angle of the strike in the tool's pass, with the dissertation's cutting
+    properties.
+    """
     found = ensemble(tool, accuracy=1e-6)
     speed = float(found.tip_speed_at_contact)
     if not math.isfinite(speed):
@@ -199,7 +210,10 @@ def _own_strike(tool: Tool) -> Crater:
 
 
 def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float) -> BlastedSurface:
-    """Return the surface with its measures; the tool's ``rate`` is in strikes a second."""
+    """Return the surface with its measures.
+
+    ``rate`` is the number of strikes of the tool a second.
+    """
     ground = found.ground
     depths = found.depths
     heights = ground.heights
@@ -251,10 +265,11 @@ def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float)
 def surface_study(
     hub: Hub, bristle: Bristle, crater: Crater, blasting: Blasting, settings: Settings
 ) -> Report:
-    """Blast a surface with strikes of a given speed and angle, and compare its roughness with the
-    measured one.
+    """Blast a surface with strikes of a given speed and angle, and compare its roughness with
+    measured values.
 
-    Raises ValueError for parameters that do not fit together, or a strike that does not cut.
+    Raises:
+        ValueError: for parameters that do not fit together, or a strike that does not cut.
     """
     started = clock.perf_counter()
     tool = Tool(hub=hub, bristle=bristle, bar=None, workpart=None)
@@ -298,14 +313,16 @@ def surface_study(
 
 
 def height_lines(made: BlastedSurface) -> str:
-    """Return place and height of every cell, m, as lines of three numbers: the format .xyz."""
+    """Return the heights as text in the format .xyz: one line for each cell with x, y and height,
+    m.
+    """
     text = io.StringIO()
     np.savetxt(text, np.column_stack([*height_columns(made).values()]), fmt="%.9g")
     return text.getvalue().removesuffix("\n")
 
 
 def height_columns(made: BlastedSurface) -> dict[str, Array]:
-    """Return place and height of every cell, m, row by row along the slide."""
+    """Return x, y and height of every cell, m, as columns by name, in rows along the slide."""
     across, along = np.indices(made.heights.shape)
     ground = made.ground()
     columns = (ground.step * along, ground.cell * across, made.heights)
