@@ -1,5 +1,5 @@
-"""The time-domain simulation in pymunk. Entry: ``simulate.simulate``. Inside the package all
-quantities are in engine units.
+"""The time-domain simulation in pymunk. Entry: ``simulate.simulate``. The
+computation is in engine units.
 
 In reading order; a file imports only from files below it in this list:
 

@@ -1,11 +1,13 @@
-"""Events of a run: functions whose change of sign ends a smooth motion, and the kinds of events.
+"""Events of a run: their kinds, and the functions whose change of sign ends a smooth motion.
 
-An event *triggers* in an interval (0, h] of a smooth motion if its value begins with the sign
-opposite to ``direction`` and has the sign ``direction`` at a later instant of the interval. The
-instant of the event is the first zero before that later instant. A value within its rounding at the
-beginning of a motion has no sign. It takes the sign that its kind states in
-:data:`BEGINS_POSITIVE`, or else the first sign that it has at the end of an interval. A
-``direction`` of 0 stands for both signs. :mod:`bristle_sim.scene.touches` searches for gaps that
+Every event has a function of time, its *value*. An event *triggers* in an interval (0, h] of a
+smooth motion if its value begins with the sign opposite to ``direction`` and has the sign
+``direction`` at a later instant of the interval. The event happens at the first zero of its value
+before that later instant. A ``direction`` of 0 stands for both signs.
+
+Where a motion begins, a value no larger than its rounding error has no sign of its own. Kinds in
+:data:`BEGINS_POSITIVE` then begin with a positive sign. Any other kind takes the first sign that
+its value has at the end of an interval. :mod:`bristle_sim.scene.touches` searches for gaps that
 close.
 """
 
@@ -26,17 +28,17 @@ from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.system import System
 
-# least compliance in slip, over that of a free link: with less, the force that keeps a contact
-# closed grows without bound, a jam
+# least compliance of a slipping contact, over the compliance of a free link: with less, the link
+# jams, because the force that keeps the contact closed grows without bound
 LEAST_COMPLIANCE_IN_SLIP = 1e-3
-PLACE_ROUNDING = 4e-16  # rounding of a tip's place, in the scene's unit of length
+PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
-"""Tolerance to which a spring's events are located, over the error in velocity that an interval may
-have."""
+"""Tolerance to which the events of a contact spring are located, over the permitted velocity error
+of an interval."""
 
 OVERDUE_DURATIONS = 10.0
-"""Duration of a contact in the rigid-body limit, over the expected one, above which it counts as
-pressed on, not as an impact."""
+"""Duration of a contact in the rigid-body limit, over its expected duration, above which the
+contact counts as pressed on instead of as an impact."""
 
 
 class Kind(Enum):
@@ -44,29 +46,31 @@ class Kind(Enum):
 
     TOUCH = auto()  # pair: its gap closes
     REST = auto()  # pair: its gap closes, and the impact has no restitution
-    RELEASE = auto()  # contacts: their normal forces fall to zero
+    RELEASE = auto()  # a tuple of contacts: their normal forces fall to zero
     HAND_OVER = auto()  # contact, and the pair of the neighbouring link onto which it slides
     SLIP_STOPS = auto()  # rigid contact: its slip velocity falls to zero
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
     SLIPS = auto()  # rigid contact, and the sense in which it slips from now on
-    # contact: it passes a corner of the wire, or its slip changes its sense without friction's
+    # contact: it passes a corner of the wire, or its slip reverses while friction does not
     KINK = auto()
     LOCKED = auto()  # rigid contact: no force keeps it closed
-    # number of a pair: the tip comes out of the dent that a contact in time has left
+    # index of a pair: the tip leaves the dent of an earlier contact that was resolved in time
     DENT_LEFT = auto()
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
-    # contact with a spring that unloads: the penetration exceeds the deepest one
+    # contact with a spring that unloads: the penetration exceeds its earlier maximum
     PRESSED_ON = auto()
-    RELOADING_ENDS = auto()  # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
-    REST_ENDS = auto()  # contact with a spring in slip at rest: friction no longer keeps it at rest
+    # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
+    RELOADING_ENDS = auto()
+    # contact with a spring that slips at rest in its normal direction: friction no longer holds it
+    REST_ENDS = auto()
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
     # contact with a spring that sticks: its tangential force reaches the friction cone
     CONE_REACHED = auto()
     # contact with a spring in the rigid-body limit: it lasts too long to be an impact
     OVERDUE = auto()
-    LARGEST_RETRACTION = auto()  # wire: its first link turns back towards the hub's direction
-    HIGHEST_SPEED = auto()  # wire: the rate of its only link is highest
+    LARGEST_RETRACTION = auto()  # wire: its first link begins to catch up with the hub
+    HIGHEST_SPEED = auto()  # wire: the angular velocity of its only link is highest
     RETRACTION_LIMIT = auto()  # wire: it lies on the hub
 
 
@@ -95,27 +99,29 @@ BEGINS_POSITIVE = frozenset(
         Kind.CONE_REACHED,
     }
 )
-"""Kinds whose value, by the decision at the last event, is positive where a motion begins or rises
-from zero there."""
+"""Kinds whose value is positive at the beginning of a motion, or rises from zero there: the
+decision at the last event ensures it."""
 
 TURNS = SPRING_KINDS - {Kind.OVERDUE} | {Kind.DENT_LEFT}
-"""Kinds whose value may change its sign twice within an interval."""
+"""Kinds whose value may change sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
-"""Kinds whose value contains a difference of rates over a step, with its rounding."""
+"""Kinds whose value contains the difference of two angular velocities over a step, and thus its
+rounding error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A function of an interval's result whose change of sign is an event.
+    """An event that may happen: a function of an interval's result, and the change of its sign that
+    marks the event.
 
     Attributes:
         value: the function.
         direction: -1 for a fall through zero, +1 for a rise, 0 for both.
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
-        tolerance: value to which the zero is located; None for the run's own tolerance. With a
-            tolerance, every value above rounding has a sign.
+        tolerance: tolerance of the function at the located zero; None for the run's own tolerance.
+            If it is given, a value has a sign unless it is rounding error.
     """
 
     value: Callable[[IntervalResult], float]
@@ -126,8 +132,12 @@ class Event:
 
 
 class Happening(NamedTuple):
-    """An event that has happened: its kind, its subject, and a detail such as the new sense of
-    slip.
+    """An event that has happened.
+
+    Attributes:
+        kind: kind of the event.
+        subject: contact, pair or wire of the event, as its kind states.
+        detail: new sense of slip, for an event after which a contact slips; otherwise None.
     """
 
     kind: Kind
@@ -136,8 +146,9 @@ class Happening(NamedTuple):
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
-    """Yield the events of the motion as a whole: extremes, limits, and dents that the tip
-    leaves."""
+    """Yield the events of the motion as a whole: largest retraction, highest speed, retraction
+    limit, and the tip's exit from a dent.
+    """
     mechanism = system.mechanism
     effects = system.scene.effects
     plan = system.plan
@@ -157,7 +168,9 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         return (moment + own.mass * carried) / own.inertia_about_joint
 
     def left(link: int, at: IntervalResult) -> float:
-        """Return the angle left until a wire's first link lies on the hub, rad."""
+        """Return the angle by which a wire's first link may still turn before it lies on the hub,
+        rad.
+        """
         return plan.retraction_limit - abs(
             at.state.angles[link] - mechanism.root_angle(link, at.state.time)
         )
@@ -183,8 +196,12 @@ def _gap(system: System, pair: ContactPair, at: IntervalResult) -> float:
 def contact_events(
     system: System, contacts: Sequence[ActiveContact], rigid: RigidContacts | None
 ) -> Iterator[Event]:
-    """Yield the events that change or end contacts; contacts are numbered as in the load, the rigid
-    ones first.
+    """Yield the events that change or end contacts.
+
+    Args:
+        system: the run.
+        contacts: the active contacts, the rigid ones first.
+        rigid: solver of the rigid contacts; None without rigid contacts.
     """
     for index, contact in enumerate(contacts):
         if contact.spring is not None:
@@ -202,8 +219,8 @@ def _rigid_events(
     """Yield the events of a rigid contact: it locks, is released, slips, sticks, or passes a
     corner.
 
-    A contact locks when its compliance in slip is too small: friction then jams the link, or a
-    frictionless link meets the obstacle end-on.
+    A contact locks when its compliance in slip becomes too small. With friction the link then jams;
+    without friction the link meets the obstacle end-on.
     """
     pair = contact.pair
     gaps = system.gaps
@@ -238,10 +255,11 @@ def _rigid_events(
 def _bar_events(
     system: System, contact: ActiveContact, pair: BarPair, piece: int
 ) -> Iterator[Event]:
-    """Yield the events at which a contact slides over a joint, or another piece of the same bent
-    link touches the bar.
+    """Yield the events of a bar contact that slides over a joint, or whose bent link touches the
+    bar with another segment.
 
-    The contact passes to the other piece by an impact.
+    ``piece``: index of the touching straight segment of the link. The contact passes to another
+    segment by an impact.
     """
     gaps = system.gaps
     lower, upper = system.neighbour(pair, -1), system.neighbour(pair, 1)
@@ -267,10 +285,10 @@ def _bar_events(
 def _spring_events(
     system: System, contact: ActiveContact, spring: Spring, index: int
 ) -> Iterator[Event]:
-    """Yield the events of a spring: it is compressed, unloads or reloads, and its foot stops or
-    slips.
+    """Yield the events of a contact spring: changes between loading, unloading and rest, and
+    changes between slip and stick.
 
-    The value of each event is a velocity, or a penetration or force scaled to a velocity by the
+    The value of each event is a velocity, or a penetration or force converted to a velocity by the
     contact's duration.
     """
     pair = contact.pair
@@ -298,7 +316,7 @@ def _spring_events(
         return -beyond(spring.deepest or 0.0, at)
 
     def rest_margin(which: int, at: IntervalResult) -> float:
-        """Return one of the two margins of friction in slip at rest, scaled to a velocity."""
+        """Return a margin of friction of a contact that slips at rest, scaled to a velocity."""
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
@@ -306,7 +324,7 @@ def _spring_events(
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
-        """Return the margin of the tangential force to the friction limit, scaled to a velocity."""
+        """Return by how much friction could exceed the tangential force, scaled to a velocity."""
         if spring.elastic:
             force = spring.law.tangential_force(gaps.along(pair, at.state), spring.foot)
         elif at.totals:
@@ -318,15 +336,15 @@ def _spring_events(
         )
 
     def left(at: IntervalResult) -> float:
-        """Return the time left until the contact is overdue, over its expected duration."""
+        """Return the time until the contact counts as too long, over its expected duration."""
         since = at.state.time - (contact.start or at.state).time
         return OVERDUE_DURATIONS - since / duration
 
-    # It ends only contacts that follow the impact law, which would not end otherwise.
+    # This event ends contacts that follow the impact law and would not end otherwise.
     if system.follows_law(spring):
         yield Event(left, -1, Kind.OVERDUE, contact, tolerance)
-    # This value rises from zero and may fall back at once: only values within the rounding of a
-    # place count as zero.
+    # The depth below the earlier maximum rises from zero and may fall back at once: only values
+    # within the rounding error of a position count as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)
     if spring.at_rest:
         yield Event(slip_at_rest, -1, Kind.FOOT_STOPS, contact, tolerance)

@@ -1,8 +1,8 @@
-"""The locator of events: the instant within an interval of motion at which an event's value is
-zero.
+"""The location of events: find the instant within an interval of motion at which an event's value
+is zero.
 
-The zero is first estimated on the polynomial through the interval's states. The engine is then run
-again from the interval's start over a shorter time, until the interval ends at the zero.
+The instant is first estimated on the polynomial through the interval's states. The engine then
+repeats the interval over a shorter time, until the interval ends at the zero.
 """
 
 from __future__ import annotations
@@ -19,44 +19,45 @@ Value = Callable[[IntervalResult], float]
 """A function of the result of an interval."""
 
 LOCATED_VALUE = 1e-3
-"""Tolerance of a located zero, over the run's accuracy times the larger value at the interval's
-ends."""
+"""Tolerance of an event's value at its located zero, over the run's accuracy times the larger of
+the values at the interval's two ends."""
 
-# rounding of the difference of two rates, scene units: of an acceleration, or a force, times the
-# interval's length
+# rounding error of the difference of two angular velocities, engine units; divided by the
+# interval's length it is the rounding error of an acceleration or a force
 RATE_ROUNDING = 1e-13
 
 EXTREME_ERROR = 0.1
-"""Error of an extreme estimated from five values, over the function's range within the interval.
-The cubic between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384
-= 1 % of the motion's amplitude."""
+"""Error of an extreme that is estimated from five values, over the function's range within the
+interval. The cubic polynomial between the states of an interval of 1.4 radians of the fastest
+motion deviates by 1.4^4/384 = 1 % of the motion's amplitude."""
 
 LONGEST_OF_A_FORCE = 0.025
 """Longest interval, in time scales of the fastest motion, in which a zero of a force is located.
-Extrapolation from h/4, h/5, h/6 and h/7 leaves h^4/840 times the force's fourth derivative, and no
-estimate shows this error."""
+Extrapolation from the steps h/4, h/5, h/6 and h/7 leaves an error of h^4/840 times the force's
+fourth derivative, and no error estimate shows it."""
 
 BEFORE_ZERO = 0.95
-"""Fraction of the time to a force's zero, by a straight line in a longer interval, after which a
-shorter interval begins."""
+"""Fraction of the estimated time to a force's zero after which a shorter interval begins. The
+estimate is linear, in a longer interval."""
 
 
-# least fraction of an interval at which an extreme counts: the function hardly changes before it
+# least position of an extreme that counts, as a fraction of the interval: before it the function
+# hardly changes
 EARLIEST_EXTREME = 0.01
 
 
 class Monitor:
-    """The sign of an event's value along one smooth motion.
+    """Follows the sign of an event's value along one smooth motion.
 
     Attributes:
-        event: the watched event.
-        noise: size below which a value has no sign.
+        event: the event.
+        noise: magnitude up to which a value has no sign.
         sign: the last sign; None while it is unknown.
     """
 
     def __init__(self, event: Event, system: System) -> None:
-        """Take the sign at the start of a smooth motion, so that a change in the motion's first
-        interval is an event too.
+        """Set the sign at the start of a smooth motion, so that a change in the first interval
+        counts as an event.
         """
         self.event = event
         self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
@@ -67,11 +68,11 @@ class Monitor:
             self.sign = self.sign_of(value)
 
     def sign_of(self, value: float) -> float | None:
-        """Return the sign of a value, or the last sign if the value has none."""
+        """Return the sign of a value; the last sign if the value is too small to have one."""
         return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
 
     def follow(self, value: float) -> None:
-        """Take the sign of a value at an interval's end.
+        """Update the sign with the value at an interval's end.
 
         A change of sign that is an event is left to the next interval, which then begins with the
         event.
@@ -84,7 +85,9 @@ class Monitor:
 def first_change(
     system: System, monitors: Sequence[Monitor], interval: Interval
 ) -> tuple[Interval, Monitor | None]:
-    """Return the interval up to the first event that triggers, and its monitor."""
+    """Return the interval shortened to the first event that triggers, and this event's monitor;
+    without an event, the whole interval and None.
+    """
     first = None
     longest = LONGEST_OF_A_FORCE * system.plan.time_scale
     for monitor in monitors:
@@ -108,8 +111,8 @@ def first_change(
 
 
 def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
-    """Return the values at both ends of an interval in which the event triggers; None in other
-    intervals.
+    """Return the values at both ends of an interval if the monitor's event triggers in it;
+    otherwise None.
     """
     event = monitor.event
     sign = monitor.sign
@@ -125,8 +128,8 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
 
 
 def _rise(value: Value, interval: Interval, instant: float) -> float:
-    """Return a time at which a value that rises from zero and ends negative is positive; 0 if there
-    is none.
+    """Return a time at which a value that rises from zero and ends negative is positive; 0 if no
+    such time is found.
     """
     time = interval.length
     while time > instant:
@@ -139,7 +142,10 @@ def _rise(value: Value, interval: Interval, instant: float) -> float:
 def _zero(
     system: System, monitor: Monitor, interval: Interval, left: float, right: float
 ) -> IntervalResult:
-    """Return the result at the zero of a value that has opposite signs at the ends of an interval."""
+    """Return the result of the interval shortened to the zero of an event's value.
+
+    ``left`` and ``right`` are the values at the interval's ends, which have opposite signs.
+    """
     integrate_to = interval.integrate_to
     instant = interval.instant
     value = monitor.event.value
@@ -177,10 +183,11 @@ def _zero(
 
 
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
-    """Return the interval up to the value's extreme, if the value changes its sign twice before the
-    interval's end.
+    """Return the interval shortened to the extreme of an event's value, if the value changes sign
+    twice within the interval.
 
-    The extreme is that of a parabola through the extreme one of five values and its neighbours.
+    The extreme is estimated by a parabola through the extreme one of five values and its two
+    neighbours. Without a double change of sign the interval is returned unchanged.
     """
     sense = -float(event.direction)
     length = interval.length
@@ -195,28 +202,28 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     slope = 0.5 * (after - before)
     at = 0.25 * (least - slope / bend) if bend > abs(slope) else 0.0
     if at < EARLIEST_EXTREME or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
-        # no double change of sign is missed if there is no extreme within, or if it is far above zero
+        # without an extreme inside, or with one far above zero, the sign does not change twice
         return interval
     part = interval.integrate_to(at * length)
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
 
 
 MOST_GUESSES = 4
-"""Most guesses for one event. One or two are enough to locate an event to rounding."""
+"""Largest number of guesses for one event. One or two locate an event to rounding error."""
 
-MOST_SECANTS = 3  # most secant steps from the end of a guess, by the accelerations there
+MOST_SECANTS = 3  # largest number of secant steps from one guess
 ROUNDED_TOLERANCES = 10.0
-"""Largest value accepted at the last guess, over the tolerance: rounding may let no guess come
-nearer."""
+"""Largest value accepted at the last guess, over the tolerance: rounding error may keep every guess
+from the tolerance itself."""
 
 SLOPE_SPAN = 1e-4  # fraction of an interval over which the slope for the first secant step is taken
-# relative tolerance of a guess on the polynomial, which is hardly more accurate
+# relative tolerance of a root of the interpolating polynomial, which is hardly more accurate
 GUESS_TOLERANCE = 1e-7
 
 MOST_MOVED = 0.1
-"""Longest time by which a result is moved on with its accelerations, over the time scale of the
-fastest motion times the square root of an interval's permitted error. If the accelerations are
-wrong by that root, the rates are off by a tenth of the permitted error."""
+"""Longest time by which a result is extrapolated with its accelerations, over the fastest motion's
+time scale times the square root of an interval's permitted error. Accelerations with a relative
+error of this root then change the rates by a tenth of the permitted error."""
 
 
 def settle(
@@ -226,11 +233,17 @@ def settle(
     near: float,
     tolerance: float,
 ) -> IntervalResult | None:
-    """Return the result, near a guessed time, at which a function of the state is zero; None if the
-    guesses do not converge.
+    """Return the interval's result at the time at which a function of the state is zero.
 
-    Each guess is followed by secant steps along the motion, with the accelerations at the guess's
-    end.
+    Each guess of the time is followed by secant steps along the motion that the accelerations at
+    the guess predict. Return None if the guesses do not converge.
+
+    Args:
+        system: the run.
+        value: function of the state.
+        interval: the interval.
+        near: first guess of the time.
+        tolerance: largest magnitude of the function that counts as zero.
     """
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
@@ -266,10 +279,10 @@ def guess(
     value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0
 ) -> float | None:
     """Return the time between ``first`` and ``last`` at which a function of the state is zero on
-    the interval's polynomial.
+    the interval's interpolating polynomial.
 
-    Return None without a change of sign. The function may be NaN where the state does not determine
-    it.
+    Return None if the function does not change sign. The function may be NaN where the state does
+    not determine it.
     """
     left = value(interval.at(first) if first else interval.start)
     right = value(interval.end.state if last == interval.length else interval.at(last))
@@ -279,19 +292,20 @@ def guess(
     return locate(lambda time: value(interval.at(time)), first, last, left, right, tolerance)
 
 
-# shortest bracket, in time and over the searched interval: the smaller one counts
+# shortest bracket, as a time in engine units and as a fraction of the searched interval; the smaller
+# of the two applies
 SHORTEST_BRACKET = 1e-15
 SHORTEST_BRACKET_FRACTION = 1e-12
 MOST_TRIALS = 110
-"""Most evaluations. A smooth function takes three to six; a jump is halved down to the last digit
-of a double."""
+"""Largest number of evaluations. A smooth function needs three to six. A jump is bisected down to
+the last digit of a double."""
 
-# least distance of a trial from the ends of the bracket, over the bracket's length, at first and
-# later: the value at an end may be rounding
+# least distance of a trial from the ends of the bracket, over the bracket's length, in the first
+# trial and in later trials: the value at an end may be rounding error
 LEAST_PART_AT_FIRST = 1e-4
 LEAST_PART = 1e-10
 
-# most evaluations at zeros of straight lines; a smooth function needs fewer
+# largest number of evaluations by false position; a smooth function needs fewer
 MOST_LINES = 30
 
 
@@ -307,13 +321,15 @@ def locate(
     """Return the root of a function between two times at which it has opposite signs, by false
     position with the weights of Anderson and Bjorck.
 
-    The value at the result is within ``tolerance``, or the result is the first time past the root.
-    The first evaluation is at ``guess`` or, without one, at the root of a straight line. After
-    ``MOST_LINES`` evaluations, as for a jump, the bracket is halved.
+    The function at the returned time is within ``tolerance`` of zero, or this time is the later end of
+    the shortest bracket of the root. The first evaluation is at ``guess``; without a guess it
+    is at the root of a straight line. After ``MOST_LINES`` evaluations, as at a jump, the bracket
+    is bisected.
 
-    N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264:
-    where two successive values have the same sign, the value at the other end of the bracket is
-    reduced by the factor by which they differ from each other.
+    N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.
+    Where two successive values have the same sign, the stored value at the other end of the bracket
+    is multiplied by 1 minus the ratio of the second value to the first, or by 1/2 if this factor is
+    not positive.
     """
     last, other = right, left
     at_last, at_other = at_right, at_left

@@ -1,4 +1,4 @@
-"""The system of a run: the scene, the plan, the present state and the record so far."""
+"""A run in progress: the scene, the plan, the present state and the record so far."""
 
 from __future__ import annotations
 
@@ -18,20 +18,23 @@ from bristle_sim.scene.spring import Spring
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
-# most growth of an interval after a contact, as a factor: a polynomial through the samples of both
-# intervals is then accurate
+# largest ratio of an interval after a contact to the interval before it: up to this ratio a
+# polynomial through the samples of both intervals is accurate
 MOST_GROWTH = 16.0
 
 SLOW_FRACTION = 1e-8
-"""Least approach of an impact with restitution, over the speed of the fastest point. Without this
-bound infinitely many ever smaller bounces would follow each other in a finite time."""
+"""Least speed of approach of an impact with restitution, over the speed of the fastest point.
+Without this bound, infinitely many ever smaller rebounds would follow each other in a finite time.
+"""
 
-LEAST_VALUE = 1e-10  # least rate, acceleration or force that has a sign, in the scene's units
+LEAST_VALUE = (
+    1e-10  # smallest magnitude of a rate, acceleration or force that has a sign, in engine units
+)
 
 
 @dataclass(slots=True)
 class Plan:
-    """A run's end conditions, accuracy and density of samples; engine units.
+    """The end conditions, accuracy and sampling of a run, in engine units.
 
     Attributes:
         end: time at which the run ends.
@@ -39,16 +42,18 @@ class Plan:
         stop_after: name of an event that ends the run; None without one.
         longest_interval: longest interval between samples.
         damped_interval: longest interval in which engine steps resolve damping.
-        maximum_steps: step budget, in engine steps with few links.
+        maximum_steps: largest number of engine steps of a mechanism with few links; a step of many
+            links counts more.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
             hinges vibrate.
-        single_contact: whether only one contact is of interest, without the extremes of the motion.
+        single_contact: whether the run is a study of a single contact, without events of the
+            motion's extremes.
         instant: shortest time resolved; within it no force moves a link by more than the accuracy.
-        shortest: longest interval in which a force that vanishes counts as vanished at the
-            interval's start.
-        first_interval: longest interval at the beginning of a contact, and least bound of the
-            intervals after it.
+        shortest: interval up to which a force that falls to zero within it counts as zero from its
+            start.
+        first_interval: longest interval at the beginning of a contact, and lower bound of the limit
+            on later intervals.
     """
 
     end: float
@@ -65,7 +70,7 @@ class Plan:
     first_interval: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """Compute the short times from the accuracy."""
+        """Compute the shortest intervals from the accuracy."""
         self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
         self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
         longest = max(self.instant, self.longest_interval / MOST_GROWTH)
@@ -77,17 +82,17 @@ class Recording:
     """The record of a run, in engine units.
 
     Attributes:
-        states: samples of the motion; two at one time are the end of one smooth motion and the
-            start of the next.
-        forces: sum of the normal contact forces on each wire at each of ``states``.
-        events: events, each with the numbers of its wires.
-        contacts: contact records, each with the numbers of its links.
-        summed: sum of the intervals' error estimates.
+        states: samples of the motion; two samples at one time are the end of one smooth motion and
+            the start of the next.
+        forces: sum of the normal contact forces on each wire, for each of ``states``.
+        events: events, each with the indices of its wires.
+        contacts: contact records, each with the indices of its links.
+        summed: sum of the error estimates of all intervals.
         error: estimated error of the last state.
-        lost: time from which the error is unknown, after an impact over which it does not grow
-            linearly; None before.
+        lost: time from which the error is unknown, because an impact does not let it grow linearly;
+            None before.
         stop_reason: why the run has stopped; None while it goes on.
-        stop_detail: the contact law's explanation of the stop reason; empty without one.
+        stop_detail: the contact law's explanation of the stop; empty without one.
     """
 
     states: list[State] = field(default_factory=list)
@@ -102,20 +107,20 @@ class Recording:
 
 
 class System:
-    """A scene on its way through a run.
+    """A run in progress.
 
     Attributes:
         scene: the scene.
         mechanism: the scene's mechanism.
         plan: plan of the run.
-        pairs: the pairs that can touch, each with its present surface: a tip in a dent touches the
-            bottom of the dent.
-        law: the impact law of the workpart; all other pairs have the energetic law.
-        gaps: gives the gaps of the pairs in any state.
+        pairs: the links and obstacles that can touch, each with its present surface: a tip in a
+            dent touches the bottom of the dent.
+        law: impact law of the workpart; the energetic law applies to all other pairs.
+        gaps: gaps of the pairs as functions of the state.
         state: the last state reached.
-        flight: integrator of motion without springs.
+        flight: integrator of motion without contact springs.
         stepper: integrator of the present motion.
-        noise: least size of a rate or an acceleration that has a sign.
+        noise: smallest magnitude of a rate or an acceleration that has a sign.
         recording: the record so far.
     """
 
@@ -133,7 +138,7 @@ class System:
         Args:
             scene: the scene.
             start: state at the start.
-            flight: integrator of motion without springs.
+            flight: integrator of motion without contact springs.
             plan: plan of the run.
             pairs: the pairs that can touch; by default those of the scene.
             law: impact law of the workpart.
@@ -155,7 +160,9 @@ class System:
 
     @property
     def slow(self) -> float:
-        """Speed below which the rest of an approach or of a rebound is ignored."""
+        """Speed, in engine units, below which a contact point counts as neither approaching nor
+        rebounding.
+        """
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
     def law_of(self, pair: ContactPair) -> ContactLaw:
@@ -163,20 +170,25 @@ class System:
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
 
     def follows_law(self, spring: Spring) -> bool:
-        """Return whether a contact with a spring ends as the impact law predicts: in the rigid-body
-        limit, and as the single contact of rigid links. In others the links may move noticeably.
+        """Return whether a contact with a spring ends as the impact law predicts.
+
+        It does so in the rigid-body limit, and if it is the only contact of rigid links. In any
+        other contact the links may move noticeably while the spring acts.
         """
         single = self.plan.single_contact and not self.scene.effects.hinges
         return single or not spring.finite_duration
 
     def slip_error(self, fastest: State) -> float:
-        """Return the possible error of a slip velocity in a motion whose fastest state is given; a
-        smaller slip has no known sense.
+        """Return the possible error of a slip velocity; a smaller slip velocity has no known sense.
+
+        ``fastest``: the state of the fastest motion, whose speed scales the error.
         """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
     def approach(self, pair: ContactPair) -> float:
-        """Return the normal velocity of a pair's contact point, which is negative in approach."""
+        """Return the normal velocity of a pair's contact point, in engine units; it is negative in
+        approach.
+        """
         return self.gaps.closest(pair, self.state).velocity[0]
 
     def touches(self, pair: ContactPair) -> bool:
@@ -190,10 +202,12 @@ class System:
         again: bool = False,
         state: State | None = None,
     ) -> None:
-        """Record a state, by default the present one, with the sum of the normal contact forces on
-        each wire.
+        """Record a state and the sum of the normal contact forces on each wire.
 
-        With ``again``, only the forces of the last sample are replaced.
+        Args:
+            forces: normal force of each contact.
+            again: whether only the forces of the last sample are replaced.
+            state: the state; by default the present one.
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
@@ -206,19 +220,22 @@ class System:
             self.recording.forces.append(sums)
 
     def links_of(self, pair: ContactPair) -> tuple[int, ...]:
-        """Return the numbers of the links that take part in a contact."""
+        """Return the indices of the links that take part in a contact."""
         own = pair.link % len(self.mechanism.links)
         return (own,) if pair.partner is None else (own, pair.partner)
 
     def wires_of(self, pair: ContactPair) -> tuple[int, ...]:
-        """Return the numbers of the wires that take part in a contact."""
+        """Return the indices of the wires that take part in a contact."""
         return tuple([link // self.mechanism.wire_links for link in self.links_of(pair)])
 
     def event(self, name: str, wires: Sequence[int], *, lasts: bool = False) -> None:
-        """Record an event of some wires; the run ends once every wire has had the event
-        ``stop_after``.
+        """Record an event; the run ends once every wire has had the event ``stop_after``.
 
-        If this event is a touch whose contact ``lasts``, the run ends when that contact is over.
+        Args:
+            name: name of the event.
+            wires: indices of its wires.
+            lasts: whether the event is a touch that begins a contact with a spring; the run then
+                ends only when that contact is over.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
         if name == self.plan.stop_after and not lasts and self.had_last_event:
@@ -238,14 +255,16 @@ class System:
         self.recording.contacts.append((record, self.links_of(pair)))
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
-        """End the run for a reason, with a law's explanation of it; only the first reason is kept."""
+        """End the run for a reason, with an optional explanation. Only the first reason is kept."""
         if self.recording.stop_reason is None:
             self.recording.stop_reason = reason
             self.recording.stop_detail = detail
 
     def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
-        """Return the pair of the same bar with the next link of the wire, towards the tip (1) or
-        the root (-1), or None.
+        """Return the pair of the bar and the neighbouring link of the same wire; None if there is
+        no such pair.
+
+        ``step`` is 1 for the neighbour towards the tip, -1 for the neighbour towards the root.
         """
         link = pair.link + step
         size = self.mechanism.wire_links
@@ -260,9 +279,14 @@ class System:
         """Return whether a link can touch the bar only at the joint that it shares with a neighbour
         already in contact.
 
+        Args:
+            pair: the link and the bar.
+            active: pairs in contact or separating.
+            end: state at the end of the interval.
+
         This holds if the link's point closest to the bar is that joint, now and at ``end``. If the
-        link is clear of the bar now, and another point of it is closest at ``end``, the link may
-        touch the bar by itself.
+        link is clear of the bar now, and another of its points is closest at ``end``, the link may
+        touch the bar at that other point.
         """
         if not isinstance(pair, BarPair):
             return False
@@ -280,8 +304,8 @@ class System:
         return False
 
     def at_joint(self, pair: ContactPair) -> ContactPair:
-        """Return the pair to which a touch belongs: at a joint, the pair of the link before the
-        joint, whose round end is there.
+        """Return the pair to which a touch is assigned. At a joint it is the pair of the link
+        nearer the root, whose round end lies there.
         """
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):

@@ -1,7 +1,8 @@
-"""Find the first touch of a link and a pair within an interval, without missing one.
+"""Find the first touch of a link and an obstacle within an interval, without missing one.
 
-Gaps are searched on the interval's polynomial by conservative advancement (Mirtich 1996): from a
-gap g no contact can happen before g / (largest speed), so no touch is stepped over.
+Gaps are searched on the interval's interpolating polynomial by conservative advancement (Mirtich
+1996): a gap g cannot close before the time g / (largest speed), so the search never steps over a
+touch.
 """
 
 from __future__ import annotations
@@ -18,42 +19,42 @@ from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.system import System
 
 CUBIC_ERROR = 0.01
-"""Bound of the cubic's error of the gap, over the fourth power of the interval h (scene units):
-h^4/384 with a safety factor. For a rate of amplitude 1 that vibrates with the fastest frequency w,
-h^4 w^3/384 is bounded by the same factor."""
+"""Error bound of a gap on the cubic polynomial, over the fourth power of the interval h (engine
+units): h^4/384 with a safety factor. For an angular velocity of amplitude 1 that vibrates with the
+fastest frequency w, h^4 w^3/384 is bounded by the same factor."""
 
 QUINTIC_ERROR = 1.3e-5
-"""Bound of the quintic's error of the gap, over the sixth power of the interval: 3.2e-6 h^6 with a
-safety factor."""
+"""Error bound of a gap on the quintic polynomial, over the sixth power of the interval h (engine
+units): 3.2e-6 h^6 with a safety factor."""
 
-# largest error of a polynomial near the start, over the error's bound times the square of the
-# fraction of the interval
+# largest error of a polynomial near the start of the interval: over the error bound, and over the
+# square of the fraction of the interval that has passed
 NEAR_START = 16.0
 SHORTEST_ADVANCE = 1e-9
-"""Least distance in time, and least length of the way, between the interval's start and a least gap
-that is not the one at the start."""
+"""Shortest time, and shortest path, from the interval's start to a minimum of the gap that is
+distinct from the start, in engine units."""
 
 LEAST_ADVANCE = (
     1.0 / 8.0
-)  # fraction of the interval; least values of the gap in between show in its slopes
-# least tolerance of the gap at a located touch: rounding of an extrapolated interval
+)  # least step of the search, as a fraction of the interval; slopes reveal a minimum within a step
+# least tolerance of the gap at a located touch: rounding error of an extrapolated interval
 GAP_TOLERANCE = 1e-13
 LOCATED_GAP = 1e-6
-"""Tolerance of the gap at a located touch, over the accuracy; the slower the approach, the larger
-the error of the time."""
+"""Tolerance of the gap at a located touch, over the run's accuracy. It is small, because the error
+of the time is the gap over the speed of approach."""
 
-# shortest interval, in the scene's time units: no shorter one is accurate, and a motion of this
-# length is an instant
+# shortest interval, in engine time units: a shorter one is not accurate, and a motion of this
+# length counts as an instant
 SHORTEST_INTERVAL = 1e-13
 OPENING = (
     1.0 / 16.0
-)  # fraction of an interval between samples in which the gap of a released pair opens, or it hops
-LEAST_HOP = 1e-6  # shortest rebound that is followed, over the interval
-MOST_HALVINGS = 40  # most halvings of a fraction of an interval, down to rounding
+)  # time in which the gap of a released pair must open, over the interval between samples
+LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, over the interval
+MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
 Found = tuple[Interval, Happening | None]
-"""The interval up to a touch, and the touch; or the interval up to a least gap without a touch, and
-None."""
+"""The interval up to a touch, and the touch; or the interval up to a minimum of the gap without a
+touch, and None."""
 
 
 def first_touch_of_all(
@@ -62,9 +63,13 @@ def first_touch_of_all(
     sustained: Sequence[ContactPair],
     separating: Sequence[ContactPair],
 ) -> Found:
-    """Return the interval up to its first touch or least gap, and the touch or None.
+    """Return the interval shortened to its first touch or near miss, and the touch or None.
 
-    Pairs in ``sustained`` contact are left out; a pair in ``separating`` must first open its gap.
+    Args:
+        system: the run.
+        interval: the interval.
+        sustained: pairs in sustained contact, which are left out.
+        separating: released pairs, whose gaps must first open.
     """
     first: Happening | None = None
     several = system.mechanism.wire_links > 1
@@ -86,7 +91,7 @@ def first_touch_of_all(
 
 
 def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
-    """Return whether a gap is closed and stays closed."""
+    """Return whether a pair's gap is closed and stays closed during the interval."""
     start = interval.start
     end = interval.end.state
     gap = system.gaps.gap
@@ -96,8 +101,8 @@ def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
 
 
 def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for a touch of a pair that the link has just left: either the gap opens first, or the
-    link comes back at once.
+    """Search for a touch of a pair that has just been released; its gap opens first, or the link
+    comes back at once.
     """
     soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     if interval.length > soon:
@@ -110,11 +115,11 @@ def _search_return(system: System, interval: Interval, pair: ContactPair) -> Fou
 
 
 def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for the end of a hop, a rebound from which the link comes back within a short
-    interval.
+    """Search for the end of a small rebound, from which the link comes back within the interval.
 
-    An interval that ends deep inside a pair is cut at the end of the hop, or where the link is
-    still above. A rebound that is over within the shortest interval is too low to follow.
+    If the interval ends inside the obstacle, it is shortened to the end of the rebound, or to an
+    instant at which the link is still outside. A rebound shorter than the shortest interval is too
+    low to follow.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
@@ -129,8 +134,8 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
 
     if instant < length and (gap := gap_at(instant)) <= 0.0:
         gap = gaps.gap(pair, integrate_to(instant).state)
-    # A hop of a single rigid link has no effect. Of several links, one may hop while another is
-    # pressed on.
+    # A small rebound of a single rigid link has no effect. Of several links, one may rebound while
+    # another is pressed on.
     low = (
         system.mechanism.single_link
         and system.law_of(pair).instantaneous
@@ -161,10 +166,11 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
 def find_touch(
     system: System, interval: Interval, pair: ContactPair, begin: float = 0.0
 ) -> Found | None:
-    """Return the interval up to its first touch, or up to a least gap where the link nearly
-    touches; None without either.
+    """Return the interval shortened to its first touch, with the touch, or to a near miss, with
+    None.
 
-    The search begins at the fraction ``begin`` of the interval, where the gap is open.
+    Return None alone if the gap stays open. The search begins at the fraction ``begin`` of the
+    interval, where the gap is open.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
@@ -179,7 +185,7 @@ def find_touch(
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
     closed = None if near is None else settle(system, gap_of, interval, near, tolerance)
     if closed is not None and gap_and_rate(closed.state)[1] <= 0.0:
-        # If the gap opened there, there would be another zero before.
+        # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     reached = interval.end if fraction == 1.0 else integrate_to(last)
     begin = begin * length
@@ -211,7 +217,9 @@ def find_touch(
 
 
 def _error(system: System, interval: Interval) -> float:
-    """Return a bound of the gap's deviation from its value on the interval's polynomial."""
+    """Return an upper bound of a gap's error on the interval's interpolating polynomial, in engine
+    units.
+    """
     length = interval.length
     middle = interval.end.middle
     error = CUBIC_ERROR * length**4 if middle is None else QUINTIC_ERROR * length**6
@@ -221,7 +229,7 @@ def _error(system: System, interval: Interval) -> float:
 
 
 Gap = Callable[[State], tuple[float, float]]
-"""The gap of a state, and its rate."""
+"""A function of the state: the gap, and its rate of change."""
 
 
 def first_touch(
@@ -231,13 +239,19 @@ def first_touch(
     interpolation_error: float = 0.0,
     begin: float = 0.0,
 ) -> float | None:
-    """Return the fraction of the interval at which the gap is closed or nearly so, on the
-    polynomial; None if it stays open.
+    """Return the fraction of the interval at which the gap on the polynomial is closed or nearly
+    closed; None if the gap stays open.
 
-    The fraction may be later than the touch, but never later than a second touch.
-    ``interpolation_error`` bounds the gap's deviation from its value on the polynomial. At a
-    fraction f the deviation is at most 16 f^2 (1 - f)^2 times this bound, because angles and rates
-    at the ends are exact.
+    The returned fraction may be later than the first touch, but is never later than a second touch.
+    The gap's error at a fraction f is at most 16 f^2 (1 - f)^2 times ``interpolation_error``,
+    because angles and rates at the interval's ends are exact.
+
+    Args:
+        mechanism: the mechanism, for its largest speed.
+        gap: function of the state: the gap, and its rate of change.
+        interval: the interval.
+        interpolation_error: upper bound of the gap's error on the polynomial.
+        begin: fraction of the interval at which the search begins.
     """
     length = interval.length
     end = interval.end
@@ -275,11 +289,10 @@ def _least(
     at_right: float,
     enough: Callable[[float, float], bool],
 ) -> tuple[float, float]:
-    """Return the place of a least gap, and the gap there, by bisection on the rate; a closed gap
-    ends the search at once.
+    """Return the position of the gap's minimum and the gap there, by bisection on the gap's rate.
 
-    The gap falls at the left end and rises at the right end. ``enough`` takes the length of the
-    bracket and the gap, and ends the search.
+    The gap falls at the left end and rises at the right end. A closed gap ends the search at once.
+    So does the function ``enough`` of the bracket's length and the gap, when it is true.
     """
     value = at_right
     while not enough(right - left, value):
