@@ -35,8 +35,8 @@ Pusher = Callable[[Vector, Vector], None]
 next step."""
 
 
-# number of links that double the price of a step; measured, the solver of the joints takes 17, 21,
-# 31 and 60 us for 8, 16, 32 and 64 links
+# number of links up to which a step counts once in ``work``; measured, the solver of the joints
+# takes 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 LINKS_OF_A_STEP = 32
 
 
@@ -50,8 +50,8 @@ class EngineSteps:
         space: the pymunk space.
         joints: the pivots of the links.
         steps: number of steps taken.
-        work: number of steps weighted by size: a step counts once for every ``LINKS_OF_A_STEP``
-            links.
+        work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
+            part of them.
         place: sets positions and velocities of all bodies.
     """
 

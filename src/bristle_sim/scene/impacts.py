@@ -1,11 +1,11 @@
 """Impact laws.
 
-An instantaneous law takes a scene, a state and a pair, and returns the state after the impact and
-the contact record. A law that resolves the contact in time returns a spring instead, which acts in
-the run's own loop (:mod:`bristle_sim.scene.compliant`).
+An instantaneous law takes a scene, a state and a pair of bodies, and returns the state after the
+impact and the contact record. A law that simulates the contact over its duration
+(:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
 
-To add a law, write a subclass of :class:`ContactLaw`, name it in ``contact_law`` of that module and
-among the words of ``Contact.law``.
+To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
+:mod:`bristle_sim.scene.compliant` return it, and add its name to the words of ``Contact.law``.
 """
 
 from __future__ import annotations
@@ -30,8 +30,12 @@ from bristle_sim.trajectory import ContactRecord
 def energetic_at(
     pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0
 ) -> Impact:
-    """Return the impact of a pair of rigid bodies with energetic restitution;
-    ``tangential_compliance`` is eta^2.
+    """Return the impact of a pair of rigid bodies by the law of energetic restitution.
+
+    Args:
+        pair: the pair, with its coefficients of friction and restitution.
+        space: contact-space inverse mass matrix, and the velocity at the contact point.
+        tangential_compliance: tangential compliance eta^2, dimensionless.
     """
     coefficients = pair.friction, pair.restitution, pair.restitution_friction
     further = space.stick_compliance, tangential_compliance
@@ -52,8 +56,8 @@ class ContactLaw(ABC):
     def spring(
         self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
     ) -> Spring | None:
-        """Return the spring of a contact that is resolved in time; None if the impact is
-        instantaneous.
+        """Return the spring of a contact that is simulated over its duration; None for an
+        instantaneous impact.
 
         ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
         """
@@ -61,23 +65,28 @@ class ContactLaw(ABC):
         return None
 
     def known_to(self, error: float) -> ContactLaw:
-        """Return the law for velocities known to a relative error before the impact; here the same
-        law.
+        """Return the law adapted to the relative error of the velocities before the impact.
+
+        The base class returns the law unchanged.
         """
         del error
         return self
 
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply an instantaneous impact to the scene, and return the state after it and the contact
-        record, in engine units.
+        """Apply an instantaneous impact to the scene.
+
+        Returns:
+            The state after the impact and the contact record, in engine units.
         """
 
     def _after(
         self, scene: Scene, pair: ContactPair, before: State, **entries: Any
     ) -> tuple[State, ContactRecord]:
-        """Return the state after an impact that has changed the scene's rates, and its record with
-        the given entries.
+        """Return the state after an impact, and the contact record.
+
+        The impact must already have changed the rates in the scene. ``entries`` are the entries of
+        the record that depend on the law.
         """
         after = State(before.time, before.angles, tuple(scene.rates()))
         missing = dict.fromkeys(("compressive_impulse", "compressive_work", "restitutive_work"))
@@ -96,7 +105,12 @@ class ContactLaw(ABC):
 def contact_at(
     scene: Scene, state: State, pair: ContactPair
 ) -> tuple[ClosestApproach, ContactSpace]:
-    """Place the scene, and return a pair's closest approach and its contact space."""
+    """Place the scene's bodies at a state, and describe the contact of a pair.
+
+    Returns:
+        The closest approach of the two bodies, and the contact space: inverse mass matrix and
+        velocity at the contact point.
+    """
     scene.place(state)
     poses = scene.mechanism.poses(state)
     touch = pair.closest(poses, state.rates)
@@ -111,12 +125,11 @@ def contact_at(
 
 @dataclass(frozen=True)
 class EnergeticLaw(ContactLaw):
-    """Stronge's energetic restitution with Coulomb friction, on the scene's contact-space inverse
-    mass.
+    """The instantaneous law of Stronge's energetic restitution with Coulomb friction.
 
     Attributes:
         accuracy: relative accuracy of the velocities before the impact.
-        tangential_compliance: eta^2 of the contact.
+        tangential_compliance: tangential compliance eta^2 of the contact, dimensionless.
     """
 
     accuracy: float = 0.0
@@ -124,12 +137,16 @@ class EnergeticLaw(ContactLaw):
     name = "energetic"
 
     def known_to(self, error: float) -> EnergeticLaw:
-        """Return the law with this accuracy, if it is finer than the law's own."""
+        """Return the law with the relative error of the velocities as its accuracy, if the error is
+        smaller than the present accuracy.
+        """
         return dataclasses.replace(self, accuracy=error) if error < self.accuracy else self
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Change all bodies' velocities at once, and return the state after the impact and the
-        contact record.
+        """Apply the impact to the velocities of all bodies in the scene.
+
+        Returns:
+            The state after the impact and the contact record, in engine units.
         """
         _, space = contact_at(scene, state, pair)
         space = ending_together(space, self.accuracy)
@@ -156,12 +173,13 @@ class EnergeticLaw(ContactLaw):
 
 
 def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
-    """Return the contact space whose slip ends together with the approach, if the accuracy cannot
-    tell them apart.
+    """Return the contact space with the slip velocity corrected so that slip and approach end
+    together, if they do so within the accuracy.
 
-    A contact point with one degree of freedom, moved by it alone, has v_t/v_n = K_nt/K_nn. Its slip
-    and its approach end at one impulse. With an error of the slip the slip could end earlier, and
-    the point would stick while it still approaches.
+    A contact point that has one degree of freedom moves such that v_t/v_n = K_nt/K_nn, with its
+    slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip
+    and its approach end at the same impulse. If an error of v_t let the slip end earlier, the point
+    would stick while it still approaches.
     """
     (normal, coupling), _ = space.inverse_mass.tolist()
     if space.stick_compliance or not normal:
@@ -172,29 +190,31 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     return dataclasses.replace(space, velocity=(approach, exact)) if near else space
 
 
-ENERGETIC = EnergeticLaw()  # the law of every pair but those with the workpart
+ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the workpart
 
-# step of an engine impact, scene time units: so short that forces and motion within it are below
-# rounding
+# length of the step in which the engine resolves an impact, scene time units; so short that the
+# effect of forces and motion in it is less than rounding error
 ENGINE_STEP = 1e-12
-ENGINE_ITERATIONS = 10  # iterations of the engine's solver in that step: its default
+ENGINE_ITERATIONS = 10  # iterations of the engine's solver in this step, the engine's default
 
 
 @dataclass(frozen=True)
 class EngineLaw(ContactLaw):
-    """The engine's own contact: Newton's coefficient, and friction clamped by the accumulated
-    impulse, by iteration.
+    """The impact law of the physics engine, for comparison.
 
-    It serves for comparison. The coefficient of restitution is the engine's ``elasticity``. The law
-    has no phases and only one friction coefficient, and may gain energy where bodies are joined in
-    a chain.
+    The engine iterates with Newton's coefficient of restitution, which is its ``elasticity``, and
+    limits the tangential impulse to the coefficient of friction times the accumulated normal
+    impulse. The law has no phases and only one coefficient of friction. It may increase the energy
+    of bodies that are joined in a chain.
     """
 
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Take one engine step that is so short that only the impact happens in it; return the
-        state after it and the contact record.
+        """Let the engine resolve the impact, in a step so short that nothing else happens in it.
+
+        Returns:
+            The state after the impact and the contact record, in engine units.
         """
         scene.place(state)
         mechanism = scene.mechanism
@@ -214,10 +234,13 @@ class EngineLaw(ContactLaw):
 
 
 def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Vector:
-    """Take one engine step that resolves an impact of a placed scene; return the normal and the
-    tangential impulse on the link.
+    """Let the engine resolve an impact in one short step.
 
-    The engine uses the pair's coefficients as elasticity and friction.
+    The scene must have been placed at the state of the impact. The engine uses the pair's
+    coefficients of restitution and friction as elasticity and friction.
+
+    Returns:
+        The normal and the tangential impulse on the link, in engine units.
     """
     assert not isinstance(pair, WirePair), (
         "the engine's own contacts are those of a link with a fixed obstacle"

@@ -90,8 +90,8 @@ class ChainConstants(NamedTuple):
         arms: vectors g_kj of one wire, stored at [j, k]: from the joint of link j to the next joint
             (j < k) or to the link's centre of mass (j = k); 0 for j > k.
         moments: complex conjugate of g_kj times the mass of link k, stored at [k, j].
-        products: complex mass matrix. Entry (i, j) times exp(i (angle_j - angle_i)) has the mass
-            matrix as its real part.
+        products: complex matrix P from which the mass matrix follows: the real part of
+            P_jk e^{i (angle_k - angle_j)} is its entry (j, k).
     """
 
     tips: Complexes

@@ -1,5 +1,5 @@
-"""A single contact of a chain of rods or of a wire that bends, simulated by the run's loop; and the
-wire's frequencies.
+"""A single contact of a chain of rods or of a wire that bends, and the natural frequencies of the
+wire.
 """
 
 from __future__ import annotations
@@ -31,10 +31,19 @@ from bristle_sim.units import shown
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Rods in order from the root, at the instant of impact; SI units.
+    """A chain of uniform rods at the instant of impact; SI units.
 
-    Angles are measured from the direction that points at the surface. Rates are absolute. Both are
-    positive in the hub's sense of rotation. A root on a hub stands at ``hub_angle``.
+    Angles and rates are absolute and positive in the hub's sense of rotation. An angle is measured
+    from the direction that points at the surface.
+
+    Attributes:
+        masses: masses of the rods, kg, in order from the root.
+        lengths: lengths of the rods, m.
+        angles: angles of the rods, rad.
+        rates: angular velocities of the rods, rad/s.
+        hub_radius: radius of the hub that carries the root, m; 0 for a fixed root.
+        hub_speed: angular velocity of the hub, rad/s.
+        hub_angle: angle of the root on the hub, rad.
     """
 
     masses: tuple[float, ...]
@@ -48,7 +57,7 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """An impact of a chain, and its cost.
+    """An impact of a chain of rods, and the cost of its simulation.
 
     Attributes:
         contact: the contact record.
@@ -78,9 +87,15 @@ class ChainStrike:
 
 
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
-    """Let the last rod's tip strike a surface that it touches, by the requested contact law.
+    """Simulate the impact of a chain whose last rod touches a surface with its tip.
 
-    A tip that does not approach leaves at once, whatever the law.
+    A tip that does not approach the surface leaves it at once, whatever the contact law.
+
+    Args:
+        chain: the rods at the instant of impact.
+        surface: friction and restitution.
+        contact: parameters of the contact, with the contact law.
+        settings: numerical settings.
 
     Raises:
         ValueError: if a compliant contact does not end.
@@ -126,7 +141,7 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
 
 
 def _below(mechanism: Mechanism, start: State, part: Surface) -> WorkpartPair:
-    """Return the surface through the last link's tip."""
+    """Return the pair of the last link's tip and a workpart surface that passes through the tip."""
     height = mechanism.poses(start)[-1].tip[1]
     return WorkpartPair(-height, part.friction, part.friction_in_restitution, part.restitution)
 
@@ -142,7 +157,14 @@ UNSOLVED = {
 def struck(
     scene: Scene, start: State, pair: WorkpartPair, settings: Settings, law: ContactLaw
 ) -> tuple[State, ContactRecord, list[State]]:
-    """Simulate a contact that begins now, by its law.
+    """Simulate one contact from its first touch to its end.
+
+    Args:
+        scene: the scene.
+        start: state at the first touch.
+        pair: the tip and the surface that it touches.
+        settings: numerical settings.
+        law: contact law.
 
     Returns:
         The state after the contact, its record, and the samples of the motion.
@@ -171,14 +193,14 @@ def struck(
 
 @dataclass(frozen=True, slots=True)
 class WireStrike:
-    """A contact of a wire that bends, with samples of the motion from the first touch on; SI units.
+    """A contact of a wire that bends, with the motion from the first touch on; SI units.
 
     Attributes:
         contact: the contact record, with its history.
         time: times of the samples, s.
         angles: absolute angles of the links, rad, shape (samples, links).
-        centre_line: root, knee, joints and tip from the hub's centre, m, shape (samples, corners,
-            2).
+        centre_line: positions of root, knee, joints and tip at each sample, (x, y) from the hub's
+            centre, m, shape (samples, corners, 2).
         steps: number of engine steps.
         wall_s: wall time, s.
     """
@@ -202,10 +224,10 @@ def strike_wire(
     duration: float,
     flight: float = 0.0,
 ) -> WireStrike:
-    """Let the end of a wire strike a workpart of finite contact stiffness, which it touches.
+    """Simulate the contact of a wire whose end strikes a workpart of finite contact stiffness.
 
     The contact is a spring of stiffness k while the penetration grows, and of stiffness k/e*^2
-    otherwise. Belt and hinges act during the contact.
+    otherwise. The belt and the bending of the wire act during the contact.
 
     Args:
         tool: tool with a workpart, whose surface is moved to the wire's end; its bar is left out.
@@ -214,9 +236,9 @@ def strike_wire(
         rates: absolute rates of the links at the first touch, rad/s.
         stiffness: stiffness of the contact in compression, N/m.
         settings: numerical settings.
-        duration: expected duration of the contact, s. Samples are at most a 24th of it apart. The
-            contact of a rigid bristle is ended after ten times this duration.
-        flight: time of free motion after the release, s.
+        duration: expected duration of the contact, s. The samples are at most 1/24 of this duration
+            apart. The contact of a rigid bristle is ended after ten times this duration.
+        flight: duration of the free motion that is simulated after the release, s.
 
     Raises:
         ValueError: if the wire's end does not approach the workpart, or the contact does not end.
@@ -262,21 +284,22 @@ def strike_wire(
     )
 
 
-# angle of one link, rad, at which the mass matrix differs from the straight wire's by 5e-17 of
-# itself
+# angle by which one link is turned, rad; the mass matrix changes by the fraction 5e-17, less than
+# rounding error
 SMALL_ANGLE = 1e-8
 SHORT_STEP = 1e-8
-"""Length of a step from rest, in the scene's time units; the rates after it are proportional to
-it."""
+"""Length of the single step from rest, in scene time units; the rates after the step are
+proportional to it."""
 
 
 def wire_frequencies(tool: Tool) -> Array:
-    """Return the natural frequencies of a tool's undamped wire on a hub at rest, Hz, ascending,
-    shape (links,).
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest, Hz, in ascending
+    order, shape (links,).
 
-    Each link in turn is set at a small angle, and one engine step is taken from rest. The links'
-    rates after it, over angle and step, are a column of -M^-1 K, because no link moves before the
-    rates change.
+    They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K of
+    the links' angles. Each link in turn is set at a small angle, and one engine step is taken from
+    rest. The rates of all links after the step, divided by the angle and by the step, are a column
+    of -M^-1 K, because the engine changes the rates before any link has moved.
     """
     straight = (0.0,) * tool.bristle.links
     undamped = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)

@@ -1,8 +1,7 @@
-"""The bristle-blasting tool as a scene: from SI parameters to engine units.
+"""Building the scene of a bristle-blasting tool: from parameters in SI units to engine units.
 
-The engine's tolerances are absolute and its biases are per time unit, so results would depend on a
-scene's units. A scene therefore runs in units of its own size; every number of an impact is then
-near 1.
+The engine's tolerances are absolute, so results would depend on the units. Every scene therefore
+has units of its own, in which the quantities of an impact are of the order of 1.
 """
 
 from __future__ import annotations
@@ -22,20 +21,31 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pai
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 SLOWEST_MOTION = 1e-100
-"""Slowest rate that counts as motion, rad/s; the unit of energy that follows from a slower rate
-would be too small a number."""
+"""Smallest rate, rad/s, from which the unit of time is derived. With a smaller one the unit of
+energy would be too small for a floating-point number."""
 
 SHORTEST_PIECE = 1e-12
-"""Shortest piece of a link, over the wire's length: a knee closer to a joint is at the joint."""
+"""Shortest straight segment of a link, over the wire's length. A knee that is closer to a joint is
+taken to be at the joint."""
 
 
 class Units:
-    """SI size of one engine unit: length in m, mass in kg, time in s, and the units that follow
-    from these.
+    """The units of a scene ("engine units") in SI units.
+
+    Attributes:
+        length: unit of length, m.
+        mass: unit of mass, kg.
+        time: unit of time, s.
+        rate: unit of angular velocity, rad/s.
+        velocity: unit of velocity, m/s.
+        impulse: unit of impulse, N s.
+        force: unit of force, N.
+        energy: unit of energy, J.
+        angular_damping: unit of the damping of a torsion spring, N m s.
     """
 
     def __init__(self, length: float, mass: float, time: float) -> None:
-        """Compute the units of a scene."""
+        """Derive all units from the units of length, m, mass, kg, and time, s."""
         self.length = length
         self.mass = mass
         self.time = time
@@ -49,8 +59,9 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class Row(Declared):
-    """Bristles in one plane on one hub, each one pitch behind the one before it, and their mutual
-    friction and restitution.
+    """Several bristles in one plane on one hub, and the friction and restitution between them.
+
+    Each bristle lags the bristle before it by the pitch.
     """
 
     bristles: int = count(1, "1 <= bristles <= 100: number of bristles [requested]")
@@ -63,8 +74,11 @@ ONE_BRISTLE = Row()  # no row: a single bristle
 
 
 def tool_units(tool: Tool) -> Units:
-    """Return the units of the tool's scene: length and mass of the bristle, and the time of the
-    fastest of belt, hub and gravity.
+    """Return the units of a tool's scene.
+
+    They are the length and the mass of the bristle, and the reciprocal of the larger one of two
+    rates: the hub's speed, and the natural frequency that belt, centrifugal force and gravity give
+    the bristle.
     """
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2
@@ -79,8 +93,15 @@ def tool_units(tool: Tool) -> Units:
 def build_tool(
     tool: Tool, *, hub_start: float = START, row: Row = ONE_BRISTLE
 ) -> tuple[Scene, Units]:
-    """Return the tool's scene, with exactly the effects that its parameters ask for, and the
-    scene's units.
+    """Build the scene of a tool, with only those effects that its parameters request.
+
+    Args:
+        tool: parameters of the tool.
+        hub_start: angle of the first root at time 0, rad.
+        row: number and arrangement of the bristles.
+
+    Returns:
+        The scene and its units.
     """
     units = tool_units(tool)
     bristle = tool.bristle
@@ -109,10 +130,10 @@ def build_tool(
 
 
 def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
-    """Yield the pairs of a wire's links: every link with the bar, and tip and knee with the
+    """Yield the pairs of a wire that can touch: every link with the bar, and tip and knee with the
     workpart.
 
-    ``first`` is the number of the wire's first link.
+    ``first`` is the index of the wire's first link.
     """
     bristle = tool.bristle
     size = units.length
@@ -143,10 +164,10 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
 
 
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:
-    """Return the links of a wire, of equal length along it, in units of the bristle's length and
-    mass.
+    """Return the links of a wire, in units of the bristle's length and mass.
 
-    In the unstressed wire, whose shank is along (0, -1), all links have the same angle. The link
+    The links divide the centre line into parts of equal length. In the unstressed wire all links
+    have the same angle; at the angle 0 the shank, from root to knee, points along (0, -1). The link
     that contains the knee is bent.
     """
     size = bristle.length
@@ -158,10 +179,15 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
 def wire_hinges(
     bristle: Bristle, root_stiffness: float, units: Units
 ) -> tuple[tuple[float, float], ...]:
-    """Return (stiffness, damping) of the torsion spring in each joint between two links, in engine
-    units.
+    """Return stiffness and damping of the torsion spring in each joint between two links.
 
-    ``root_stiffness`` is the belt's stiffness, N m/rad.
+    Args:
+        bristle: parameters of the bristle.
+        root_stiffness: stiffness of the belt, N m/rad.
+        units: units of the scene.
+
+    Returns:
+        For each joint (stiffness, damping), in engine units.
     """
     if bristle.links == 1:
         return ()
@@ -177,7 +203,9 @@ def wire_hinges(
 
 
 def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
-    """Return the corners of the centre line between two distances along it from the root."""
+    """Return the part of a centre line between two distances from the root along the line, as a
+    list of its ends and corners.
+    """
     ends = [0.0, *itertools.accumulate(itertools.starmap(math.dist, itertools.pairwise(corners)))]
     inner = [each for each in ends if low + SHORTEST_PIECE < each < high - SHORTEST_PIECE]
     places = [low, *inner, high]
@@ -186,7 +214,9 @@ def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
 
 
 def _link(corners: list[Vector]) -> Link:
-    """Return a uniform wire along corners as a link whose mass is its length."""
+    """Return the link that a uniform wire through the given corners forms; its mass equals its
+    length.
+    """
     joint = corners[0]
     places = [(x - joint[0], y - joint[1]) for x, y in corners]
     pieces = [
