@@ -1,13 +1,13 @@
-"""The tool and its parts, in SI units and radians; the defaults are the dissertation's operating
-point.
+"""Parameters of the tool, its parts and the experiments, in SI units and radians.
 
-Every default names its source. "Zhang 2020" is J. Zhang, *Analysis of Bristle-Tip Impact Crater for
-Wire Impact Tool*, PhD dissertation, Marquette University, 2020.
+Every default names its source. The defaults of the tool are the operating point of "Zhang 2020": J.
+Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*, PhD dissertation, Marquette
+University, 2020.
 
-Axes: the hub's centre is the origin, x runs along the workpart in the direction in which the tip
-travels, y is the workpart's outward normal. Angles of hub and bristle are measured from the
-direction of the workpart (-y), positive in the hub's sense of rotation. A bristle at the angle phi
-points from its root along (sin phi, -cos phi).
+The hub's centre is the origin. The axis x runs along the workpart in the direction in which the tip
+travels; y is the workpart's outward normal. Angles of hub and bristle are measured from the
+direction of the workpart (-y) and are positive in the hub's sense of rotation. A bristle at the
+angle phi points from its root along (sin phi, -cos phi).
 """
 
 from bristle_sim.parameters.blasting import Blasting

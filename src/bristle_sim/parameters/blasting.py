@@ -1,5 +1,5 @@
-"""Parameters of a blasted surface: how craters meet, where they fall, the ground that is looked at,
-and the measurement.
+"""Parameters of a blasted surface: its craters, where the strikes fall, the simulated area of the
+workpart ("ground"), and the roughness measurement.
 """
 
 from dataclasses import dataclass
@@ -7,9 +7,10 @@ from typing import Any
 
 from bristle_sim.declared import ANY, Declared, choice, count, quantity
 
-MOST_CELLS = 1e7  # cells across times along of a ground; twice as many are kept, 160 MB a copy
-LEAST_CELLS = 2.0  # cells of a crater along and across, below which its shape is lost
-SECTIONS = 5.0  # section lengths of a profile along the slide
+# largest number of square cells of a ground; it is stored with twice as many, 160 MB per copy
+MOST_CELLS = 1e7
+LEAST_CELLS = 2.0  # least number of cells over the length and over the width of a crater
+SECTIONS = 5.0  # number of section lengths (cut-off wavelengths) in a profile along the slide
 
 
 def _crater_size(key: str, words: str) -> Any:
@@ -19,19 +20,21 @@ def _crater_size(key: str, words: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Blasting(Declared):
-    """A blasted surface: the craters' sizes if they are given, their rule and places, the tool's
-    feed, the ground, and the measurement.
+    """A blasted surface: its craters, the strikes, the tool's feed, the simulated area of the
+    workpart ("ground"), and the roughness measurement.
 
-    ``coverage`` and ``areal_ratio`` end the blasting, and the feed follows; without them
-    ``feed_speed``, ``track_width`` and ``passes`` decide.
+    If ``coverage`` or ``areal_ratio`` is given, blasting ends when it is reached, and the feed
+    follows from it. Otherwise ``feed_speed``, ``track_width`` and ``passes`` determine the number
+    of strikes. The slide is the direction in which the tip slides along the workpart.
 
-    Raises ValueError for both, a cut-off longer than a fifth of the profile, a given crater of less
-    than two cells or larger than the ground, or a ground of too many cells.
+    Raises ValueError if both ``coverage`` and ``areal_ratio`` are given, if the cut-off wavelength
+    is longer than a fifth of the ground or shorter than two cells, if a given crater is smaller
+    than two cells or larger than the ground, or if the ground has too many cells.
     """
 
     crater_rule: str = choice(
-        "crater_rule: how a crater meets an earlier one: it removes the volume that its energy affords, or nothing below a"
-        " first crater's depth under the original plane, or goes as deep below the ground's mean under it"
+        "crater_rule: depth of a crater where it meets earlier ones: it removes the volume that its energy affords, or ends at"
+        " a first crater's depth below the original plane, or goes as deep below the mean height of the ground under it"
         " [chosen: the hub follows the ground, so that every strike has the first one's energy]",
         *("energy", "plane", "ground"),
     )
@@ -45,13 +48,14 @@ class Blasting(Declared):
     )
     areal_ratio: float | None = quantity(
         None,
-        "0 < areal_ratio <= 100: sum of the craters' areas over the ground's that ends the blasting; none: by the feed"
+        "0 < areal_ratio <= 100: sum of the craters' areas over the area of the ground at which blasting ends; none: the feed"
+        " decides"
         " [none: feed and passes decide]",
         usual=ANY,
     )
     coverage: float | None = quantity(
         None,
-        "0 < coverage <= 0.9999: struck fraction of the ground that ends the blasting; none: by the feed"
+        "0 < coverage <= 0.9999: struck fraction of the ground at which blasting ends; none: the feed decides"
         " [none: feed and passes decide]",
         usual=ANY,
     )
@@ -62,7 +66,7 @@ class Blasting(Declared):
     )
     ground_length: float = quantity(
         0.02,
-        "1e-6 <= ground_length <= 1 m: length of the ground along the slide; what leaves one end enters the other"
+        "1e-6 <= ground_length <= 1 m: length of the ground along the slide; a crater that crosses one end goes on at the other"
         " [chosen: 25 section lengths of 0.8 mm]",
     )
     ground_width: float = quantity(
@@ -93,18 +97,18 @@ class Blasting(Declared):
     passes: int = count(1, "1 <= passes <= 1000: passes over the same track [chosen]")
     depth_scatter: float = quantity(
         0.015,
-        "0 <= depth_scatter <= 0.33: standard deviation of a strike's depth over its mean, normal, cut off at three times"
+        "0 <= depth_scatter <= 0.33: standard deviation of a crater's depth over its mean, normally distributed, cut off at three standard deviations"
         " [from the spreads of the scenario tolerances]",
         usual=ANY,
     )
     place_scatter: float | None = quantity(
         None,
-        "0 <= place_scatter <= 1 m: standard deviation of the places across the slide about their plane; none: half of"
-        " the distance of two planes [assumed: wires yield sideways, and a hand sways]",
+        "0 <= place_scatter <= 1 m: standard deviation of the strikes' positions across the slide about their plane; none: half of"
+        " the distance between two planes [assumed: wires yield sideways, and a hand sways]",
         usual=ANY,
     )
     seed: int = count(
-        1, f"0 <= seed <= {2**32 - 1}: of the places and depths that are random [chosen]"
+        1, f"0 <= seed <= {2**32 - 1}: seed of the random positions and depths [chosen]"
     )
 
     def __post_init__(self) -> None:
@@ -133,8 +137,14 @@ class Blasting(Declared):
                 self.check_crater(key, size)
 
     def check_crater(self, key: str, size: float) -> None:
-        """Raise ValueError unless a crater's length or width, m, is at least two cells and at most
-        the ground's.
+        """Check that a crater's length or width, m, is at least two cells and fits on the ground.
+
+        Args:
+            key: ``crater_length`` or ``crater_width``.
+            size: length or width of the crater, m.
+
+        Raises:
+            ValueError: for any other size.
         """
         ground = self.ground_length if key == "crater_length" else self.ground_width
         least = LEAST_CELLS * self.cell

@@ -1,4 +1,4 @@
-"""Parameters of experiments, as a release, a strike or a pendulum, and of studies of many runs."""
+"""Parameters of single experiments (release, strike, pendulum) and of studies of many passes."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 
 def speed_ratio_at_strike() -> Any:
-    """Declare the ratio of the bristle's rate to the hub's speed at the strike."""
+    """Declare the field for the ratio of the bristle's rate to the hub's speed at the strike."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
     return quantity(
         3.23,
@@ -20,7 +20,9 @@ def speed_ratio_at_strike() -> Any:
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
-    """Declare the impact angle gamma, deg."""
+    """Declare the field for the impact angle gamma, deg, with its source, largest value and
+    meaning.
+    """
     return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg: {meaning} [{source}]")
 
 
@@ -45,20 +47,27 @@ class Strike(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
-    """Stiffness of a contact resolved in time.
+    """Stiffness of the contact between tip and workpart, given by the contact's duration.
 
-    It is given by a duration: half periods of a frictionless spring on the inverse mass K of a
-    rigid bristle.
+    The duration T is the duration that the contact of a rigid bristle would have without friction,
+    while the bristle stays near its position at the first touch: a quarter of a period of the
+    oscillation on the spring in compression, and a quarter of a period on the spring in
+    restitution, which is 1/e*^2 times as stiff.
     """
 
     duration: float = quantity(
         7.1e-5,
-        "1e-9 <= contact_duration <= 0.01 s: half periods of a frictionless spring on K at the touch, T; a rigid"
-        " bristle is in touch some per cent longer [50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*]",
+        "1e-9 <= contact_duration <= 0.01 s: duration T of the contact of a rigid bristle without friction; with friction and"
+        " its turning it is some per cent longer [50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*]",
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:
-        """Return k = (pi (1 + e*)/(2 T))^2/K_nn, N/m; K_nn is that of the rigid bristle, 1/kg."""
+        """Return the stiffness in compression k = (pi (1 + e*)/(2 T))^2/K_nn, N/m.
+
+        Args:
+            inverse_mass: normal inverse mass K_nn of the tip of the rigid bristle, 1/kg.
+            restitution: energetic coefficient of restitution e*.
+        """
         return (0.5 * math.pi * (1.0 + restitution) / self.duration) ** 2 / inverse_mass
 
 
@@ -99,7 +108,11 @@ class SinglePendulum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulum(Declared):
-    """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
+    """Stronge's double pendulum: two rods of equal length, of which the second strikes with its
+    end.
+
+    The first rod, on the fixed hinge, is ``mass_ratio`` times as heavy as the second.
+    """
 
     mass: float = quantity(
         5.0,
@@ -122,7 +135,7 @@ class DoublePendulum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
-    """Bristles in one row, and friction and restitution between two wires."""
+    """Several bristles in one row, with friction and restitution between two wires."""
 
     bristles: int = count(
         2,
@@ -143,7 +156,7 @@ class Neighbours(Declared):
         f"0 <= neighbour_restitution <= 1: energetic coefficient of restitution between two wires [{STEEL_ON_STEEL}]",
     )
     search: str = choice(
-        "search: whether the least pitches are also searched on simulated rows"
+        "search: whether the least pitches are also determined by simulating rows"
         " [chosen: it takes some twenty rows of two bristles]",
         *("yes", "no"),
     )
@@ -151,7 +164,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """The choice whether a run is also compared with the independent solution."""
+    """The choice whether a result is compared with the independent solution of the same problem."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"
@@ -166,12 +179,14 @@ MEDIUM = "ISO 2768-1 medium"
 
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
-    """Resolution of the maps over the bar's position."""
+    """Resolution and extent of the maps over the bar's position."""
 
-    points: int = count(121, "2 <= map_points <= 2000: points of each axis of the maps [chosen]")
+    points: int = count(
+        121, "2 <= map_points <= 2000: number of points along each axis of the maps [chosen]"
+    )
     half_width: float = quantity(
         0.008,
-        "0 < map_half_width <= 10 m: least half-width of the maps, which show the bar and the places that were found"
+        "0 < map_half_width <= 10 m: least half-width of the maps; they are wider where the bar or its best positions require it"
         " [chosen]",
     )
 
@@ -194,14 +209,16 @@ class Assembly(Declared):
 
 
 def _spread(default: float, key: str, unit: str, source: str) -> Any:
-    meaning = f"half-width of the interval of {key}"
+    meaning = f"half-width of the interval in which {key} varies"
     return quantity(default, f"0 <= spread_{key} <= 1e6 {unit}: {meaning} [{source}]", usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)
 class Spreads(Declared):
-    """Half-widths of the intervals of the inputs, in the inputs' units; an input with 0 stays at
-    its value.
+    """Half-widths of the intervals in which the inputs of a tolerance study vary, in the units of
+    the inputs.
+
+    An input with half-width 0 keeps its value.
     """
 
     hub_speed: float = _spread(
@@ -230,19 +247,22 @@ class Spreads(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Sampling(Declared):
-    """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
+    """Number and seed of the samples from which a study computes sensitivity indices.
 
-    A Sobol sequence of 26 dimensions has two for each of 13 inputs. Its first 64 points leave pairs
-    of dimensions correlated, so indices are off by up to 0.4. With 128 points the error is 0.2,
-    with 256 points 0.1, with 512 points 0.03 (tried on a linear model). The samples are divided
-    among sixteen sequences, whose scatter shows such errors.
+    A study with d inputs simulates (d + 2) passes for each sample. The samples are points of Sobol
+    sequences with two dimensions for each input. The first points of a sequence leave pairs of
+    dimensions correlated: on a linear model with 13 inputs the error of the indices was up to 0.4
+    with 64 points, 0.2 with 128, 0.1 with 256 and 0.03 with 512. The samples are divided among
+    sixteen sequences, whose scatter shows such errors.
     """
 
     samples: int = count(
         2**14,
-        f"32 <= samples <= {2**20}: points of the Sobol sequences, a power of 2 [chosen: indices to some 0.01, of 245,760 passes for the 13 inputs]",
+        f"32 <= samples <= {2**20}: number of points of the Sobol sequences, a power of 2 [chosen: error of the indices about 0.01, with 245,760 passes for 13 inputs]",
     )
-    seed: int = count(1, f"0 <= seed <= {2**32 - 1}: of the sequence's scrambling [chosen]")
+    seed: int = count(
+        1, f"0 <= seed <= {2**32 - 1}: seed of the scrambling of the sequences [chosen]"
+    )
 
     def __post_init__(self) -> None:
         Declared.__post_init__(self)

@@ -1,4 +1,6 @@
-"""Parameters of force history, crater, measured impacts and the map of the film."""
+"""Parameters of force histories, craters, measured impacts, and the map over contact stiffness and
+wire damping.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +13,17 @@ from bristle_sim.units import shown
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Declaration of a text: the name of a file or folder, or the heading or number of a column."""
+    """Declaration of a parameter whose value is a text.
+
+    Attributes:
+        key: name of the parameter on the command line and in messages.
+        source: source of the default.
+        unit: kind of the text: ``file`` or ``folder`` for a name, ``column`` for the heading or
+            number of a column.
+        meaning: meaning of the text, in words.
+        optional: whether the value may be None.
+        needs: condition on another key without which this key has no effect.
+    """
 
     key: str
     source: str
@@ -22,7 +34,7 @@ class Text:
 
     @property
     def allowed(self) -> str:
-        """The rule for the text, for messages and listings."""
+        """What the text must be, in words, for messages and listings."""
         if self.unit == "folder":
             return "the name of a folder"
         return (
@@ -32,7 +44,12 @@ class Text:
         )
 
     def check(self, value: Any) -> str:
-        """Return the text, or raise ValueError with key, value and rule."""
+        """Return the text.
+
+        Raises:
+            ValueError: if the value is no text, is empty, or names no readable file where it must;
+                the message names key, value and rule.
+        """
         if not isinstance(value, str) or not (
             _is_file(value) if self.unit == "file" else value.strip()
         ):
@@ -58,7 +75,7 @@ class Measurement(Declared):
     """A measured force history that replaces the published curve."""
 
     force_csv: str | None = _text(
-        "force_csv: measured force history: columns of time and force, perhaps with headings"
+        "force_csv: measured force history: columns of time and force, with or without headings"
         " [none: the measured points are not in print]",
         "file",
     )
@@ -93,16 +110,16 @@ class Measurement(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory(Declared):
-    """The contact that is compared with a force curve.
+    """The simulated contact that is compared with a force curve.
 
-    If ``speed_ratio`` is None, it is the ratio that gives the curve's compressive impulse. If
-    ``compression_time`` is None, it is that of the curve.
+    If ``speed_ratio`` is None, the ratio is chosen such that the contact has the curve's impulse in
+    compression. If ``compression_time`` is None, the curve's time to the highest force is used.
     """
 
     speed_ratio: float | None = quantity(
         None,
-        "0 < speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R; none: from the curve's"
-        " impulse [the one that gives the curve's compressive impulse]",
+        "0 < speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R; none: from the"
+        " impulse of the curve [the one that gives the curve's compressive impulse]",
     )
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
     compression_time: float | None = quantity(
@@ -114,7 +131,7 @@ class ForceHistory(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Crater(Declared):
-    """The cut of a bristle's tip."""
+    """The crater that a bristle's tip cuts into the workpart."""
 
     speed_ratio: float = speed_ratio_at_strike()
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
@@ -142,7 +159,7 @@ class Crater(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Measured(Declared):
-    """The law that is compared with measured impacts, and the user's own file of measured impacts."""
+    """The comparison of the impact law with measured impacts: tangential compliance and data."""
 
     tangential_compliance: float = quantity(
         1.15,
@@ -157,13 +174,14 @@ class Measured(Declared):
 
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
-    """The map over contact stiffness and wire damping.
+    """The map over contact stiffness and wire damping, and a high-speed camera.
 
-    Camera of the pass nearest to the map's best case, and folder of finished cases, are here too.
+    The camera films the simulated pass that is nearest to the best case of the map.
     """
 
     durations: int = count(
-        8, "2 <= map_durations <= 200: contact durations of the map, in equal ratios [chosen]"
+        8,
+        "2 <= map_durations <= 200: number of contact durations on the map, in equal ratios [chosen]",
     )
     shortest: float = quantity(
         5e-5,
@@ -175,7 +193,8 @@ class FilmGrid(Declared):
         " [chosen: a period of the wire's first bending mode]",
     )
     dampings: int = count(
-        6, "2 <= map_dampings <= 200: wire damping ratios of the map, closest at 0 [chosen]"
+        6,
+        "2 <= map_dampings <= 200: number of wire damping ratios on the map, closest at 0 [chosen]",
     )
     largest_damping: float = quantity(
         0.4,
@@ -183,13 +202,14 @@ class FilmGrid(Declared):
     )
     frame_rate: float = quantity(
         2e4,
-        "2000 <= frame_rate <= 1e6 1/s: frames a second of the camera [chosen: one in the printed compression time]",
+        "2000 <= frame_rate <= 1e6 1/s: frame rate of the camera [chosen: one frame in the printed compression time]",
     )
     exposure: float = quantity(
         1e-5, "1e-9 <= exposure <= 0.0005 s: time that the camera's shutter is open [chosen]"
     )
     workers: int = count(
-        2, "1 <= workers <= 64: processes for the map [chosen: a small computer's]"
+        2,
+        "1 <= workers <= 64: number of processes that compute the map [chosen: a small computer's]",
     )
     store: str | None = _text(
         "store: folder that keeps finished cases, from which an interrupted map goes on [none: nothing is kept]",

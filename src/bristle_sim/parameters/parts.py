@@ -13,12 +13,13 @@ PRINTED_BELT_STIFFNESS = (
     0.00041  # printed as "N m/rad" (Zhang 2020, eq. 2.2), which can only be meant per degree
 )
 # Usual hub speeds, rad/s: 10 to 14 000 rpm. A speed in rpm that is typed without its unit is
-# larger.
+# usually larger, and causes a warning.
 USUAL_HUB_SPEEDS = (1.0, 1500.0)
-USUAL_BELT_STIFFNESSES = (1e-3, 2.5)  # N m/rad; the printed number, which is per degree, is below
+# Usual belt stiffnesses, N m/rad. The printed value, which is per degree, is smaller.
+USUAL_BELT_STIFFNESSES = (1e-3, 2.5)
 
-# Mass (kg), length (m), diameter (m) and density (kg/m^3) of the wire (Zhang 2020, fig. 2.7, eq.
-# 2.2, sec. 4.1).
+# Printed mass (kg), length (m), diameter (m) and density (kg/m^3) of the wire (Zhang 2020, fig.
+# 2.7, eq. 2.2, sec. 4.1).
 PRINTED_MASS = 8.387e-5
 PRINTED_LENGTH = 0.027
 PRINTED_DIAMETER = 7.1e-4
@@ -43,7 +44,7 @@ SHAPE_KEYS = (
 
 @dataclass(frozen=True, slots=True)
 class Hub(Declared):
-    """Rotating hub of constant speed."""
+    """Hub that rotates at constant speed."""
 
     speed: float = quantity(
         261.8,
@@ -75,9 +76,10 @@ class Belt(Declared):
 
 
 def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
-    """Return the density times the wire's volume, kg.
+    """Return the mass of a wire, kg, from its length, m, diameter, m, and density, kg/m^3.
 
-    It is the printed mass times ratios that are 1 for the printed wire.
+    It is computed as the printed mass times ratios, so that the printed wire has exactly the
+    printed mass.
     """
     section = (diameter / PRINTED_DIAMETER) ** 2
     return PRINTED_MASS * section * (length / PRINTED_LENGTH) * (density / PRINTED_DENSITY)
@@ -86,10 +88,10 @@ def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
 @dataclass(frozen=True, slots=True)
 class Bristle(Declared):
     """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that
-    bends.
+    bends at its joints.
 
-    A mass that is not given is the density times the wire's volume; it changes if
-    ``dataclasses.replace`` changes length, diameter or density. A given mass stays.
+    A mass that is not given is the density times the wire's volume. ``dataclasses.replace``
+    computes it again, whereas a given mass stays unless it is replaced itself.
     """
 
     length: float = quantity(
@@ -105,7 +107,7 @@ class Bristle(Declared):
     )
     wire_diameter: float = quantity(
         PRINTED_DIAMETER,
-        "0 <= wire_diameter <= 10 m: thickness of the wire, half of which touches the bar"
+        "0 <= wire_diameter <= 10 m: diameter of the wire; the bar touches the wire half a diameter beside its centre line"
         " [Zhang 2020, sec. 4.1: tip ellipse]",
     )
     knee_position: float = quantity(
@@ -126,7 +128,7 @@ class Bristle(Declared):
     )
     modulus: float = quantity(
         2e11,
-        "0 < wire_modulus <= 1e15 Pa: Young's modulus of the wire, which stiffens the hinges between its links"
+        "0 < wire_modulus <= 1e15 Pa: Young's modulus of the wire, from which the stiffness of the hinges between its links follows"
         " [steel: E = 2e11 Pa]",
         needs="wire_links != 1",
     )
@@ -161,9 +163,9 @@ class Bristle(Declared):
 
     @property
     def path(self) -> tuple[Vector, ...]:
-        """Corners of the centre line from the knee, if any, to the tip, m.
+        """Corners of the centre line, m: the knee, if there is one, and the tip.
 
-        The root is the origin, and the shank points along (0, -1).
+        The root is the origin. The shank, from root to knee, points along (0, -1).
         """
         if self.knee_angle_deg == 0.0:
             return ((0.0, -self.length),)
@@ -174,12 +176,12 @@ class Bristle(Declared):
 
     @property
     def tip(self) -> Vector:
-        """End of the centre line in the axes of ``path``, m."""
+        """Tip of the wire, m, in the axes of ``path``: root at the origin, shank along (0, -1)."""
         return self.path[-1]
 
     @property
     def centre(self) -> Vector:
-        """Centre of mass in the axes of ``path``, m."""
+        """Centre of mass, m, in the axes of ``path``: root at the origin, shank along (0, -1)."""
         if self.knee_angle_deg == 0.0:
             return (0.0, -0.5 * self.length)
         (x, y), (u, v), rest = *self.path, 1.0 - self.knee_position
@@ -187,8 +189,9 @@ class Bristle(Declared):
 
     @property
     def inertia_about_centre(self) -> float:
-        """Moment of inertia about the centre of mass, kg m^2; m L^2/12 for a straight bristle
-        (2.22).
+        """Moment of inertia about the centre of mass, kg m^2.
+
+        It is m L^2/12 for a straight bristle (Zhang 2020, eq. 2.22).
         """
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 12.0
@@ -199,7 +202,8 @@ class Bristle(Declared):
     def inertia_about_root(self) -> float:
         """Moment of inertia about the root, kg m^2.
 
-        A straight piece of mass m from a to b has m (a^2 + a b + b^2)/3.
+        A straight segment of mass m from the point a to the point b, measured from the root,
+        contributes m (a.a + a.b + b.b)/3.
         """
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 3.0
@@ -213,9 +217,8 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the radius of the bar, m, that touches the wire at the printed retraction.
-
-    The bar stands at its printed position.
+    """Return the radius, m, with which a bar at the printed position touches the tip of a wire at
+    the printed retraction.
     """
     hub_radius = 0.0275
     length = PRINTED_LENGTH
@@ -227,7 +230,7 @@ def _bar_radius() -> float:
 
 @dataclass(frozen=True, slots=True)
 class Bar(Declared):
-    """Accelerator bar: a fixed, rigid circle on the incoming side."""
+    """Accelerator bar: a fixed, rigid circle on the side from which the bristles come."""
 
     radius: float = quantity(
         _bar_radius(),
@@ -256,7 +259,7 @@ class Bar(Declared):
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Centre of the bar, (-S_H, -S_V), m."""
+        """Centre of the bar, (-horizontal, -vertical), from the hub's centre, m."""
         return (-self.horizontal, -self.vertical)
 
 
@@ -282,7 +285,7 @@ class Surface(Declared):
 
     @property
     def friction_in_restitution(self) -> float:
-        """Friction mu_2 in restitution; equal to mu_1 unless given."""
+        """Coefficient of friction mu_2 during restitution; ``friction`` unless it is given."""
         return self.friction if self.restitution_friction is None else self.restitution_friction
 
 
@@ -299,22 +302,26 @@ class Workpart(Surface):
 
 @dataclass(frozen=True, slots=True)
 class Contact(Declared):
-    """Law of impact: energetic, a compliance resolved in time, or the engine's own contact."""
+    """Law of impact between tip and workpart.
+
+    ``energetic`` is an instantaneous impact with energetic restitution. ``compliant`` is a contact
+    of finite duration with a stiff spring. ``engine`` is the physics engine's own contact.
+    """
 
     law: str = choice(
-        "contact: law of impact: by energy, resolved in time on a spring, or the engine's own"
+        "contact: law of impact: instantaneous by energy, of finite duration on a spring, or the engine's own"
         " [Stronge 1990: energetic restitution]",
         *("energetic", "compliant", "engine"),
     )
     duration: float | None = quantity(
         None,
-        "1e-18 <= contact_duration <= 1 s: half periods of a frictionless spring on K at the touch; none: short"
+        "1e-18 <= contact_duration <= 1 s: duration of the first contact; of a wire that bends, as if it were rigid and without friction; none: short"
         " enough for the rigid-body limit [short enough for the rigid-body limit]",
         needs="contact = compliant",
     )
     tangential_compliance: float = quantity(
         0.0,
-        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over that along the surface,"
+        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over its stiffness along the surface,"
         " eta^2; 1.21: steel [chosen: rigid along the surface]",
         usual=ANY,
     )

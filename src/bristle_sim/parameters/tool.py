@@ -1,4 +1,4 @@
-"""The tool: hub, belt and bristle, with or without bar and workpart."""
+"""Parameters of the whole tool: hub, belt and bristle, with or without bar and workpart."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from bristle_sim.declared import Computed, Declared, declarations, quantity
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
 from bristle_sim.units import Choice, Range, displayed, likely_key, shown
 
-# Hub angle at the start of a pass, rad: a quarter turn before the direction of the workpart.
+# Default hub angle at the start of a pass, rad: a quarter of a revolution before the direction of
+# the workpart.
 START = -math.pi / 2.0
-# Turn of the hub from an earlier start to the touch of the bar, rad: far more than the rounding of
+# Hub angle, rad, between an earlier start and the touch of the bar: far more than rounding error of
 # a gap.
 CLEAR_OF_BAR = math.radians(5.0)
 
@@ -26,9 +27,11 @@ CLEAR_OF_BAR = math.radians(5.0)
 class Tool(Declared):
     """The bristle-blasting tool.
 
-    A ``bar`` or ``workpart`` of None is absent. Gravity, m/s^2, acts along -y. The default is the
-    dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), with its belt stiffness read per degree.
-    Raises ValueError for a part of the wrong class.
+    ``bar=None`` or ``workpart=None`` leaves the part out. The defaults are the dissertation's tool
+    (Zhang 2020, eqs. 2.2 and 2.3), with its belt stiffness read as per degree.
+
+    Raises ValueError for a part of the wrong class, and for a workpart or a bar that would touch
+    the hub's rim or the root circle.
     """
 
     hub: Hub = field(default_factory=Hub)
@@ -76,11 +79,11 @@ class Tool(Declared):
             )
 
     def __repr__(self) -> str:
-        """Return one line a part, in the units that an engineer reads."""
+        """Return a text of one line per part, in customary units such as mm and rpm."""
         return "\n".join(["Tool:", *(f"  {part}: {words}" for part, words in self._in_words())])
 
     def _repr_html_(self) -> str:
-        """Return a table of the parts, which a notebook shows."""
+        """Return an HTML table of the parts for display in a notebook."""
         rows = (
             f"<tr><th>{part}</th><td style='text-align:left'>{escape(words)}</td></tr>"
             for part, words in self._in_words()
@@ -88,7 +91,9 @@ class Tool(Declared):
         return f"<table>{''.join(rows)}</table>"
 
     def _in_words(self) -> list[tuple[str, str]]:
-        """Return each part with the values of its fields; a field without a value is left out."""
+        """Return (name of the part, its values in words) for each part; fields without a value are
+        left out.
+        """
         found = []
         for part, keys in tool_keys().items():
             owner = getattr(self, part) if part else self
@@ -102,15 +107,17 @@ class Tool(Declared):
         return [*found[1:], found[0]]
 
     def replace(self, **changes: Any) -> Tool:
-        """Return a tool with other values, as in ``tool.replace(hub_speed="3000 rpm", friction=0.4,
-        bar=None)``.
+        """Return a copy of the tool in which some values are changed.
 
-        Names are the keys of the command line, or those of whole parts; numbers are in SI units, or
-        texts with a unit.
+        An example is ``tool.replace(hub_speed="3000 rpm", friction=0.4, bar=None)``.
+
+        Args:
+            changes: new values by key of the command line, or whole parts by name. A value is a
+                number in SI units, or a text with a unit.
 
         Raises:
             ValueError: for an unknown name, a refused value, or a key of an absent part; the
-            message is one line.
+                message is one line.
         """
         found = dict[str, Any]()
         places = {key: part for part, keys in tool_keys().items() for key in keys}
@@ -137,8 +144,8 @@ class Tool(Declared):
     def start_hub_angle(self) -> float:
         """Hub angle at the start of a pass, rad.
 
-        By default it is -pi/2, if the wire is then clear of the bar and behind it. Otherwise the
-        start is CLEAR_OF_BAR before the wire meets the bar.
+        By default it is -pi/2 if the wire has not yet reached the bar there. Otherwise the start is
+        5 deg before the angle at which the wire meets the bar.
         """
         if self.start_hub_angle_deg is not None:
             return math.radians(self.start_hub_angle_deg)
@@ -147,14 +154,15 @@ class Tool(Declared):
 
     @property
     def bar_meeting_angle(self) -> float | None:
-        """Hub angle at which the undeflected wire first touches the bar, rad; None if it passes
-        under the bar.
+        """Hub angle at which the undeflected wire first touches the bar, rad; None if the wire
+        passes between hub and bar.
 
-        Seen from the hub's centre, with the root's direction as real axis, the bar's centre is S
-        e^{i phi}, with phi falling. The bar touches a straight piece of direction e^{i eta}, at the
-        distance h from the hub's centre, where S sin(phi - eta) = h + r_b + d/2. It touches a
-        corner rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2. The
-        touch with the largest phi comes first.
+        In complex numbers from the hub's centre, with the root's direction as real axis, the bar's
+        centre is S e^{i phi}; phi decreases while the hub turns. With the bar's radius r_b and the
+        wire's diameter d, the bar touches a straight segment of the wire, of direction e^{i eta}
+        and at the distance h from the hub's centre, where S sin(phi - eta) = h + r_b + d/2. It
+        touches a corner of the wire at rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta)
+        = (r_b + d/2)^2. The touch with the largest phi comes first.
         """
         if self.bar is None:
             return None
@@ -176,10 +184,10 @@ class Tool(Declared):
 
     @property
     def workpart_depth(self) -> float:
-        """Distance of the workpart's surface below the hub's centre, m: radius of the tip's circle
-        less Delta.
+        """Distance of the workpart's surface below the hub's centre, m.
 
-        The tip's circle of an undeflected straight bristle has the radius r_h + L.
+        It is the radius of the circle on which the undeflected tip moves, minus the penetration
+        Delta. For a straight bristle this radius is the hub's radius plus the bristle's length.
         """
         if self.workpart is None:
             raise ValueError("workpart = None: must be a Workpart where its depth is requested")
@@ -188,8 +196,9 @@ class Tool(Declared):
 
     @property
     def bar_reach(self) -> float:
-        """Distance from the bar's centre at which the wire's centre line touches the bar, r_b +
-        d/2, m.
+        """Distance of the wire's centre line from the bar's centre when they touch, m.
+
+        It is the bar's radius plus half the wire's diameter.
         """
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its reach is requested")
@@ -197,15 +206,21 @@ class Tool(Declared):
 
     @property
     def bar_clearance(self) -> float:
-        """Largest radius about the hub's centre that passes under the bar, S - r_b - d/2, m."""
+        """Largest distance from the hub's centre at which a wire passes between hub and bar, m.
+
+        It is the distance of the bar's centre from the hub's centre, minus the bar's radius, minus
+        half the wire's diameter.
+        """
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its clearance is requested")
         return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
 
     @property
     def belt_damping(self) -> float:
-        """Torsional damping c = 2 zeta sqrt(k_T I), N m s/rad; zeta is the damping ratio of the
-        bristle on the belt.
+        """Torsional damping of the belt, c = 2 zeta sqrt(k_T I), N m s/rad.
+
+        zeta is the damping ratio of the bristle on the belt, k_T the belt's stiffness, and I the
+        bristle's moment of inertia about its root.
         """
         return (
             2.0
@@ -215,7 +230,11 @@ class Tool(Declared):
 
 
 def checked_tool(tool: Any) -> Tool:
-    """Return the tool. Raises ValueError for anything else, which for a path names ``read_tool``."""
+    """Return a tool after a check that it is a ``Tool``.
+
+    Raises:
+        ValueError: for any other object; for a file name the message advises ``read_tool``.
+    """
     if not isinstance(tool, Tool):
         path = isinstance(tool, str | Path)
         advice = f"; read_tool({str(tool)!r}) reads one from a file" if path else ""
@@ -231,11 +250,11 @@ PARTS: dict[str, tuple[type, ...]] = {
     "workpart": (Workpart, type(None)),
     "contact": (Contact,),
 }
-"""Classes of a tool's parts; NoneType means that the part may be absent."""
+"""Classes of which each part of a tool must be; NoneType means that the part may be absent."""
 
 
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return the keys of each part of a tool, each with its field and declaration.
+    """Return, by name of the part and by key, the field that a key sets and its declaration.
 
     The part "" is the tool itself.
     """
@@ -247,5 +266,5 @@ def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
 
 
 def key_unit(key: str) -> str:
-    """Return the unit of a tool's key."""
+    """Return the unit in which the value of a tool's key is declared, for example ``m``."""
     return next(keys[key][1].unit for keys in tool_keys().values() if key in keys)
