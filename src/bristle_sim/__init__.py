@@ -1,5 +1,4 @@
-"""Simulation of a bristle-blasting tool in time, and its comparison with the formulas of a
-dissertation.
+"""Simulation of a bristle-blasting tool, and comparison with the formulas of a dissertation.
 
 A pass at the dissertation's operating point, with its strike:
 
@@ -10,9 +9,9 @@ A pass at the dissertation's operating point, with its strike:
 >>> print(f"{strike.outcome} at {1e3 * strike.time:.2f} ms, impulse {1e3 * strike.impulse[0]:.2f} mN s")
 rebound at 4.53 ms, impulse 2.75 mN s
 
-The names that this module exports keep their meaning from version to version; everything else may
-change. Each name is imported when it is first used, so a program that needs the impact law alone
-does not load pymunk.
+The names that this module exports keep their meaning from version to version; all other names may
+change. Each name is imported when it is first used, so a program that needs only the impact law
+does not load the physics engine pymunk.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -91,7 +90,8 @@ _MODULES = {
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
 }
-"""Module of each name, below this package; all other names are in ``parameters``."""
+"""Module, within this package, that defines each public name; public names not listed here are in
+``parameters``."""
 
 
 def __getattr__(name: str) -> Any:
@@ -111,8 +111,10 @@ def __getattr__(name: str) -> Any:
 
 
 def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
-    """Return a function that raises ImportError and names the missing extra; help and star imports
-    work without it.
+    """Return the function that replaces ``sweep`` if its optional dependencies are not installed.
+
+    It raises an ImportError that names the missing extra. Thanks to it, ``help`` and star imports
+    work without the extra.
     """
 
     def sweep(*_: Any, **__: Any) -> Any:

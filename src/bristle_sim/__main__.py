@@ -4,7 +4,10 @@ import sys
 
 
 def main() -> int:
-    """Run the command; an interrupt during the import of its modules ends in one line too."""
+    """Run the command and return its exit status.
+
+    An interrupt by the user, even while modules are being imported, ends in one line of output.
+    """
     try:
         from bristle_sim.cli.command import main as command
 

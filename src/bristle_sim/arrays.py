@@ -1,4 +1,4 @@
-"""Types for annotations, and equality of results that contain arrays."""
+"""Types of arrays and numbers for annotations, and equality of results that contain arrays."""
 
 import dataclasses
 from typing import Any
@@ -14,16 +14,17 @@ Number = Any
 
 
 class EqualByValue:
-    """Base class of dataclasses with arrays that are equal if all fields are equal; NaN equals NaN.
+    """Base class that makes dataclasses with arrays comparable by ``==``.
 
-    Such a dataclass is declared with ``eq=False``.
+    Two objects are equal if all their fields are equal; NaN in an array equals NaN. The dataclass
+    must be declared with ``eq=False``.
     """
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
-        """Return whether both objects are of one class and have equal fields."""
+        """Return whether the other object has the same class and equal fields."""
         if type(other) is not type(self):
             return NotImplemented
         names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]

@@ -1,6 +1,7 @@
-"""Comparison of simulated numbers with theory, reference and print, in tables and sentences.
+"""Comparison of simulated values with theory, an independent solution and printed values, in tables
+and sentences.
 
-A table has one row for each quantity, and one rule of agreement.
+A table has one row for each quantity. The same rule of agreement applies to every row.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 from bristle_sim.readable import WIDTH, aligned, amount, finite, readable_unit, relative_text
 
 Values = Mapping[str, float | None]
-"""Numbers by the names of their quantities; None for an unknown number."""
+"""Values by the names of their quantities; None for an unknown value."""
 
 UNKNOWN: Values = MappingProxyType({})
 
@@ -20,18 +21,18 @@ SIDES = ("simulated", "theory", "reference", "printed")
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """One quantity by simulation, theory, reference and print.
+    """One quantity, as simulated and as known from theory, an independent solution or print.
 
     Attributes:
         name: name of the quantity.
-        unit: its unit; "1" for a pure number.
-        simulated: value in the pymunk scene. This and the next three values are None if absent.
-        theory: value by a closed form.
-        reference: value by the reference, an independent solution.
+        unit: unit of the quantity; "1" for a pure number.
+        simulated: simulated value. All four values are None if absent.
+        theory: value of a closed form.
+        reference: value of the independent solution.
         printed: value printed in the dissertation.
-        tolerance: largest relative difference that agrees; absolute if the other value is 0. None
-            if a difference is a finding, not an error.
-        label: name of the quantity in tables, with its symbol; by default the name in words.
+        tolerance: largest relative difference that counts as agreement, or largest absolute
+            difference if the compared value is 0. None if a difference is a finding, not an error.
+        label: name of the quantity in tables, with its symbol; by default ``name`` in words.
     """
 
     name: str
@@ -49,10 +50,10 @@ class Quantity:
 
     @property
     def judge_name(self) -> str | None:
-        """Side with which the simulated value is compared: ``reference``, else ``theory``, else
-        ``print``.
+        """Source of the value with which the simulated value is compared.
 
-        It is the first of the three with a value, or None.
+        It is the first source that has a value: ``reference``, then ``theory``, then ``print``. It
+        is None if no source has a value.
         """
         if self.reference is not None:
             return "reference"
@@ -62,15 +63,15 @@ class Quantity:
 
     @property
     def judge(self) -> float | None:
-        """Value with which the simulated value is compared; None without one."""
+        """Value with which the simulated value is compared; None if there is no such value."""
         first = self.theory if self.reference is None else self.reference
         return self.printed if first is None else first
 
     @property
     def relative_difference(self) -> float | None:
-        """Difference of the simulated value from the compared one, over the latter's magnitude.
+        """Simulated value minus compared value, over the magnitude of the compared value.
 
-        It is None if either is missing or the compared value is 0.
+        It is None if either value is missing or the compared value is 0.
         """
         judge = self.judge
         return (
@@ -90,7 +91,7 @@ class Quantity:
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the quantity as plain values; numbers are finite or None."""
+        """Return the quantity as a dictionary for JSON; numbers are finite or None."""
         numbers = {
             name: finite(getattr(self, name))
             for name in (*SIDES, "relative_difference", "tolerance")
@@ -106,10 +107,16 @@ def rows(
     printed: Values = UNKNOWN,
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
-    """Return a quantity for each name, from the values of each side by name.
+    """Return the rows of a table: for each name in ``units`` a quantity with all its values.
 
-    ``units`` holds a unit, or a label and a unit, by name. ``tolerance`` may depend on the name; it
-    applies if there is a value to compare with.
+    Args:
+        units: unit, or (label, unit), by name.
+        simulated: simulated values by name.
+        theory: values of closed forms by name.
+        reference: values of the independent solution by name.
+        printed: printed values by name.
+        tolerance: tolerance of all quantities, or a function that returns it for a name. It applies
+            only to quantities with a value to compare with.
     """
     found = []
     for name, declared in units.items():
@@ -132,15 +139,16 @@ def rows(
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of text cells with a title and a head."""
+    """A table of texts with a title and a row of headings."""
 
     title: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def __str__(self) -> str:
-        """Return title and aligned table for a terminal; all columns but the first are aligned to
-        the right.
+        """Return title and table as text for a terminal.
+
+        The first column is aligned to the left, all others to the right.
         """
         return "\n".join([f"{self.title}:", *aligned([self.head, *self.rows], 1)])
 
@@ -158,16 +166,16 @@ class Report:
         wall_s: wall time of the computation, s.
         steps: number of engine steps.
         remarks: sentences that explain the table.
-        tables: further tables, besides that of the quantities.
-        extra: entries of the JSON that no other scenario has.
+        tables: further tables, besides the table of the quantities.
+        extra: entries of the JSON output that only this scenario has.
         subject: objects from which pictures are drawn.
-        answer: the scenario's question answered in one sentence, in a person's units; empty where
-            work was interrupted.
-        outcome_in_words: as sentences, sweeps and pages write it
-            (``ContactRecord.outcome_in_words``); empty with no outcome.
-        not_reached: the sentence on an accuracy that a run has not reached
-            (``Trajectory.accuracy_not_reached``). It becomes the last remark; where it begins with
-            "accuracy not reached", the answer does so, too.
+        answer: answer to the scenario's question in one sentence, in customary units; empty if the
+            computation was interrupted.
+        outcome_in_words: the outcome as sentences, sweeps and web pages write it
+            (``ContactRecord.outcome_in_words``); empty without an outcome.
+        not_reached: sentence on an accuracy that the simulation has not reached
+            (``Trajectory.accuracy_not_reached``), which becomes the last remark. If it begins with
+            "accuracy not reached", the answer begins with these words, too.
     """
 
     outcome: str | None = None
@@ -185,10 +193,10 @@ class Report:
     outcome_in_words: str = ""
 
     def __post_init__(self) -> None:
-        """State an accuracy that was not reached, and remove the tolerances of agreeing rows
-        without a contact.
+        """Add the sentence on an accuracy that was not reached to the answer and the remarks.
 
-        Without a contact the values are unchanged, and their agreement confirms nothing.
+        If the outcome is ``no contact``, the tolerances of agreeing quantities are removed: nothing
+        has changed without a contact, and the agreement confirms nothing.
         """
         if self.not_reached:
             if self.not_reached.startswith("accuracy not reached"):
@@ -203,7 +211,9 @@ class Report:
 
 
 class Unfinished(KeyboardInterrupt):
-    """Exception for the user's interruption of long work; it holds a report of the finished part."""
+    """Raised when the user interrupts a long computation; it carries a report of the finished
+    part.
+    """
 
     def __init__(self, report: Report) -> None:
         super().__init__("interrupted")
@@ -218,15 +228,15 @@ LAYOUTS = (
     (4, ("reference",)),
     (4, ("reference", "within")),
 )
-"""Digits and omitted columns of tables, widest first."""
+"""Layouts of tables, the widest first: number of digits, and names of the omitted columns."""
 
 
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
-    """Return an aligned table for a terminal of a given width, in units with prefixes and without
-    empty columns.
+    """Return the table of quantities as text for a terminal of a given width, in characters.
 
-    The relative difference names the side with which the simulated value is compared. If the table
-    would be too wide, the column of the reference is omitted first, then the tolerance.
+    Units have readable prefixes, and empty columns are omitted. A table that is still too wide gets
+    fewer digits and omits the column of the independent solution, then the column of the tolerance.
+    The column of differences names the source of the compared value.
     """
     for layout in LAYOUTS:
         head, *lines = aligned(cells(quantities, *layout), 2)
@@ -239,7 +249,13 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
 def cells(
     quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()
 ) -> list[list[str]]:
-    """Return the cells of the table, head first, without empty and omitted columns."""
+    """Return the texts of a table of quantities, row by row, headings first.
+
+    Args:
+        quantities: quantities, one for each row.
+        digits: number of significant digits.
+        left_out: headings of columns to omit; empty columns are omitted anyway.
+    """
     head = ["quantity", "unit", *SIDES, "difference from", "within", "ok"]
     lines = [head]
     for each in quantities:
@@ -266,15 +282,19 @@ def cells(
 
 
 LEAST_SIZE = 1e-12
-"""Smallest value, in SI units, from which a relative difference is computed; a smaller one is
-zero."""
+"""Smallest magnitude of a value, in SI units, that can be the base of a relative difference; a
+smaller value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return the quantity with the largest relative difference from a side, for example ``x 3 N,
-    printed 4 N``.
+    """Return a text on the quantity that differs most, for example ``x 3 N, printed 4 N``.
 
-    It is empty if no quantity has both values.
+    The text is empty if no quantity has a simulated value and a value to compare with.
+
+    Args:
+        quantities: quantities to search.
+        side: source of the compared values, ``theory``, ``reference`` or ``printed``.
+        word: words that introduce the compared value in the text.
     """
     farthest = -1.0
     shown = ""
@@ -287,8 +307,9 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 
 
 def differences(quantities: Sequence[Quantity]) -> str:
-    """Return the sentence on the largest differences from formulas and print; empty without values
-    to compare.
+    """Return a sentence on the largest differences from formulas and from printed values.
+
+    It is empty if there are no values to compare.
     """
     formula = most_different(quantities, "theory", "by formula")
     printed = most_different(quantities, "printed", "printed")
@@ -297,9 +318,10 @@ def differences(quantities: Sequence[Quantity]) -> str:
 
 
 def agreement(quantities: Sequence[Quantity]) -> str:
-    """Return whether the simulated values follow the closed forms.
+    """Return the answer, in words, to the question whether the simulated values agree with the
+    closed forms.
 
-    The text is, for example, ``Yes, to 2e-16``, or names the quantity that differs most.
+    It is, for example, ``Yes, to 2e-16``, or it names the quantity that differs most.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each for each in judged if not each.ok]

@@ -1,4 +1,4 @@
-"""Numbers with units, as a person types them, and conversion factors between units."""
+"""Numbers with units as users type and read them, and conversion factors between units."""
 
 import difflib
 import functools
@@ -14,17 +14,17 @@ TYPED = re.compile(
     rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
     re.ASCII,
 )
-"""Pattern of a decimal number, with or without a product of powers of units.
+"""Pattern of a typed decimal number with or without a unit, which may be a product of powers.
 
-Python's float() accepts more, as grouped digits and digits of other scripts, which nobody types on
-purpose here."""
+Unlike Python's float() it does not accept underscores between digits or digits of other scripts,
+which nobody types on purpose."""
 
 TYPICAL_UNITS = (
     *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
     *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N mm/rad", "N mm/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
     *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
 )  # fmt: skip
-"""Units with which a mistyped unit is compared."""
+"""Common units, which are suggested in place of a mistyped unit."""
 
 DISPLAY = {
     "m": ("mm", 1e-3),
@@ -35,7 +35,7 @@ DISPLAY = {
     "Pa": ("MPa", 1e6),
     "1/s": ("Hz", 1.0),
 }
-"""Units that a person types and reads, and their sizes, by the unit in which a parameter is
+"""Customary unit, and its size in the declared unit, by the unit in which a parameter is
 declared."""
 
 DISPLAY_OF_KEY = {
@@ -45,11 +45,12 @@ DISPLAY_OF_KEY = {
     "rate_1": ("rad/s", 1.0),
     "rate_2": ("rad/s", 1.0),
 }
-"""Units that a person types and reads, and their sizes, by key, for keys of unusual size."""
+"""Customary unit, and its size in the declared unit, by key; for keys that differ from
+``DISPLAY``."""
 
 
 def display_unit(key: str, unit: str) -> tuple[str, float]:
-    """Return the unit in which a person types and reads a key, and its size in the declared unit.
+    """Return the customary unit of a parameter, and the unit's size in the declared unit.
 
     >>> display_unit("bristle_length", "m")
     ('mm', 0.001)
@@ -58,18 +59,20 @@ def display_unit(key: str, unit: str) -> tuple[str, float]:
 
 
 def plain_number(value: float, digits: int) -> str:
-    """Return a rounded number as text; without an exponent if it is 0 or from 1e-4 up to 1e7.
+    """Return a number as text, rounded to a given number of significant digits.
 
-    For example, it returns ``1030`` instead of ``1.03e+03``.
+    The text has no exponent if the number is 0 or its magnitude is from 1e-4 up to 1e7: ``1030``
+    instead of ``1.03e+03``.
     """
     text = f"{value:.{digits}g}"
     return f"{Decimal(text):f}" if 1e-4 <= abs(float(text)) < 1e7 else text
 
 
 def scaled(number: float, size: float) -> float:
-    """Return a number times the size of its unit.
+    """Convert a typed number to the declared unit: return the number times the size of its unit.
 
-    The result is rounded correctly if the declared unit is a whole multiple of the unit.
+    If the declared unit is a whole multiple of the typed unit, as 1 m = 1000 mm, the result is the
+    floating-point number closest to the exact value.
     """
     parts = round(1.0 / size) if size < 1.0 else 0
     return (
@@ -80,11 +83,16 @@ def scaled(number: float, size: float) -> float:
 
 
 def exact_text(value: float, key: str, unit: str) -> str:
-    """Return the shortest text with a unit that is read as exactly a number, for example ``27 mm``
-    or ``261.8 rad/s``.
+    """Return the shortest text with a unit from which the value is read back exactly, for example
+    ``27 mm`` or ``261.8 rad/s``.
 
-    The unit is the displayed one, or the declared one if its text is shorter or the only exact
-    text.
+    The text is in the customary unit, or in the declared unit if that text is shorter or no text in
+    the customary unit is exact.
+
+    Args:
+        value: value in the declared unit.
+        key: key of the parameter.
+        unit: declared unit of the parameter.
     """
     own = f"{repr(value).removesuffix('.0')} {'' if unit == '1' else unit}".rstrip()
     shown, size = display_unit(key, unit)
@@ -110,8 +118,10 @@ def conversion(unit: str, to: str) -> float | None:
 
 
 def likely_unit(unit: str, to: str) -> str:
-    """Return a hint with the convertible unit of the most similar name; empty if no name is
-    similar.
+    """Return a hint that suggests a unit in place of a mistyped one; empty if no unit is similar.
+
+    The suggested unit has the most similar name of the common units that can be converted to
+    ``to``.
     """
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
     closeness = (
@@ -122,7 +132,7 @@ def likely_unit(unit: str, to: str) -> str:
 
 
 def _unspaced(unit: str) -> str:
-    """Return a unit in small letters without blanks and multiplication signs."""
+    """Return the name of a unit in lower case, without blanks and multiplication signs."""
     return re.sub(r"[\s*\u00b7]", "", unit).lower()
 
 

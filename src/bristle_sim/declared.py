@@ -1,7 +1,8 @@
-"""Declared parameters: default, unit, range, meaning and source in one place.
+"""Declarations of parameters: default, unit, range, meaning and source in one place.
 
-A declaration checks every value that enters a parameter object, from Python, a file or the command
-line. The scripts list and parse it, and it is the documentation of its field.
+A declaration checks every value that enters a parameter object, whether from Python, a file or the
+command line. It is also the documentation of its field and the entry in a script's list of
+parameters.
 """
 
 import dataclasses
@@ -17,10 +18,11 @@ from typing import Any
 from bristle_sim.units import Choice, Range, likely_key, unusual_value
 
 ANY = (0.0, math.inf)
-"""Usual sizes of a number whose default does not indicate likely values, such as an accuracy."""
+"""Value of ``usual`` for a number whose default does not indicate likely values, such as an
+accuracy: no magnitude causes a warning."""
 
 RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
-"""Pattern of a rule: range, unit, meaning and source.
+"""Pattern of the text that declares a number: range, unit, meaning and source.
 
 An example is ``0 <= hub_radius <= 10 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
 
@@ -33,10 +35,15 @@ def quantity(
     needs: str = "",
     whole: bool = False,
 ) -> Any:
-    """Declare a dataclass field for a real number by a default and a rule as in :data:`RULE`.
+    """Declare a dataclass field for a real number.
 
-    A default of None makes the parameter optional. The other arguments are attributes of
-    :class:`Range`.
+    Args:
+        default: default value; None makes the parameter optional.
+        rule: range, unit, meaning and source, in the form of :data:`RULE`.
+        usual: smallest and largest magnitude that causes no warning; None means within a factor of
+            100 of the default.
+        needs: condition on another key without which this key has no effect.
+        whole: whether the number must be whole.
     """
     found = RULE.fullmatch(rule)
     assert found is not None, rule
@@ -52,23 +59,29 @@ count = functools.partial(quantity, usual=ANY, whole=True)
 
 
 WORDS = re.compile(r"(\w+)(?:: (.+?))?(?: \[(.+)\])?")
-"""Pattern of key, meaning and source of a word: ``contact: law of impact [Stronge 1990]``."""
+"""Pattern of the text that declares a word: key, meaning and source, as in ``contact: law of impact
+[Stronge 1990]``."""
 
 
 def words_of(rule: str) -> dict[str, Any]:
-    """Return key, meaning and source of a declared word or text, by the pattern :data:`WORDS`."""
+    """Return key, meaning and source from the text that declares a word, in the form of
+    :data:`WORDS`.
+    """
     found = WORDS.fullmatch(rule)
     assert found is not None, rule
     return dict(zip(("key", "meaning", "source"), found.groups(""), strict=True))
 
 
 def choice(rule: str, *options: str) -> Any:
-    """Declare a dataclass field for one of a few words; the first is the default."""
+    """Declare a dataclass field whose value is one of a few words; the first is the default.
+
+    ``rule`` gives key, meaning and source, in the form of :data:`WORDS`.
+    """
     return declared_field(options[0], Choice(options=options, **words_of(rule)))
 
 
 def declared_field(default: Any, declared: Any) -> Any:
-    """Return a dataclass field with its declaration."""
+    """Return a dataclass field that carries its declaration as metadata."""
     return field(default=default, metadata={"declaration": declared})
 
 
@@ -90,10 +103,13 @@ def declarations(kind: Any) -> dict[str, Range | Choice]:
 
 
 def validate(instance: Any) -> None:
-    """Check every declared field of a frozen dataclass instance, and store it as a plain number or
-    word.
+    """Check every declared field of a frozen dataclass instance, and replace it by its checked
+    value.
 
-    A text such as "27 mm" is parsed as if typed. An unusual value causes a warning.
+    A text such as "27 mm" becomes a number in the declared unit. An unusual value causes a warning.
+
+    Raises:
+        ValueError: for a value that its declaration refuses.
     """
     kind: Any = type(instance)
     for name, (declared, default) in declared_fields(kind).items():
@@ -107,33 +123,36 @@ def validate(instance: Any) -> None:
 
 
 class Computed(float):
-    """Number of a declared field that was not given: its object computes it from other fields.
+    """Value of a field that was not given but computed from other fields of its object.
 
-    A copy by ``dataclasses.replace`` computes it again, and a tool's file omits it.
+    ``dataclasses.replace`` computes it again, and a tool file omits it.
     """
 
     __slots__ = ()
 
 
 class UnusualValueWarning(UserWarning):
-    """Warning: the value of a parameter is so far from its default that its unit may be mistaken."""
+    """Warns that a parameter is so far from its default that its unit may be mistaken."""
 
 
 class UnknownFieldError(TypeError, ValueError):
-    """A keyword that is no field of a parameter class."""
+    """Raised for a keyword argument that is not a field of the parameter class."""
 
 
 class Declared:
-    """Base class of frozen dataclasses whose declared fields are checked when an object is made.
+    """Base class of frozen parameter dataclasses, whose declared fields are checked on creation.
 
-    Unusual values cause a warning. The docstring of such a class lists key, meaning, unit, range,
+    Unusual values cause a warning. The docstring of a subclass lists key, meaning, unit, range,
     default and source of each declared field.
     """
 
     __slots__ = ()
 
     def __init_subclass__(cls) -> None:
-        """Document the fields before the dataclass decorator replaces them."""
+        """Append a description of each declared field to the docstring of the subclass.
+
+        This happens before the dataclass decorator replaces the fields by their defaults.
+        """
         own = {
             name: each for name, each in vars(cls).items() if isinstance(each, dataclasses.Field)
         }
@@ -154,7 +173,11 @@ class Declared:
         cls.__doc__ = "\n".join(lines)
 
     def __new__(cls, *_: Any, **given: Any) -> Any:
-        """Refuse the name of an unknown field, and propose the likely one."""
+        """Refuse an unknown keyword argument, and suggest the most similar field.
+
+        Raises:
+            UnknownFieldError: for a keyword argument that is not a field.
+        """
         known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
         for name in given:
             if name not in known:

@@ -1,4 +1,4 @@
-"""Files that appear only when they are complete."""
+"""Writing of files that appear under their name only when they are complete."""
 
 import itertools
 import os
@@ -12,7 +12,7 @@ from typing import BinaryIO
 _COUNT = itertools.count()
 
 _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
-"""Pattern of the names of open streams: the first three by name, all by number."""
+"""Pattern of the names of open streams: standard streams by name, any stream by number."""
 
 
 def checked_target(
@@ -20,10 +20,15 @@ def checked_target(
 ) -> Path:
     """Return the path of a file or folder after a check that it can be written.
 
-    The name must have one of the suffixes, if any are given.
+    Args:
+        path: name of the file or folder.
+        suffixes: permitted suffixes of a file's name, such as ``.png``; all if empty.
+        option: name of the option that gave the path, for the message.
+        folder: whether the path must be a folder instead of a file.
 
     Raises:
-        ValueError: in one line that begins with the option, if given, or with the path.
+        ValueError: if it cannot be written; the message is one line that begins with the option, if
+            given, or with the path.
     """
     target = Path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)
@@ -42,12 +47,14 @@ def checked_target(
 
 @contextmanager
 def complete_or_absent(target: Path) -> Iterator[Path]:
-    """Yield the name of a partial file to write; it becomes the target on success and vanishes on
-    failure.
+    """Yield the name of a temporary file to write, which replaces the target when it is complete.
 
-    A symbolic link is kept, and the file it names is written. A pipe, a device or an open stream
-    such as ``/dev/stdout`` receives the bytes when the partial file is complete. An OSError names
-    the target.
+    If an error occurs, the temporary file is deleted and the target stays unchanged. If the target
+    is a symbolic link, the link is kept and the file to which it points is replaced. A pipe, a
+    device or an open stream such as ``/dev/stdout`` receives the bytes of the complete file.
+
+    Raises:
+        OSError: if the file cannot be written; the error names the target.
     """
     import tempfile
 
@@ -88,9 +95,9 @@ def _descriptor(path: Path) -> int | None:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """Open a special file for writing.
+    """Open a device, a pipe or an already open stream for writing.
 
-    An open stream is used itself, since opening it by name would empty its file.
+    A stream that is already open is duplicated, because opening it by name would empty its file.
     """
     number = _descriptor(path)
     if number is None:

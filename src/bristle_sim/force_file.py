@@ -1,8 +1,8 @@
 """Reader of a measured force history in a text file of columns.
 
 A line of headings may come first. Lines that begin with # and blank lines are ignored. Columns are
-separated by tab, semicolon, comma or blanks. Unless the comma separates columns, it may be the
-decimal sign. A heading may have a unit, as ``time (ms)``; otherwise s and N are assumed.
+separated by tab, semicolon, comma or blanks. A comma may be the decimal sign if it does not
+separate columns. A heading may include a unit, as in ``time (ms)``; otherwise s and N are assumed.
 """
 
 import csv
@@ -17,18 +17,25 @@ from bristle_sim.arrays import Array
 
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
-VOLTAGE = {"V": 1.0, "mV": 1e-3}  # all in SI
+VOLTAGE = {"V": 1.0, "mV": 1e-3}  # conversion factors of units to SI, as in TIME and FORCE
 
 UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
-"""Pattern of a heading with its unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
+"""Pattern of a heading with a unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
 
-MOST = 1e100  # largest time (s) or force (N); the squares of larger numbers overflow
-FEWEST_POINTS = 4  # least number of points: even with a known start three unknowns are left
+MOST = 1e100  # largest time, s, or force, N, in a file; the squares of larger numbers overflow
+
+# least number of points in a file, because the fitted curve has three unknowns even if its start is
+# known
+FEWEST_POINTS = 4
 
 
 class Column(NamedTuple):
-    """A column: its number from 1, its heading without the unit, and its unit, empty if none is
-    given.
+    """A column of a file.
+
+    Attributes:
+        number: number of the column, counted from 1.
+        name: heading without the unit.
+        unit: unit in the heading; empty if there is none.
     """
 
     number: int
@@ -40,12 +47,12 @@ class Column(NamedTuple):
 
 
 class ForceRecord(NamedTuple):
-    """The content of a file.
+    """A force history read from a file.
 
     Attributes:
-        time: increasing times on the file's clock, s, shape (n,).
+        time: increasing times, s, as in the file, shape (n,).
         force: forces, N, shape (n,).
-        reading: columns and units that were read, in words.
+        reading: sentence that names the columns and units that were read.
     """
 
     time: Array
@@ -60,19 +67,20 @@ def read_force_csv(
     force_column: str | None = None,
     force_per_volt: float | None = None,
 ) -> ForceRecord:
-    """Read the points of a force history from columns separated by comma, semicolon, tab or blanks.
+    """Read a force history from a text file whose columns are separated by comma, semicolon, tab or
+    blanks.
 
     Args:
         path: name of the file.
-        time_column: heading or number of the time's column; by default the only column with a unit
-            of time, else the first.
-        force_column: heading or number of the force's column; by default the only column with a
-            unit of force, or the only other column.
-        force_per_volt: sensitivity of a force recorded as a voltage, N/V.
+        time_column: heading or number of the column of times; by default the only column with a
+            unit of time, or else the first column.
+        force_column: heading or number of the column of forces; by default the only column with a
+            unit of force, or else the only other column.
+        force_per_volt: calibration of a force that was recorded as a voltage, N/V.
 
     Raises:
-        ValueError: for any other content, in one line that names the file and, if there is one, the
-            line of the fault.
+        ValueError: if the file has any other content; the message is one line that names the file
+            and, where possible, the number of the faulty line.
     """
     lines = [
         (number, line)
@@ -136,7 +144,7 @@ def _lines(path: str | Path) -> list[str]:
 
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
-    """Return the cells of a line, without blanks and quotes around them."""
+    """Return the texts between the separators of a line, without blanks and quotes around them."""
     try:
         row = (
             next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
@@ -149,7 +157,7 @@ def _cells(path: str | Path, number: int, line: str, separator: str | None) -> l
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell, finite or not; None for other text."""
+    """Return the number in a cell, which may be infinite or NaN; None if the text is no number."""
     try:
         return None if "_" in cell else float(cell.replace(decimal, "."))
     except ValueError:
@@ -157,7 +165,11 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _value(path: str | Path, number: int, row: list[str], decimal: str, column: Column) -> float:
-    """Return the number of a row in a column, which must be finite."""
+    """Return the number that a row has in a column.
+
+    Raises:
+        ValueError: if it is no finite number; the message names file, line and column.
+    """
     cell = row[column.number - 1] if column.number <= len(row) else ""
     value = _number(cell, decimal)
     if value is None or not math.isfinite(value):
@@ -169,7 +181,10 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
 
 
 def _column(number: int, heading: str) -> Column:
-    """Return a column with name and unit from its heading; both signs for micro become u."""
+    """Return the description of a column, with name and unit taken from its heading.
+
+    Either Unicode character for micro is replaced by u.
+    """
     split = UNIT.match(heading)
     name, unit = split.groups() if split else (heading, "")
     return Column(number, name, unit.replace("\u00b5", "u").replace("\u03bc", "u"))
@@ -178,9 +193,18 @@ def _column(number: int, heading: str) -> Column:
 def _chosen(
     path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]
 ) -> Column:
-    """Return the column that a key names.
+    """Return the column of the times or of the forces.
 
-    By default it is the only column with a unit of its kind, or the only column left.
+    Args:
+        path: name of the file, for the message.
+        kind: ``time`` or ``force``.
+        key: heading or number of the column; None chooses the only column with a fitting unit, or
+            else the first column for the time and the only remaining column for the force.
+        columns: columns from which to choose.
+        units: fitting units.
+
+    Raises:
+        ValueError: if no column or several columns fit.
     """
     found = [each for each in columns if each.unit in units]
     if key is not None:
@@ -199,7 +223,11 @@ def _chosen(
 
 
 def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> float:
-    """Return the size of the unit of a force column, N."""
+    """Return the factor that converts a force column to newtons.
+
+    Raises:
+        ValueError: for an unknown unit, a voltage without ``force_per_volt``, or a force with it.
+    """
     volts = column.unit in VOLTAGE or (not column.unit and force_per_volt is not None)
     if volts and force_per_volt is not None:
         return VOLTAGE.get(column.unit, 1.0) * force_per_volt

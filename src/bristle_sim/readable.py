@@ -1,4 +1,4 @@
-"""Numbers and tables as a person reads them: units with prefixes, per cent, and aligned columns."""
+"""Readable numbers and tables: units with prefixes, per cent, and aligned columns."""
 
 import math
 from collections.abc import Container, Sequence
@@ -17,10 +17,10 @@ LARGEST_PREFIX = {
     "Pa": "G",
     **dict.fromkeys(("g", "N", "N m", "J", "W", "Hz"), "k"),
 }
-"""Units that are shown with a prefix, and the largest customary prefix."""
+"""Largest customary prefix by unit; only these units are shown with a prefix."""
 
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
-"""Smallest customary prefix of some units; for all others it is n."""
+"""Smallest customary prefix by unit; it is n for all other units."""
 
 CUSTOMARY = {
     "m^2": ("mm^2", 1e-6),
@@ -28,11 +28,12 @@ CUSTOMARY = {
     "m^3/s": ("mm^3/s", 1e-9),
     "m^2/s": ("m^2/h", 1.0 / 3600.0),
 }
-"""Units that are shown as others, with the size of one."""
+"""Units that are always shown in another unit, with the conversion factor: the size of the shown
+unit in the given one."""
 
 
 def finite(value: float | None) -> float | None:
-    """Return the number, or None if it is absent or not finite."""
+    """Return a number if it is finite, otherwise None."""
     return float(value) if value is not None and math.isfinite(value) else None
 
 
@@ -44,8 +45,9 @@ def amount(value: float, unit: str, digits: int = 3) -> str:
 
 
 def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
-    """Return the rows of a table as text; the first ``left`` columns are aligned to the left, the
-    others to the right.
+    """Return the rows of a table as lines of text with aligned columns.
+
+    The first ``left`` columns are aligned to the left, the others to the right.
     """
     columns = list(zip(*lines, strict=True))
     return side_by_side(
@@ -56,8 +58,12 @@ def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
 def side_by_side(
     columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()
 ) -> list[str]:
-    """Join cells of several lines each into the lines of a row; columns in ``right`` are aligned to
-    the right.
+    """Return the lines of text that show columns side by side.
+
+    Args:
+        columns: lines of each column; a short column is filled up with empty lines.
+        widths: width of each column, in characters.
+        right: indices of the columns that are aligned to the right.
     """
     lines = []
     for parts in zip_longest(*columns, fillvalue=""):
@@ -71,9 +77,10 @@ def side_by_side(
 
 
 def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
-    """Return the unit with a readable prefix, and its size in the given unit.
+    """Return a unit with a readable prefix for some values, and its size in the given unit.
 
-    The largest value then has one to three digits before the decimal point.
+    The prefix is chosen such that the largest value has one to three digits before the decimal
+    point.
     """
     if unit in CUSTOMARY:
         return CUSTOMARY[unit]
@@ -89,8 +96,10 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
 
 def relative_text(value: float | None, sign: str = "") -> str:
-    """Return a relative number in per cent; as a power of ten if it is small, as a multiple if it
-    is large.
+    """Return a relative number as text: in per cent, as a power of ten if it is below 1e-4, or as a
+    multiple from 10 on.
+
+    ``sign`` is ``+`` if positive numbers are to have a sign.
     """
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"

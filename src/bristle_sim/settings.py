@@ -1,4 +1,4 @@
-"""Numerical settings of a run, names of its events, and reasons of its stop."""
+"""Numerical settings of a simulation, the names of its events, and the reasons for which it stops."""
 
 from __future__ import annotations
 
@@ -12,30 +12,33 @@ from bristle_sim.declared import ANY, Declared, quantity
 from bristle_sim.units import shown
 
 MAXIMUM_STEPS = 500_000
-"""Default step budget of a run: sixty whole passes of a rigid bristle, or one pass of a wire of 8
-links.
+"""Default of the largest number of engine steps of a simulation.
 
-It takes 2 to 6 s of CPU time; for a wire that bends, 12 to 20 s."""
+It suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8 links. So many
+steps take 2 to 6 s of CPU time; for a wire that bends, 12 to 20 s."""
 
-MOST_SAMPLES = 1_000_000_000  # largest number of samples in a period, more than a run could hold
+# largest number of samples in a period, more than the memory for a simulation could hold
+MOST_SAMPLES = 1_000_000_000
 
 LEAST_NEEDED = 8
 MOST_NEEDED = 24
-"""Smallest and largest default number of samples in a period.
+"""Smallest and largest default number of samples in a period of the bristle on its belt.
 
-Fewer give a poor picture. More are not worth their time, although the cubic through 24 samples is
-accurate to 1e-5 only."""
+Fewer samples give a poor picture. More are not worth their computing time, although cubic
+interpolation between 24 samples in a period has an error of 1e-5."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings(Declared):
-    """Accuracy, step budget and sampling of a run.
+    """Accuracy, duration, step budget and sampling of a simulation.
 
-    ``maximum_steps`` is the number of engine steps after which a run stops. A step of more than 32
-    links counts once for every 32 links. ``samples_per_period``
-    is the least number of samples in a period of the bristle on its belt. None chooses 8 to 24, so
-    that a cubic through them meets the accuracy: its error is h^4/384 for samples at intervals of h
-    rad.
+    ``maximum_steps`` is the number of engine steps after which a simulation stops. A step with more
+    than 32 links counts once for every 32 links.
+
+    ``samples_per_period`` is the least number of samples in a period of the bristle on its belt.
+    None chooses a number from 8 to 24 such that cubic interpolation meets the accuracy, as far as
+    24 samples suffice: the relative error is h^4/384 for samples at intervals of h rad of the
+    oscillation.
     """
 
     accuracy: float = quantity(
@@ -47,7 +50,7 @@ class Settings(Declared):
     maximum_steps: int = MAXIMUM_STEPS
     hub_turn: float = quantity(
         4.71238898038469,
-        "1e-12 <= hub_turn <= 1e6 rad: turn of the hub after which the pass ends [three quarters of a turn]",
+        "1e-12 <= hub_turn <= 1e6 rad: angle by which the hub turns in the pass [three quarters of a turn]",
         usual=ANY,
     )
     samples_per_period: int | None = None
@@ -78,24 +81,23 @@ EVENTS = (
     "bar touch", "bar release", "strike", "workpart touch", "workpart release", "wire touch", "wire release",
     "largest retraction", "highest relative speed", "retraction limit", "jam",
 )  # fmt: skip
-"""Names of the events that a run records and that can end it."""
+"""Names of the events that a simulation records and that can end it."""
 
-LARGEST_RETRACTION = (
-    "largest retraction"  # an event: where the first link lags the hub most, before the strike
-)
+# name of the event at which, before the strike, the first link lags the hub most
+LARGEST_RETRACTION = "largest retraction"
 
 OBSTACLES = ("bar", "workpart", "wire")  # names of the obstacles that a wire can touch
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Events recorded at the end of a run, and the events whose absence they record."""
+"""Names of records at the end of a simulation, with the event whose absence each one states."""
 
 
 class StopReason(StrEnum):
-    """Reason why a run stopped; its value is the text that people and saved files see.
+    """Reason for which a simulation stopped; its value is the text in messages and saved files.
 
     Attributes:
-        remedy: a change that lets the run continue; ``{friction}`` stands for the key of the
-            touched obstacle's friction.
+        remedy: sentence on the change of a parameter that lets the simulation continue;
+            ``{friction}`` stands for the key of the touched obstacle's coefficient of friction.
         gives_up: whether the method failed, so that the motion after the stop is missing.
     """
 
@@ -103,7 +105,7 @@ class StopReason(StrEnum):
     gives_up: bool
 
     def __new__(cls, wording: str, remedy: str, gives_up: bool = False) -> StopReason:
-        """Return a member with its text, its remedy and whether it gives up."""
+        """Create a member from its text, its remedy and ``gives_up``."""
         member = str.__new__(cls, wording)
         member._value_ = wording
         member.remedy = remedy
@@ -140,7 +142,12 @@ class StopReason(StrEnum):
 
 
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
-    """Return a name if it is known.
+    """Return a name after a check that it is one of the known names.
+
+    Args:
+        key: name of the checked argument, for the message.
+        name: the name to check.
+        known: the known names.
 
     Raises:
         ValueError: for an unknown name; the message suggests the most similar known name.

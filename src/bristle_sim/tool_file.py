@@ -1,7 +1,8 @@
-"""A tool in a TOML file: the keys of ``--set``, each with unit, meaning and source in a comment.
+"""Reading and writing of a tool as a TOML file.
 
-A text such as ``"27 mm"`` has its unit. A bare number is in SI units, or in degrees if the key ends
-in ``_deg``. An absent part is ``bar = false``. An omitted key has its default.
+The file has the keys of the option ``--set``, each with meaning and source in a comment. A value is
+a text with a unit, such as ``"27 mm"``, or a number in SI units, or in degrees if the key ends in
+``_deg``. ``bar = false`` leaves out the bar. An omitted key has its default.
 """
 
 import json
@@ -18,20 +19,21 @@ from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.units import Choice, Range, likely_key, shown
 
-ABSENT = "false"  # text of an absent part, as ``read_keys`` returns it
+ABSENT = "false"  # text that ``read_keys`` returns for an absent part
 
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
-    """Return the text of each key in a parameter file, as it would be typed.
+    """Return the keys and values of a parameter file as texts, as they would be typed on the
+    command line.
 
     Args:
         path: name of the file.
-        further: keys that may be in the file besides those of the tool.
+        further: keys that may be in the file besides the keys of the tool.
 
     Returns:
-        Text by key, and ``"false"`` by the name of each absent part.
+        Value as text by key; for an absent part ``"false"`` by the part's name.
 
     Raises:
         ValueError: in one line, for a file that is not TOML, an unknown key, or a table.
@@ -88,7 +90,7 @@ def read_tool(path: str | Path) -> Tool:
 def write_tool(tool: Tool, path: str | Path) -> None:
     """Write a tool to a TOML file with a comment for each key.
 
-    ``read_tool`` returns the same tool, to the last digit.
+    ``read_tool`` reads back exactly the same values.
 
     Raises:
         ValueError: if ``tool`` is not a Tool.
@@ -111,7 +113,10 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 
 
 def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
-    """Return the comment and the line of a key; without a value the line is a comment too."""
+    """Return the lines of a file for one key: comment and value.
+
+    If the value is absent or computed from other keys, its line is a comment too.
+    """
     words = f"{declared.meaning} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
     absent = value is None or isinstance(value, Computed)

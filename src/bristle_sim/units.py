@@ -1,4 +1,6 @@
-"""Declarations of numbers and words, and the units that may be typed."""
+"""Declarations of parameters that are numbers or words: their checks, and the units in which they
+may be typed.
+"""
 
 import difflib
 import math
@@ -22,26 +24,26 @@ from bristle_sim.conversion import (
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
 """Pattern of a number whose thousands are grouped by commas, as in 3,000 rpm."""
 
-FAR = 100.0  # largest ratio of a usual value to its default, or of the default to the value
+FAR = 100.0  # largest factor, up or down, between a usual value and its default
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Declaration of a real or whole number: unit, range and source.
+    """Declaration of a parameter that is a real or whole number: unit, range and source.
 
     Attributes:
-        key: its name on the command line and in messages.
+        key: name of the parameter on the command line and in messages.
         unit: unit of the number; "1" for a pure number.
         lowest, highest: ends of the range.
         lowest_allowed: whether the range includes its lower end.
         source: source of the default.
         optional: whether the value may be None.
         meaning: meaning of the number, in words.
-        usual: smallest and largest size without a warning; None for sizes within a factor of 100 of
-            the default.
+        usual: smallest and largest magnitude that causes no warning; None means within a factor of
+            100 of the default.
         needs: condition on another key without which this key has no effect, such as ``contact =
             compliant``.
-        whole: whether the number must be whole; it is then an int.
+        whole: whether the number must be whole; its value is then an int.
     """
 
     key: str
@@ -67,26 +69,30 @@ class Range:
 
     @property
     def display(self) -> tuple[str, float]:
-        """Unit in which a person types and reads the number, "" for a pure number, and its size in
-        the declared unit.
+        """Customary unit of the number, such as mm, and its size in the declared unit.
+
+        The unit is "" for a pure number.
         """
         return display_unit(self.key, self.unit)
 
     def with_display_unit(self, text: str) -> str:
-        """Return a typed text for :meth:`parse`; a bare number gets the displayed unit, as ``30``
-        becomes ``30 mm``.
+        """Add the customary unit to a typed number that has no unit: ``30`` becomes ``30 mm``.
+
+        The result can be passed to :meth:`parse`.
         """
         typed = TYPED.fullmatch(text.strip())
         bare = typed is not None and not typed["unit"]
         return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
 
     def parse(self, text: str) -> float:
-        """Return the checked value of a typed decimal number, with a unit (``27mm``) or in the
-        declared unit.
+        """Return the value of a typed number in the declared unit, after a check of its range.
+
+        A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
+        in the declared unit.
 
         Raises:
-            ValueError: in one line, if the text is no number, has another dimension, or is out of
-                range.
+            ValueError: in one line, if the text is no decimal number, its unit has another
+                dimension, or its value is out of range.
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
@@ -102,10 +108,17 @@ class Range:
         return self.check(number, text)
 
     def check(self, value: Any, typed: str | None = None) -> float:
-        """Return the value as a float without a negative zero.
+        """Return a value after a check of its range, as a float, or as an int if it must be whole.
+
+        A negative zero becomes 0.
+
+        Args:
+            value: value in the declared unit.
+            typed: text from which the value was read; the message then shows this text.
 
         Raises:
-            ValueError: for a value out of range; the message names key, value, range and unit.
+            ValueError: if the value is no number or out of range; the message names key, value,
+                range and unit.
         """
         if isinstance(value, bool) or not isinstance(value, Real):
             raise self.refusal(value)
@@ -126,8 +139,10 @@ class Range:
         return int(number) if self.whole else number + 0.0
 
     def _likely_display_unit(self, number: float, typed: str | None) -> str:
-        """Return a hint to the displayed unit if a refused bare number is in the range with it: 27
-        m may be meant in mm.
+        """Return a hint that a refused number may have been meant in the customary unit.
+
+        It is empty if the number does not lie in the range with that unit either. For example, 27
+        for a length in m may have been meant in mm.
         """
         size = self.display[1]
         bare = typed or f"{number:g}"
@@ -136,7 +151,7 @@ class Range:
         return f"; did you mean {meant}?" if fits and meant != bare else ""
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the error for a refused value; ``why`` may repeat a typed number with its unit."""
+        """Return the ValueError for a refused value; ``why`` ends its message."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(
@@ -145,8 +160,10 @@ class Range:
 
 
 def displayed(declared: Any, value: Any) -> str:
-    """Return the value of a key as a person reads it, with five digits and the displayed unit, for
-    example ``27 mm``.
+    """Return the value of a parameter as text with five digits in its customary unit, for example
+    ``27 mm``.
+
+    ``declared`` is the parameter's declaration.
     """
     if value is None or isinstance(value, str) or declared.whole:
         return "none" if value is None else str(value)
@@ -155,7 +172,10 @@ def displayed(declared: Any, value: Any) -> str:
 
 
 def displayed_range(declared: Any) -> str:
-    """Return the range of a key in the displayed unit, or the permitted words, for listings."""
+    """Return the range of a parameter in its customary unit, or its permitted words, for listings.
+
+    ``declared`` is the parameter's declaration.
+    """
     if not isinstance(declared, Range) or declared.whole:
         return str(declared.allowed)
     low, high = (
@@ -165,10 +185,15 @@ def displayed_range(declared: Any) -> str:
 
 
 def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
-    """Return a line that states why a value is unusual, with the unit that may be meant; empty for
-    a usual value.
+    """Return a warning that a value is unusual; empty for a usual value.
 
-    ``given`` is the value as typed; a bare number may be meant in another unit.
+    If the number may have been meant in another unit, the warning says so.
+
+    Args:
+        declared: declaration of the parameter.
+        default: default of the parameter.
+        value: value in the declared unit.
+        given: value as it was typed or passed.
     """
     if not isinstance(declared, Range) or value is None:
         return ""
@@ -192,8 +217,10 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
 
 
 def _meant_unit(declared: Range, text: str, typical: float) -> str:
-    """Return a hint to the unit that would bring a bare number within a factor of ten of a typical
-    value.
+    """Return a hint to another unit in which a number without a unit may have been meant.
+
+    In that unit the number lies within a factor of ten of a typical value. The hint is empty if
+    there is no such unit.
     """
     try:
         number = float(text)
@@ -208,7 +235,7 @@ def _meant_unit(declared: Range, text: str, typical: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Declaration of a field whose value is one of a few words."""
+    """Declaration of a parameter whose value is one of a few words."""
 
     key: str
     options: tuple[str, ...]
@@ -224,7 +251,7 @@ class Choice:
         return " | ".join(self.options)
 
     def check(self, value: Any) -> str:
-        """Return the word.
+        """Return a value after a check that it is one of the permitted words.
 
         Raises:
             ValueError: for any other value; the message names key, value and permitted words.
@@ -240,7 +267,7 @@ LONGEST_SHOWN = 100  # largest number of characters of a value in a message
 
 
 def shown(value: Any) -> str:
-    """Return any value as one short line, for messages."""
+    """Return any Python value as one short line of text, for messages."""
     try:
         text = reprlib.repr(value)
     except ValueError:  # Python does not convert an integer of thousands of digits to text
@@ -250,8 +277,12 @@ def shown(value: Any) -> str:
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
-    """Return advice on a misspelt key: the most similar key, else ``otherwise``, by default the
-    list of all keys.
+    """Return advice on a misspelt key, for messages.
+
+    Args:
+        key: the misspelt key.
+        keys: all known keys.
+        otherwise: advice if no known key is similar; by default the list of all known keys.
     """
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)

@@ -8,10 +8,10 @@ __version__ = "0.1.0"
 
 @functools.cache
 def commit() -> str:
-    """Return the commit of the checkout, or of the distribution's source; empty if neither is
-    known.
+    """Return the git commit of this package's source; empty if it is unknown.
 
-    The commit of a modified checkout ends in ``-dirty``.
+    It is read from the checkout, or from the file that an installed distribution contains. The
+    commit of a modified checkout ends in ``-dirty``.
     """
     package = Path(__file__).parent
     built = package / "commit.txt"
@@ -41,5 +41,7 @@ def commit() -> str:
 
 
 def named_commit() -> dict[str, str]:
-    """Return the commit as an entry of a JSON object; empty if it is unknown."""
+    """Return a dictionary with the entry ``commit`` for JSON output; empty if the commit is
+    unknown.
+    """
     return {"commit": commit()} if commit() else {}
