@@ -1,7 +1,8 @@
-"""Evaluate a function of keyword arguments over named axes, on one core, on many or on a cluster.
+"""Evaluate a function of keyword arguments over named axes, on one core, on many, or on a cluster.
 
-The calling process, joblib's processes (loky), threads or a Dask cluster evaluate the points. Only the calling process writes
-finished points to a store, as data and never as pickles; xarray labels and reads them.
+The points are evaluated in the calling process, in joblib's processes (loky), in threads or on a
+Dask cluster. The calling process alone writes finished points to a store, as data and never as
+pickles. xarray labels and reads them.
 """
 
 import inspect
@@ -28,12 +29,12 @@ from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
-WRITTEN_EVERY = 1.0  # Interval between writes of finished points, s: a killed program loses at most this much work
-# Time after which a sweep shows its progress, and the interval between lines if standard error is no terminal, s
+WRITTEN_EVERY = 1.0  # Time between two writes of finished points, s; a killed program loses the work since the last
+# Time after which a sweep shows its progress, s; if standard error is no terminal, also the time between two lines
 PATIENCE = 5.0
-# Number of checks after which a store that still lacks points is given up: another program may be writing to it
+# Largest number of attempts to complete a store; if points are still missing, another program may be writing to it
 ROUNDS = 5
-MOST_WORKERS = 1024  # Upper bound of ``workers``: more processes than one program can serve or a computer has cores
+MOST_WORKERS = 1024  # Largest number of processes: more than a computer has cores
 
 
 def sweep(
@@ -49,35 +50,43 @@ def sweep(
     """Evaluate a function at every point of a parameter space and return the labelled results.
 
     Args:
-        function: takes keyword arguments and returns a number, a small array, or a mapping of names to these. None means NaN;
-            ``failure`` in a mapping is the reason for missing results. ``functools.partial`` binds constant arguments; other
-            processes need a function that can be pickled.
-        space: parameters as xarray takes coordinates. ``{"friction": [0.1, 0.2]}`` is an axis of its own;
-            ``{"friction": ("sample", [...]), "restitution": ("sample", [...])}`` vary together, and an array with
-            several dimensions, ``(("sample", "hub_speed"), array)``, varies along all of them. A number is one value for
-            all points. The points are the product of all dimensions.
-        units: of parameters and results, by name.
+        function: takes keyword arguments and returns a number, a small array, or a mapping of names
+            to these. None means NaN; ``failure`` in a mapping is the reason for missing results.
+            ``functools.partial`` binds constant arguments. The function must be picklable if other
+            processes evaluate it.
+        space: parameters in the form of xarray's coordinates. ``{"friction": [0.1, 0.2]}`` is an
+            axis of its own. ``{"friction": ("sample", [...]), "restitution": ("sample", [...])}``
+            vary together. An array with several dimensions, ``(("sample", "hub_speed"), array)``,
+            varies along all of them. A number is one value for all points. The points are the
+            product of all dimensions.
+        units: units of parameters and results, by name.
         workers: number of processes (-1: one per core), a Dask client or its executor, or another
-            ``concurrent.futures.Executor``. By default the calling process.
-        store: folder that keeps finished points: the same call later computes only those that are missing, damaged or lost.
-            The returned Dataset loads them lazily. The folder holds only data: reading someone else's runs no code.
-        version: word that changes when results change for a reason that a store does not notice. It notices changes of the
-            function's module or package, of the values bound to it, of this package, NumPy, SciPy and pymunk; not of other
+            ``concurrent.futures.Executor``. By default the calling process evaluates the points.
+        store: folder that keeps finished points. The same call later computes only the points that
+            are missing, damaged or lost. The returned Dataset loads results lazily. The folder
+            holds data alone: reading another person's folder runs no code.
+        version: word to change when results change for a reason that a store does not notice. A
+            store notices changes of the function's module or package, of the values bound to it,
+            and of this package, NumPy, SciPy and pymunk. It does not notice changes of other
             modules, of files that the function reads, or of globals set while the program runs.
-        progress: whether to show a bar with the time left on standard error; by default it appears after five seconds.
+        progress: whether to show a bar with the time left on standard error. By default it appears
+            after five seconds.
 
     Returns:
-        float64 results on the grid of points, NaN where the function raised, and ``failure``, the reason in words. Its
-        attributes name the function, its settings and software. The results do not depend on the number of workers or
-        the order in which points finish.
+        float64 results on the grid of points, NaN where the function raised, and ``failure``, the
+        reason in words. The attributes of the Dataset name the function, its bound values and the
+        software. The results do not depend on the number of workers or the order in which points
+        finish.
 
     Raises:
-        ValueError: if the space is empty or holds anything but numbers and words, if the function does not take its
-            names as arguments, is bound to objects whose changes a store cannot notice or cannot be sent to the workers, if a
-            name cannot be one of an array, or if ``workers`` or ``store`` is invalid.
-        OSError: if the store cannot be read or written; what is stored is kept.
-        RuntimeError: if the workers do not answer any more; finished points are kept. A point that loses its worker time and
-            again is a failure, which the next call on the same store computes again.
+        ValueError: if the space is empty or holds anything but numbers and words; if the function
+            does not take the names of the space as arguments, is bound to objects whose changes a
+            store cannot notice, or cannot be sent to the workers; if a name is not permitted for an
+            array; or if ``workers`` or ``store`` is invalid.
+        OSError: if the store cannot be read or written. Stored points are kept.
+        RuntimeError: if the workers do not answer any more. Finished points are kept. A point whose
+            worker is lost repeatedly is a failure; the next call on the same store computes it
+            again.
     """
     grid = _grid(space)
     _check(function, next(_points(grid, np.zeros(1, int)))[1], workers, store)
@@ -107,7 +116,7 @@ def sweep(
 
 
 def _labelled(results: Results, units: Mapping[str, str]) -> xr.Dataset:
-    """Return the results in the order of their names, with units."""
+    """Return the results as a Dataset with units, ordered by name."""
     found = results.dataset()
     found = found[sorted(map(str, found.data_vars))]
     for variable, each in found.variables.items():
@@ -117,7 +126,11 @@ def _labelled(results: Results, units: Mapping[str, str]) -> xr.Dataset:
 
 
 class SweepInterrupted(KeyboardInterrupt):
-    """The user interrupted the sweep; ``results`` are those of the points finished by then, NaN at the others."""
+    """Raised when the user interrupts a sweep; it carries the results so far.
+
+    Attributes:
+        results: results of the finished points, NaN at the other points.
+    """
 
     def __init__(self, kept: str, results: xr.Dataset) -> None:
         super().__init__(kept)
@@ -127,7 +140,12 @@ class SweepInterrupted(KeyboardInterrupt):
 def _check(
     function: Callable[..., Any], arguments: Mapping[str, Any], workers: Any, store: Any
 ) -> None:
-    """Raise ValueError for invalid workers or store, or a function that does not take these keyword arguments."""
+    """Check the arguments of a sweep.
+
+    Raises:
+        ValueError: for invalid workers or an invalid store, or a function that does not take the
+            keyword arguments of a point.
+    """
     pool = isinstance(workers, Executor | None) or client_of(workers) is not None
     if not pool and not (type(workers) is int and workers and workers <= MOST_WORKERS):
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
@@ -151,7 +169,10 @@ def _check(
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
-    """Return the parameters as coordinates that span the grid; mixed numbers and words keep their types, unlike in NumPy."""
+    """Return the parameters of a sweep as coordinates of a Dataset, which span the grid of points.
+
+    A list that mixes numbers and words keeps their types, unlike a NumPy array.
+    """
 
     def typed(values: Any) -> Any:
         if isinstance(values, tuple) and len(values) > 1:
@@ -182,7 +203,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
-    """Yield the number and arguments of each point, the last dimension varying fastest."""
+    """Yield the index and the arguments of points of the grid; the last dimension varies fastest."""
     axes = list(grid.sizes)
     shape = tuple(grid.sizes.values())
     parameters = {
@@ -199,7 +220,11 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write outcomes to the store at intervals, and at the end, even if it is an error."""
+    """Write the outcomes of points to the store as they arrive, at intervals, and show the
+    progress.
+
+    If the evaluation ends with an error, the finished points are written too.
+    """
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()
     options = {

@@ -1,7 +1,10 @@
-"""Digest of a swept function: its name, the source text that it stands in, the values bound to it, and the user's version.
+"""Digest that identifies a swept function: its name, its source text, the values bound to it, and
+the user's version.
 
-The source text is that of all modules of its package; of a script or a notebook's cell it is the script or cell alone. The code
-of other packages is not seen, nor are global variables that a program sets as it runs. joblib's hash walks the bound values.
+For a function in a package the source text is that of all modules of the package; for a function in
+a script or a notebook's cell it is the script or the cell alone. The digest covers neither the code
+of other packages nor global variables that a program sets as it runs. joblib's hash collects the
+bound values.
 """
 
 import copyreg
@@ -23,16 +26,20 @@ INSTALLED = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "pl
 
 
 def name_of(function: Any) -> str:
-    """Return a function's module and name, of ``functools.partial`` those of the function within."""
+    """Return a function's module and name; for ``functools.partial``, the module and name of the
+    wrapped function.
+    """
     inner = function.func if isinstance(function, functools.partial) else function
     return f"{getattr(inner, '__module__', '')}.{getattr(inner, '__qualname__', type(inner).__qualname__)}"
 
 
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """Return a digest of a function, the values bound to it, this package and a given version.
+    """Return the digest of a function, the values bound to it, this package, its libraries and the
+    user's version.
 
     Raises:
-        ValueError: without a version, if the function has no source text or is bound to an object that is not data.
+        ValueError: if no version is given and the function has no source text, or is bound to an
+            object that is not data.
     """
     libraries = [_version(name) for name in ("numpy", "pymunk", "scipy")]
     try:
@@ -55,7 +62,11 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
 
 class _Hasher(NumpyHasher):  # type: ignore[misc]
-    """Hash of values in which functions and classes stand for name and source text, installed ones for name and version."""
+    """Hash of Python values in which a function or a class is replaced by its name and source text.
+
+    Functions and classes of installed packages are replaced by their name and the package's
+    version.
+    """
 
     def __init__(self, version: str) -> None:
         super().__init__(hash_name="sha256")
@@ -63,7 +74,11 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         self.digest = functools.cache(_folder_digest)
 
     def reducer_override(self, value: Any) -> Any:
-        """Reduce a value to an empty tuple whose state is the value's parts, which may refer back to it."""
+        """Return the substitute that pickle writes for a value, with all parts that the hash must
+        cover.
+
+        The parts are the state of an empty tuple, since they may refer back to the value.
+        """
         if isinstance(value, FunctionType):
             cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
             parts: Any = (
@@ -97,7 +112,9 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         return tuple, (), parts
 
     def source(self, value: Any, file: str) -> Any:
-        """Return a function's or class's name, its place in the source text, and a digest of the text."""
+        """Return the name of a function or class, its position in the source text, and the text
+        with a digest of its package.
+        """
         package = (
             getattr(sys.modules.get(value.__module__), "__package__", "") or value.__module__
         ).partition(".")[0]
@@ -115,14 +132,18 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         return value.__qualname__, place, text, folders
 
     def name_alone(self, value: Any, words: str) -> str:
-        """Return a value's name if a version stands for its changes, else raise ValueError with the words."""
+        """Return the name of a value, which identifies it if the user gives a version.
+
+        Raises:
+            ValueError: with ``words``, if no version is given.
+        """
         if not self.version:
             raise ValueError(words)
         return name_of(value)
 
 
 def _has_state(value: Any) -> bool:
-    """Whether pickle can take an object apart, unlike a lock or a generator."""
+    """Return whether pickle can save an object; it cannot save a lock or a generator."""
     try:
         value.__reduce_ex__(3)
     except TypeError:

@@ -1,4 +1,4 @@
-"""The outcome of a sweep's points; worker processes import no more than this module."""
+"""The outcome of a sweep's points; worker processes import this module alone."""
 
 import functools
 import pickle
@@ -11,14 +11,14 @@ import numpy as np
 from bristle_sim.arrays import Array
 
 Function = Callable[..., Any]
-Point = tuple[int, dict[str, Any]]  # number of a point in its grid, and its arguments
+Point = tuple[int, dict[str, Any]]  # index of a point in its grid, and its arguments
 Outcome = tuple[
     dict[str, Array], str
-]  # results of a point by name, and the reason why there are none, or empty
-FAILURE = "failure"  # Variable that says why a point has no results, or lacks some
+]  # results of a point by name, and the reason why results are missing, or an empty text
+FAILURE = "failure"  # Name of the variable with the reason why a point lacks results
 
-# Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with
-# it
+# Time after which a worker returns the points that it has finished, s. If it is killed, the points that it has not
+# returned are lost.
 TURN = 0.3
 
 
@@ -29,9 +29,11 @@ def serially(function: Function, points: Iterable[Point]) -> Iterator[tuple[Poin
 
 
 def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
-    """Return the outcomes of the points that are finished within a turn, the first one in any case.
+    """Evaluate points for TURN seconds, at least one point, and return the outcomes of the finished
+    points.
 
-    The points are pickled, as Dask would search a list of them for its futures. The function may be pickled too.
+    The points are pickled, since Dask would search a list of points for its futures. The function
+    may be pickled too.
     """
     called = _unpickled(function) if isinstance(function, bytes) else function
     end = time.perf_counter() + TURN
@@ -45,12 +47,15 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
 
 @functools.lru_cache(maxsize=1)
 def _unpickled(function: bytes) -> Any:
-    """Return the function of a sweep, once for all batches of a worker."""
+    """Return the unpickled function of a sweep; a worker unpickles it once for all its batches."""
     return pickle.loads(function)
 
 
 def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
-    """Return the results of a function, or the reason why it raised: a ValueError's message, other errors with their type."""
+    """Return the results of a function, or the reason why it raised an error.
+
+    The reason is the message of a ValueError; the message of another error follows its type.
+    """
     try:
         result = function(**arguments)
         named = dict(result) if isinstance(result, Mapping) else {"result": result}
@@ -66,7 +71,7 @@ def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
 
 
 def _readable(reason: Any) -> str:
-    """Return a reason in one line that every file and terminal can encode."""
+    """Return a reason as one line that every file and terminal can encode."""
     try:
         return " ".join(str(reason).encode(errors="backslashreplace").decode().split())
     except Exception:

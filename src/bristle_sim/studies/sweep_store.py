@@ -1,8 +1,10 @@
-"""Results of a sweep on the grid of its points, in memory and as zarr arrays in a folder.
+"""Results of a sweep on the grid of its points, kept in memory or as zarr arrays in a folder.
 
-In a folder they are written as they come, checked before more are computed, and read by xarray. In zarr a part of an
-array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the others intact, and xarray reads
-no more than is used. Descriptions and coordinates can be made anew, so that a damaged one costs no point.
+Points are written to a folder as they are finished. The folder is checked before more points are
+computed, and read by xarray. In zarr a chunk of an array is a file of its own with a checksum,
+which is replaced as a whole. A crash therefore leaves the other chunks intact, and xarray reads
+only the chunks in use. Descriptions and coordinates can be restored, so that a damaged one costs no
+point.
 """
 
 import json
@@ -24,20 +26,28 @@ from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
 
-# Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN.
+# Value of results that are not written yet or were lost: netCDF's fill value. xarray reads it as NaN.
 UNWRITTEN = 9.969209968386869e36
-ABANDONED = 60.0  # Age from which a half-written file counts as left by a killed program, s
-BLOCK = 4096  # Most points of a chunk, which is a file
-GROUP = "zarr.json"  # Description of a group or an array, a file in its folder
+ABANDONED = 60.0  # Age at which a half-written file counts as left behind by a killed program, s
+BLOCK = 4096  # Largest number of points in a chunk, which is one file
+GROUP = "zarr.json"  # Name of the file that describes a group or an array, in its folder
 
 
-NOT_COMPUTED = "not computed"  # The reason of points that are still to be computed
+NOT_COMPUTED = "not computed"  # Reason of failure of points that are still to be computed
 
 
 class Results:
-    """The reasons of failures and an array for each result, whose first axes are those of the grid.
+    """Results of a sweep in memory: one array for each result, and one with the reasons of
+    failures.
 
-    ``shapes`` has the shape of a single point's result by name. ``taken`` has the names of parameters and dimensions.
+    The first axes of every array are those of the grid.
+
+    Attributes:
+        grid: coordinates of the points.
+        shape: shape of the grid.
+        taken: names of parameters and dimensions, which a result must not have.
+        shapes: shape of each result at a single point, by name.
+        arrays: the arrays, by name.
     """
 
     def __init__(self, grid: xr.Dataset) -> None:
@@ -48,13 +58,20 @@ class Results:
         self.arrays: dict[str, Any] = {FAILURE: np.full(self.shape, NOT_COMPUTED, dtype=object)}
 
     def missing(self, again: str = "") -> NDArray[np.bool_]:  # noqa: ARG002
-        """Return which points of the grid must be computed; a store computes some reasons of failure again."""
+        """Return which points of the grid must be computed, as an array of booleans.
+
+        ``again`` has an effect in a store alone.
+        """
         return np.asarray(self.arrays[FAILURE] == NOT_COMPUTED)
 
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
-        """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
+        """Write the results of some points, and then their reasons of failure.
 
-        Raises ValueError for a result with the name of a parameter, or with a name that no array can have.
+        A point counts as not computed until its reason, which may be empty, is written.
+
+        Raises:
+            ValueError: for a result with the name of a parameter, or with a name that is not
+                permitted for an array.
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         results = [values for _, (values, _) in outcomes]
@@ -77,7 +94,12 @@ class Results:
         self._put(FAILURE, numbers, reasons)
 
     def _add(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Add results that points computed earlier do not have."""
+        """Add arrays for results that the earlier points did not have.
+
+        Raises:
+            ValueError: for a result with the name of a parameter, or with a name that is not
+                permitted for an array.
+        """
         for name in shapes:
             if name in self.taken:
                 raise ValueError(
@@ -88,18 +110,18 @@ class Results:
         self.shapes.update(shapes)
 
     def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Create arrays of NaN by name and shape of a point's result."""
+        """Create arrays filled with NaN; ``shapes`` has the shape of each result at a single point."""
         self.arrays.update(
             (name, np.full((*self.shape, *inner), math.nan)) for name, inner in shapes.items()
         )
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
-        """Write values of points by their numbers in the grid."""
+        """Write values of a result at points that are given by their indices in the grid."""
         if values.size:
             self.arrays[name].reshape(-1, *values.shape[1:])[numbers] = values
 
     def dataset(self) -> xr.Dataset:
-        """Return the grid with the results."""
+        """Return the grid as a Dataset with the results."""
         found = self.grid.copy()
         for name, array in self.arrays.items():
             own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(self.shape))]
@@ -109,7 +131,11 @@ class Results:
 
 
 def check_name(what: str, name: str) -> None:
-    """Raise ValueError for a name that an array in a folder cannot have."""
+    """Check that an array in a folder may have a name; ``what`` describes it in the message.
+
+    Raises:
+        ValueError: for a name that is empty, unprintable or reserved.
+    """
     if (
         not name.isprintable()
         or not name
@@ -124,7 +150,10 @@ def check_name(what: str, name: str) -> None:
 
 
 class SweepStore(Results):
-    """Results in a folder, whose attributes repeat their names and shapes with a checksum."""
+    """Results of a sweep in a folder.
+
+    The folder's attributes repeat the names and shapes of the results, with a checksum.
+    """
 
     def __init__(self, folder: Path, grid: xr.Dataset) -> None:
         super().__init__(grid)
@@ -136,9 +165,13 @@ class SweepStore(Results):
         self._create({})
 
     def missing(self, again: str = "") -> NDArray[np.bool_]:
-        """Return which points of the grid must be computed, also those whose reason begins with the word ``again``.
+        """Return which points of the grid must be computed, as an array of booleans.
 
-        Parts that are damaged or lost are logged. Raises OSError if a file cannot be read.
+        If ``again`` is not empty, points whose reason of failure begins with it are included.
+        Points that were damaged or lost are logged.
+
+        Raises:
+            OSError: if a file cannot be read.
         """
         missing = np.zeros(self.shape, bool)
         lost = np.zeros(self.shape, bool)
@@ -174,9 +207,12 @@ class SweepStore(Results):
             self._put(name, computed, np.full((computed.size, *inner), math.nan))
 
     def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Write the descriptions and coordinates that are absent or differ from those expected, and open the arrays.
+        """Write the descriptions and coordinates that are absent or damaged, and open the arrays.
 
-        The group's description comes last. Raises OSError if one that is absent cannot be written.
+        The description of the whole folder is written last.
+
+        Raises:
+            OSError: if an absent file cannot be written.
         """
         self.shapes = dict(sorted({**self._described(), **shapes}.items()))
         for name, content in sorted(self._files().items(), key=lambda item: item[0] == GROUP):
@@ -192,7 +228,11 @@ class SweepStore(Results):
         self.arrays = {name: group[name] for name in (FAILURE, *self.shapes)}
 
     def _described(self) -> dict[str, tuple[int, ...]]:
-        """Return the shapes of results in the folder by name: those of the arrays, and of the group if it is intact."""
+        """Return the shapes of the results that the folder already holds, by name.
+
+        They are read from the descriptions of the arrays, and from the folder's description if it
+        is intact.
+        """
         shapes = dict[str, tuple[int, ...]]()
         for path in self.folder.glob(f"*/{GROUP}"):
             with suppress(ValueError, TypeError, KeyError):
@@ -218,7 +258,10 @@ class SweepStore(Results):
         return shapes
 
     def _files(self) -> dict[str, bytes]:
-        """Return the contents of all files by name but those of results: descriptions and coordinates."""
+        """Return the contents of the descriptions and coordinates, by the name of their file.
+
+        The chunks of results are not included.
+        """
         content = dict[str, Any]()
         results = json.dumps(self.shapes)
         memory = zarr.storage.MemoryStore(content)
@@ -255,7 +298,10 @@ class SweepStore(Results):
         return {name: each.to_bytes() for name, each in content.items()}
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
-        """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
+        """Write values of a result at points that are given by their indices in the grid.
+
+        zarr replaces the chunks that hold these points.
+        """
         array = self.arrays[name]
         inner = math.prod(values.shape[1:])
         if not values.size:
@@ -267,14 +313,14 @@ class SweepStore(Results):
         array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
 
     def dataset(self) -> xr.Dataset:
-        """Return the grid with the results, loaded lazily by xarray without Dask."""
+        """Return the grid as a Dataset with the results, which xarray loads lazily without Dask."""
         stored: xr.Dataset = xr.open_zarr(self.folder, chunks=None, consolidated=False)
         text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
         return stored.assign({FAILURE: text}).assign_coords(self.grid.coords)
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all."""
+    """Write a file completely or, if that fails, leave the old one."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.name}.{os.urandom(8).hex()}.partial")
     try:

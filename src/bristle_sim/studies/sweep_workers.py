@@ -1,4 +1,7 @@
-"""Batches of a sweep's points on processes, an executor or a Dask cluster; points that are lost are computed again."""
+"""Evaluation of a sweep's points in batches by processes, an executor or a Dask cluster.
+
+Points that are lost with their worker are computed again.
+"""
 
 import itertools
 import os
@@ -16,10 +19,11 @@ from joblib.externals.loky import ProcessPoolExecutor
 from bristle_sim.studies.sweep_identity import name_of
 from bristle_sim.studies.sweep_point import Function, Outcome, Point, evaluate_points, serially
 
-LARGEST_BATCH = 4096  # Most points that are sent to a worker at once
-WAITING = 2  # Batches for each worker that are under way, so that none waits for the next one
-ATTEMPTS = 3  # Losses of a point alone in its batch after which the point is taken for the cause
-LOST = "lost with its worker"  # Begin of the reason of points that the next call on a store computes again
+LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
+WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
+ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
+# First words of the reason of failure of points that the next call on a store computes again
+LOST = "lost with its worker"
 # Environment variables of the libraries that start threads of their own
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -29,7 +33,8 @@ def evaluated(
 ) -> Generator[tuple[Point, Outcome], None, None]:
     """Yield points with their outcomes as they are finished.
 
-    Until a point has results one batch is under way at a time, so that their shapes do not depend on the workers.
+    Until one point has results, only one batch is in progress, so that the shapes of the results do
+    not depend on the workers.
 
     Raises:
         ValueError: if the function cannot be pickled for the workers.
@@ -53,7 +58,7 @@ def evaluated(
 
 
 class _Pool:
-    """An executor of ``concurrent.futures``."""
+    """Workers behind an executor of ``concurrent.futures``."""
 
     def __init__(self, executor: Any) -> None:
         self.executor = executor
@@ -67,13 +72,13 @@ class _Pool:
         return getattr(self.executor, "_max_workers", None) or os.cpu_count() or 1
 
     def stop(self, futures: list[Any]) -> None:
-        """Give up the calls that are under way."""
+        """Cancel the calls that are in progress."""
         for future in futures:
             future.cancel()
 
 
 class _Processes(_Pool):
-    """Processes of this sweep; they are replaced if one of them is killed."""
+    """Worker processes that this sweep starts; if one of them is killed, all are replaced."""
 
     def __init__(self, number: int) -> None:
         threads = str(max(1, (os.cpu_count() or 1) // number))
@@ -92,7 +97,10 @@ class _Processes(_Pool):
 
 
 class _Cluster(_Pool):
-    """The workers of a Dask client, called without its executor: that one may lose results of a worker that dies."""
+    """Workers of a Dask client.
+
+    The client is called directly, since its executor may lose the results of a worker that dies.
+    """
 
     def __init__(self, client: Any, options: dict[str, Any]) -> None:
         super().__init__(client)
@@ -107,13 +115,18 @@ class _Cluster(_Pool):
 
 
 def client_of(workers: Any) -> Any:
-    """Return the Dask client that ``workers`` is, or whose executor it is, else None."""
+    """Return the Dask client if ``workers`` is a client or the executor of a client, else None."""
     client = getattr(workers, "_client", workers)
     return client if hasattr(client, "get_executor") and hasattr(client, "scheduler_info") else None
 
 
 def _sent(function: Function, workers: Any) -> Function | bytes:
-    """Return the function as it is sent to the workers, pickled but for threads. Raises ValueError if it cannot be pickled."""
+    """Return the function in the form in which it is sent to the workers: pickled, or as it is for
+    threads.
+
+    Raises:
+        ValueError: if the function cannot be pickled.
+    """
     if isinstance(workers, ThreadPoolExecutor):
         return function
     try:
@@ -125,7 +138,11 @@ def _sent(function: Function, workers: Any) -> Function | bytes:
 
 
 class _Batches:
-    """Batches of points that are under way, left over from a turn, or suspected of the loss of a worker."""
+    """Batches of points on their way through the workers.
+
+    A batch is in progress, left over because its worker ran out of time, or suspected of having
+    killed its worker.
+    """
 
     def __init__(self, pool: _Pool, function: Function | bytes, points: Iterator[Point]) -> None:
         self.pool = pool
@@ -141,7 +158,7 @@ class _Batches:
         self.known = False
 
     def outcomes(self) -> Iterator[tuple[Point, Outcome]]:
-        """Yield points with their outcomes until all are finished."""
+        """Yield points with their outcomes until all points are finished."""
         while True:
             while batch := self._next():
                 try:
@@ -163,7 +180,10 @@ class _Batches:
                 self.known = self.known or any(values for values, _ in outcomes)
 
     def _next(self) -> list[Point]:
-        """Return the next batch, suspects one at a time while nothing else is under way; empty if there is none."""
+        """Return the next batch to send; empty if none can be sent now.
+
+        A suspected batch is sent only while no other batch is in progress.
+        """
         if self.suspects:
             return [] if self.under_way else self.suspects.popleft()
         if len(self.under_way) >= (WAITING * self.pool.workers() if self.known else 1):
@@ -179,9 +199,13 @@ class _Batches:
         future.add_done_callback(lambda _: self.finished.put(key))
 
     def _lost(self, batch: list[Point], error: Exception) -> Iterator[tuple[Point, Outcome]]:
-        """Keep the points of a lost batch for attempts alone; yield a point that is the cause, with the reason.
+        """Handle a batch that was lost with its worker.
 
-        Raises RuntimeError if the workers do not evaluate an empty batch either.
+        Its points become suspects and are tried again, each alone. A point that has lost its worker
+        ATTEMPTS times alone counts as the cause and is yielded, with the reason.
+
+        Raises:
+            RuntimeError: if the workers do not evaluate an empty batch either.
         """
         if len(batch) > 1:
             self.suspects.extend([point] for point in batch)

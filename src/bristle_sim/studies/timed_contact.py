@@ -1,9 +1,9 @@
-"""Force and motion of a bristle's contact resolved in time, with a requested compression time or
-impulse.
+"""Force and motion of a bristle's contact with a requested compression time, and a requested
+impulse or speed.
 
-In the 50 us of a contact the hub turns by 0.75 deg and the bristle by more, so impulse and duration
-differ from the rigid-body limit by some per cent. Speed and stiffness are adjusted until the
-contact in the scene has the requested values.
+The contact is simulated over time. In its 50 us the hub turns by 0.75 deg and the bristle by more,
+so that impulse and duration differ from the rigid-body limit by some per cent. Speed and stiffness
+are therefore adjusted until the simulated contact has the requested values.
 """
 
 import dataclasses
@@ -28,20 +28,20 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 Result = TypeVar("Result")
 
-# Relative difference from the request at which the adjustment ends; it ends at the accuracy if that
-# is coarser.
+# Relative difference from the requested values at which the adjustment ends, unless the requested
+# accuracy is coarser
 REQUEST_TOLERANCE = 1e-6
-MOST_ROUNDS = 30  # largest number of rounds of adjustment; five to ten are usual
-LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in a round
+MOST_ROUNDS = 30  # largest number of iterations of the adjustment; five to ten are usual
+LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an iteration
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
 def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
-    """Return cubics through samples; they are smooth except at instants sampled more than once,
-    where they may jump.
+    """Return a piecewise cubic interpolant through samples.
 
-    ``time`` has the shape (n,), ``values`` and ``slopes`` (n, ...). Without slopes each piece is a
-    spline.
+    It is smooth except at instants that are sampled more than once, where it may jump. Without
+    slopes each smooth part is a cubic spline, with slopes a cubic Hermite spline. ``time`` has the
+    shape (n,), ``values`` and ``slopes`` have the shape (n, ...).
     """
     coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
     coefficients[3] = values[:-1]  # constant in an interval as short as rounding
@@ -55,9 +55,10 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return the first sample of each smooth piece, and the sample after its last.
+    """Return the index of the first sample of each smooth part of a record, and the index after its
+    last sample.
 
-    Instants that differ by rounding are equal.
+    Smooth parts are separated by instants that are sampled twice, equal but for rounding error.
     """
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
@@ -65,17 +66,21 @@ def pieces(time: Array) -> list[tuple[int, int]]:
 
 
 def compression_end(history: ContactHistory) -> float:
-    """Return the time from the first touch to the deepest penetration, s; it is the time of a
-    sample.
-    """
+    """Return the time from the first touch to the sample of deepest penetration, s."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 @dataclass(frozen=True)
 class TimedContact:
-    """A radial bristle's contact resolved in time, with the cost of its last simulation.
+    """A radial bristle's contact simulated over time.
 
-    Series have one entry for each sample.
+    Time series have one entry for each sample.
+
+    Attributes:
+        surface: the surface.
+        chain: the bristle before the contact.
+        record: record of the contact.
+        steps, wall_s: engine steps and wall time of the last simulation.
     """
 
     surface: Surface
@@ -86,7 +91,7 @@ class TimedContact:
 
     @property
     def history(self) -> ContactHistory:
-        """History of the contact."""
+        """History of the contact over time."""
         assert self.record.history is not None
         return self.record.history
 
@@ -97,12 +102,12 @@ class TimedContact:
 
     @property
     def compression_time(self) -> float:
-        """Time from first touch to deepest penetration, s."""
+        """Time from the first touch to the deepest penetration, s."""
         return compression_end(self.history)
 
     @property
     def tip_speed(self) -> float:
-        """Speed v_C of the tip before the contact (2.24), m/s."""
+        """Speed v_C of the tip before the contact (Zhang 2020, eq. 2.24), m/s."""
         return (
             self.chain.lengths[0] * self.chain.rates[0]
             + self.chain.hub_radius * self.chain.hub_speed
@@ -110,14 +115,14 @@ class TimedContact:
 
     @cached_property
     def force(self) -> Array:
-        """Resultant force, N."""
+        """Magnitude of the resultant force at each sample, N."""
         return np.asarray(np.hypot(self.history.normal_force, self.history.tangential_force))
 
     @cached_property
     def resultant(self) -> PPoly:
-        """Resultant force as a function of time, N.
+        """Magnitude of the resultant force as a continuous function of time, N.
 
-        Its slope is the normal velocity times a stiffness that is constant in each piece.
+        Its slope is the normal velocity times a stiffness, which is constant in each smooth part.
         """
         depth = self.history.penetration
         slopes = np.zeros_like(self.time)
@@ -129,12 +134,16 @@ class TimedContact:
 
     @property
     def peak_force(self) -> float:
-        """Largest resultant force, N; it occurs at the deepest penetration, which is a sample."""
+        """Largest magnitude of the resultant force, N; it occurs at the deepest penetration, which
+        is a sample.
+        """
         return float(self.force.max())
 
     @property
     def compressive_impulse(self) -> float:
-        """Integral of the resultant force over the compression, p_c (Zhang 2020, eq. 3.1), N s."""
+        """Compressive impulse p_c, N s: the integral of the resultant force over compression (Zhang
+        2020, eq. 3.1).
+        """
         return float(self.resultant.integrate(0.0, self.compression_time))
 
     @property
@@ -144,7 +153,7 @@ class TimedContact:
 
     @property
     def rate(self) -> Array:
-        """Absolute rate of the bristle, rad/s."""
+        """Absolute angular velocity of the bristle, rad/s."""
         return self._rate_and_lead[0]
 
     @property
@@ -157,8 +166,9 @@ class TimedContact:
 
     @cached_property
     def _rate_and_lead(self) -> tuple[Array, Array]:
-        """Rate of the bristle, rad/s, by the tip's velocity along the workpart; and its angle ahead
-        of the hub, rad.
+        """Angular velocity of the bristle, rad/s, and its angle ahead of the hub, rad.
+
+        Both follow from the tip's velocity along the workpart.
         """
         radius = self.chain.hub_radius
         length = self.chain.lengths[0]
@@ -202,13 +212,14 @@ def timed_contact(
 
     Args:
         hub, bristle, surface, settings: parameters of the strike.
-        impact_angle: gamma, rad.
-        compression_time: time from first touch to deepest penetration, s.
-        rate: rate of the bristle before the strike, rad/s, if ``impulse`` is not given.
+        impact_angle: angle gamma between the radial bristle and the workpart's normal, rad.
+        compression_time: time from the first touch to the deepest penetration, s.
+        rate: angular velocity of the bristle before the strike, rad/s; give either ``rate`` or
+            ``impulse``.
         impulse: compressive impulse, N s.
 
     Raises:
-        ValueError: if there is no such contact.
+        ValueError: if no contact has the requested values.
     """
     requested = [compression_time]
     speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
@@ -219,7 +230,9 @@ def timed_contact(
         speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
-        """Return the contact of a duration and tip speed, and its compression time and impulse."""
+        """Simulate a contact of given duration and tip speed; return it with its compression time
+        and impulse.
+        """
         if (
             not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length)
             <= bristle.length
@@ -255,8 +268,9 @@ def timed_contact(
 
 
 def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
-    """Return the fields of a report on a contact; ``later`` holds further events with their times,
-    s.
+    """Return the fields of a report on a contact.
+
+    ``later`` holds further events with their times, s.
     """
     if contact is None:
         return {"outcome": "no contact"}
@@ -266,11 +280,12 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
 
 
 def with_visible_contact(impacts: Impacts) -> Impacts:
-    """Return the impacts with a contact of the printed 50 us of compression, for films.
+    """Return the impacts with a contact that lasts long enough to be seen in a film: the printed 50
+    us of compression.
 
-    A requested duration is kept. The report's contact is so short that the rods are practically at
-    rest meanwhile (the rigid-body limit). It is kept too if 50 us are too short or too long for
-    these rods; ``timing`` states the case.
+    A requested duration is kept. Otherwise the report's contact is so short that the rods are
+    practically at rest during it (the rigid-body limit). That contact is kept too if 50 us are too
+    short or too long for these rods. ``timing`` of the result states how the duration was chosen.
     """
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")
@@ -304,8 +319,13 @@ def _adjusted(
     wanted: Array,
     tolerance: float,
 ) -> Result:
-    """Adjust given numbers until the result has the wanted values, by Broyden's method in the
-    logarithms.
+    """Adjust the arguments of a simulation until its result has the wanted values.
+
+    The method is Broyden's, in the logarithms of arguments and values. ``struck`` simulates with
+    the arguments, first ``given``, and returns a result and its values.
+
+    Raises:
+        ValueError: if the values are not reached in MOST_ROUNDS iterations.
     """
     free = len(wanted)
     slopes = np.eye(len(wanted))

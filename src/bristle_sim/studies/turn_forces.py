@@ -1,11 +1,12 @@
-"""Forces on a bristle over its turns: impulses of impacts, and time series of sustained contacts.
+"""Forces on a bristle over a revolution of the hub: impulses of impacts, and time series of
+sustained contacts.
 
-Normal and tangential are those of a contact record. Moments are about the hub's centre, positive in
-the hub's sense.
+Normal and tangential directions are those of a contact record. Moments are about the hub's centre,
+positive in the hub's sense of rotation.
 
-A load cell is a mass on a spring with the damping of Butterworth's filter. Its response to a unit
-impulse is h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth; at the bandwidth
-it passes half the power.
+A load cell is modelled as a mass on a spring with the damping of a Butterworth filter. Its response
+to a unit impulse is h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2) with w = 2 pi bandwidth. At
+the bandwidth it passes half the power.
 """
 
 import itertools
@@ -24,26 +25,29 @@ from bristle_sim.studies.pass_invariants import complex_points, levers, nearest,
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-"""Gauss-Legendre rule on (-1, 1): it integrates a cubic times exp(p t) over |p| h <= 1 to
-rounding."""
+"""Nodes and weights of a Gauss-Legendre rule on (-1, 1). Over an interval of length h with |p| h <= 1
+its error for a cubic times exp(p t) is rounding error."""
 
 
 CLOSEST_NODES = 0.05
-"""Least distance of a spline's nodes over the largest distance.
+"""Smallest distance of a spline's nodes, over their largest distance.
 
-Near a release the scene's samples are so close that a spline through all of them would follow their
-rounding."""
+Near a release the samples of the simulation are so close to each other that a spline through all of
+them would follow their rounding errors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force of an obstacle: an impact, or a smooth interval of a sustained contact.
+    """A force of an obstacle on the bristle: an impact, or a smooth interval of a sustained
+    contact.
 
     Attributes:
         obstacle: name of the obstacle.
         begin, end: start and end, s; equal for an impact.
-        integral: impulses of normal and tangential force, N s, and of their moment, N m s.
-        course: the two forces, N, and the moment, N m, as functions of time; None for an impact.
+        integral: impulses of the normal and the tangential force, N s, and time integral of their
+            moment, N m s.
+        course: normal and tangential force, N, and moment, N m, as functions of time; None for an
+            impact.
     """
 
     obstacle: str
@@ -56,12 +60,18 @@ class Force:
 def load_cell_response(
     forces: Iterable[Force], period: float, bandwidth: float, times: Array
 ) -> Array:
-    """Return the normal force that the load cell shows at given times, N; the forces have always
-    repeated with ``period``.
+    """Return the normal force that a load cell shows at given times, N, if the forces repeat
+    periodically.
 
-    An impact contributes J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the
-    filter's pole p. A lasting force is divided into parts shorter than half a period and 1/|p|;
-    each is integrated with exp(p t).
+    An impact J at the time s before contributes J h(s + k T) for k = 0, 1, ... with the period T.
+    The sum is a geometric series in exp(p T), where p is the filter's pole. A sustained force is
+    divided into parts shorter than half a period and 1/|p|; each part is integrated with exp(p t).
+
+    Args:
+        forces: forces within one period.
+        period: time after which the forces repeat, s.
+        bandwidth: bandwidth of the load cell, Hz.
+        times: times at which the response is wanted, s.
     """
     pole = 2.0 * math.pi * bandwidth * complex(-1.0, 1.0) / math.sqrt(2.0)
     state = np.zeros(len(times), dtype=complex)
@@ -90,8 +100,10 @@ def load_cell_response(
 def _weighed(
     course: Callable[[Array], Array], start: float, length: Array, pole: complex
 ) -> NDArray[np.complex128]:
-    """Return the integral of exp(p (end - t)) F(t) over intervals of given lengths from ``start``;
-    F is the normal force.
+    """Return the integral of exp(p (end - t)) F(t), the normal force weighted with the decay until
+    the end.
+
+    The intervals begin at ``start`` and have the given lengths; p is the filter's pole.
     """
     offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
     values = course(start + offset)[..., 0]
@@ -101,7 +113,7 @@ def _weighed(
 
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
-    """Return all forces of bar and workpart on a rigid bristle in one turn, in order of time."""
+    """Return all forces of bar and workpart on a rigid bristle in one revolution, in order of time."""
     found = list[Force]()
     for contact in run.contacts:
         if contact.law == "sustained":
@@ -115,11 +127,13 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
 
 
 def dissipated(tool: Tool, run: Trajectory) -> float:
-    """Return the energy that impacts, friction and the belt's damping dissipate in one turn, J.
+    """Return the energy that impacts, friction and the belt's damping dissipate in one revolution,
+    J.
 
-    Works of impacts are those of the impact law, works of friction in sustained contacts are the
-    scene's sums. The work of damping is the integral of c alpha'^2, by splines between the instants
-    at which the acceleration jumps.
+    The works of impacts are those of the impact law. The works of friction in sustained contacts
+    are sums over the steps of the simulation. The work of damping is the integral of c alpha'^2,
+    with the belt's damping c and the relative angle alpha, by splines between the instants at which
+    the acceleration jumps.
     """
     lost = -sum(sum(each.work or ()) for each in run.contacts)
     if not tool.belt_damping:
@@ -140,11 +154,11 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
 
 def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
-    """Divide a sustained contact where its force jumps: where the bar reaches the wire's end, and
-    where slip reverses.
+    """Return the forces of a sustained contact, divided at the instants at which its force jumps.
 
-    The sample at such an instant has the force before the jump. Each spline therefore begins one
-    sample later and is extrapolated to its beginning.
+    It jumps where the bar reaches the wire's end, and where slip reverses. The sample at a jump has
+    the force before the jump. Each spline therefore begins one sample later and is extrapolated
+    back to the jump.
     """
     # The factor makes up for the rounding of the sum, by which the sample at the end could be
     # missed.
@@ -190,7 +204,9 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
 
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
-    """Return the samples after the first up to the last, without samples too close for a spline."""
+    """Return the indices of samples that are far enough apart for a spline, from ``first``
+    (excluded) to ``last``.
+    """
     kept = [last]
     closest = CLOSEST_NODES * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
@@ -200,9 +216,11 @@ def _spaced(time: Array, first: int, last: int) -> list[int]:
 
 
 def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Array:
-    """Return the sense of slip between samples, and the number of the wire's piece at the bar.
+    """Return two numbers for each interval between samples, which change where the contact force
+    jumps.
 
-    The number has an additional half at the corner at the end of the piece.
+    The first is the sense of slip, -1, 0 or 1. The second is the index of the wire's straight
+    segment at the bar; at a corner it is halfway between the indices of the two segments.
     """
     hub, angle, rate = (
         0.5 * (each[rows][1:] + each[rows][:-1])

@@ -1,8 +1,10 @@
-"""The whole pass compared with the dissertation's chain of formulas: cue geometry, cue time, highest speed, oblique impact.
+"""The whole pass compared with the dissertation's chain of formulas: geometry of the cue, cue time,
+highest speed, oblique impact.
 
-By the formulas the bar releases the bristle at the retraction that its position permits; the bristle flies a quarter period of
-its undamped belt and strikes radially, at its highest speed. Where the simulation differs, that is the finding; only the
-independent reference has to agree within a tolerance.
+By the formulas the bar releases the bristle at the retraction that its position permits. The
+bristle then swings for a quarter period on its undamped belt, and strikes radially at its highest
+speed. A difference between simulation and formulas is a finding, not an error. Only the independent
+reference solution must agree within a tolerance.
 """
 
 import math
@@ -33,11 +35,12 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 LEAST_ERROR = 1e-8
-"""Least relative error of the motion that is expected; the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
+"""Smallest relative error of the motion that the tolerances assume."""
 
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
-"""Factors by which these quantities magnify an error of the motion: the wire's end grazes the bar, where its force falls to
-zero at a small slope."""
+"""Factors by which some quantities magnify an error of the motion.
+
+At the release the wire's end grazes the bar, and the force falls to zero slowly."""
 
 QUANTITIES = {
     "release_time": ("time of release from the bar", "s"),
@@ -57,7 +60,13 @@ PRINTED = {
 
 @dataclass(frozen=True, slots=True)
 class WholePass:
-    """A simulated pass, the tool, and the reference's pass if it was requested."""
+    """A simulated pass.
+
+    Attributes:
+        tool: the tool.
+        trajectory: the simulated motion.
+        reference: motion by the independent reference solution; None if it was not requested.
+    """
 
     tool: Tool
     trajectory: Trajectory
@@ -65,9 +74,11 @@ class WholePass:
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
-    """Simulate a pass and compare it with the formulas.
+    """Simulate a pass and compare it with the dissertation's formulas.
 
-    Raises ValueError if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
+    Raises:
+        ValueError: if the bristle overlaps an obstacle at the start, or the run is given up before
+            its strike.
     """
     run = simulate(tool, settings)
     reference = None
@@ -142,7 +153,9 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
 
 def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, float]:
-    """Return the tolerances of the quantities that the reference knows, from the errors of its motion and the scene's."""
+    """Return the tolerances of the quantities that the reference solution gives, from the errors of
+    both motions.
+    """
     within = {}
     for name, value in referred.items():
         if value is not None:
@@ -189,7 +202,10 @@ def _why_not(tool: Tool, run: Trajectory) -> str:
 
 
 def measures_of(tool: Tool, run: Trajectory) -> Values:
-    """Return the quantities of a run, None for events that did not happen; events and extremes are samples."""
+    """Return the quantities of a pass; the quantities of an event that did not happen are None.
+
+    Extremes are taken over the samples, and so are states at an event.
+    """
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
     ends = (
@@ -212,7 +228,9 @@ def measures_of(tool: Tool, run: Trajectory) -> Values:
 
 
 def _formulas(tool: Tool) -> Values:
-    """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
+    """Return the quantities by the dissertation's formulas for this tool; empty if the formulas do
+    not apply to it.
+    """
     bristle = tool.bristle
     hub = tool.hub
     bar = tool.bar
@@ -253,7 +271,9 @@ def _formulas(tool: Tool) -> Values:
 
 
 def run_fields(run: Trajectory) -> dict[str, Any]:
-    """Return a run's events, its cost, and an accuracy that it has not reached, as fields of a report."""
+    """Return the fields of a report that describe a run: its events, its cost, and the reason if it
+    has missed the requested accuracy.
+    """
     return {
         "not_reached": run.accuracy_not_reached,
         "events": tuple(map(attrgetter("name", "time"), run.events)),
@@ -263,7 +283,10 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 
 
 def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
-    """Return outcome, phases and cost of a single contact, and events by name, s, as fields of a report."""
+    """Return the fields of a report on a single contact: outcome, phases, cost, and events.
+
+    ``events`` are times by name, s.
+    """
     return {
         **outcome_fields(contact),
         "events": tuple(events.items()),
@@ -273,7 +296,9 @@ def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:
-    """Return why and when a run stopped, and how to make it go further, for the JSON; time in s."""
+    """Return the reason and the time, s, at which a run stopped, and the advice how to make it go
+    further, for the JSON.
+    """
     return {
         "reason": str(run.stop_reason),
         "time": float(run.time[-1]),
@@ -283,12 +308,18 @@ def stop_fields(run: Trajectory) -> dict[str, Any]:
 
 
 def reference_accuracy(settings: Settings) -> float:
-    """Return the accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
+    """Return the accuracy of the independent reference solution: a tenth of the simulation's, but
+    1e-10 at best.
+    """
     return max(1e-10, 0.1 * settings.accuracy)
 
 
 def require_rigid(tool: Tool) -> None:
-    """Refuse a wire that bends, whose lag and speed vibrate."""
+    """Check that the wire is rigid; the lag and speed of a wire that bends vibrate.
+
+    Raises:
+        ValueError: for a wire of several links.
+    """
     if tool.bristle.links > 1:
         raise ValueError(
             f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)"
@@ -296,11 +327,15 @@ def require_rigid(tool: Tool) -> None:
 
 
 class GivenUpError(ValueError):
-    """The solver gave up a run; the motion that would follow is unknown."""
+    """Raised for a run that the solver gave up; the further motion is unknown."""
 
 
 def require_result(run: Trajectory, settings: Settings) -> None:
-    """Raise GivenUpError for a run that was given up."""
+    """Check that a run was not given up.
+
+    Raises:
+        GivenUpError: if it was given up.
+    """
     if run.stop_reason.gives_up:
         raise GivenUpError(
             f"accuracy = {settings.accuracy:g}: {run.stop_reason} after"
