@@ -26,10 +26,10 @@ class Quantity:
     Attributes:
         name: name of the quantity.
         unit: unit of the quantity; "1" for a pure number.
-        simulated: simulated value. All four values are None if absent.
-        theory: value of a closed form.
-        reference: value of the independent solution.
-        printed: value printed in the dissertation.
+        simulated: simulated value; None if absent.
+        theory: value of a closed form; None if absent.
+        reference: value of the independent solution; None if absent.
+        printed: value printed in the dissertation; None if absent.
         tolerance: largest relative difference that counts as agreement, or largest absolute
             difference if the compared value is 0. None if a difference is a finding, not an error.
         label: name of the quantity in tables, with its symbol; by default ``name`` in words.
@@ -159,7 +159,7 @@ class Report:
 
     Attributes:
         outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None if the question
-        is not about an impact.
+            is not about an impact.
         quantities: the compared quantities.
         phases: phases of the impact, in order.
         events: names and times (s) of events, in order.

@@ -226,7 +226,8 @@ def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> 
     """Return the factor that converts a force column to newtons.
 
     Raises:
-        ValueError: for an unknown unit, a voltage without ``force_per_volt``, or a force with it.
+        ValueError: for an unknown unit, for a voltage without ``force_per_volt``, and for a force
+            in newtons if ``force_per_volt`` is given.
     """
     volts = column.unit in VOLTAGE or (not column.unit and force_per_volt is not None)
     if volts and force_per_volt is not None:

@@ -34,7 +34,7 @@ class Text:
 
     @property
     def allowed(self) -> str:
-        """What the text must be, in words, for messages and listings."""
+        """Requirement on the text, in words, for messages and listings."""
         if self.unit == "folder":
             return "the name of a folder"
         return (
@@ -44,7 +44,7 @@ class Text:
         )
 
     def check(self, value: Any) -> str:
-        """Return the text.
+        """Return a value after a check that it is a text that meets the requirement.
 
         Raises:
             ValueError: if the value is no text, is empty, or names no readable file where it must;

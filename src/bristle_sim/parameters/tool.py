@@ -254,9 +254,11 @@ PARTS: dict[str, tuple[type, ...]] = {
 
 
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return, by name of the part and by key, the field that a key sets and its declaration.
+    """Return the keys of each part of a tool.
 
-    The part "" is the tool itself.
+    Returns:
+        For each part, by name, a dictionary from key to (name of the field, declaration). The part
+        "" is the tool itself.
     """
     parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
     return {

@@ -18,7 +18,7 @@ class Outcome(StrEnum):
     """The ways in which a contact can end.
 
     The record of a sustained contact may instead name the obstacle whose impact ended the contact,
-    or the reason why the run stopped.
+    or the reason why the simulation stopped.
     """
 
     REBOUND = "rebound"
@@ -74,12 +74,12 @@ class ActiveContact:
     def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
         """Estimate when the normal force of a rigid contact reaches zero.
 
-        The force is extrapolated by a parabola in time. It has the forces at both ends of the
-        interval and the impulse of the interval.
+        The force is extrapolated by a parabola over time. The parabola matches the forces at both
+        ends of the interval, and the impulse of the interval.
 
         Returns:
             The normal force at the interval's beginning, and the coefficient of the parabola's
-            quadratic term, for a time measured in lengths of the interval.
+            quadratic term, with the time as a fraction of the interval.
         """
         last = first = sums.normal
         bend = 0.0

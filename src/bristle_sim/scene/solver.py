@@ -108,7 +108,7 @@ class WireVelocities:
         self.symmetric = True
 
     def solve(self, step: float) -> None:
-        """Change the bodies' velocities after an engine step so that they obey joints and contacts."""
+        """Correct the bodies' velocities after an engine step to obey joints and contacts."""
         self._bodies.keep()
         motion = self._motion
         old = self._old

@@ -263,13 +263,13 @@ class SpringForce:
     The tangential force T in stick cancels, in each step h, the slip velocity that the step before
     has left. In slip at rest T cancels the normal velocity v_n instead: T = -(K_nn N + v_n/h)/K_nt,
     with the normal force N and the contact-space inverse mass matrix K. The force of a step thus
-    belongs to the end of the step before. The second step gives the force at the interval's
-    beginning, and one step after the last gives the force at its end, with errors that are powers
-    of h.
+    belongs to the end of the step before: the second step gives the force at the interval's
+    beginning, and one step after the last would give the force at its end. The errors of both
+    forces are power series in h, so extrapolation removes them.
 
     Attributes:
         totals: function that returns the contact's forces, impulses and work, in the order of
-            ``Sums``; its forces in stick are 0 in slip.
+            ``Sums``. In slip the tangential forces in this list are 0.
     """
 
     def __init__(self, scene: Scene, spring: Spring) -> None:

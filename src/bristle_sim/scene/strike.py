@@ -78,7 +78,9 @@ class ChainStrike:
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """Kinetic energy after the impact over that before it; None for a chain at rest."""
+        """Kinetic energy after the impact over the kinetic energy before it; None if the chain is at
+        rest before it.
+        """
         return (
             self.kinetic_energy_after / self.kinetic_energy_before
             if self.kinetic_energy_before

@@ -65,9 +65,18 @@ class Row(Declared):
     """
 
     bristles: int = count(1, "1 <= bristles <= 100: number of bristles [requested]")
-    pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad [requested]")
-    friction: float = quantity(0.0, "0 <= neighbour_friction <= 1e6 [requested]")
-    restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1 [requested]")
+    pitch: float = quantity(
+        0.0,
+        f"0 <= pitch <= {2.0 * math.pi} rad: angle about the hub from one bristle to the next [requested]",
+    )
+    friction: float = quantity(
+        0.0,
+        "0 <= neighbour_friction <= 1e6: coefficient of friction between two wires [requested]",
+    )
+    restitution: float = quantity(
+        0.0,
+        "0 <= neighbour_restitution <= 1: energetic coefficient of restitution between two wires [requested]",
+    )
 
 
 ONE_BRISTLE = Row()  # no row: a single bristle
