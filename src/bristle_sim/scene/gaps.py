@@ -1,4 +1,6 @@
-"""Gaps between a mechanism's links and pairs in a given state, and the nearest state in which they are closed."""
+"""Gaps between links and obstacles in a given state, and the nearest state in which these gaps are
+closed.
+"""
 
 from __future__ import annotations
 
@@ -11,35 +13,40 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, cross
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
-# largest distance from a link's end, over the link's length, at which a contact is at that end
+# largest distance between a contact and a link's end, over the link's length, at which the contact
+# counts as a contact of that end
 AT_JOINT = 1e-9
 
-GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in the scene's unit of length
+GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
 
 
 class Gaps:
-    """Gaps, closest approaches and poses of a mechanism's links in any state."""
+    """Computes gaps, closest approaches and positions of a mechanism's links in any state."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
 
     def closest(self, pair: ContactPair, state: State, piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of a pair; ``piece`` restricts it to one straight piece of
-        the link.
+        """Return the closest approach of a pair; ``piece`` restricts it to one straight segment of
+        the link, by index.
         """
         return pair.closest(self.mechanism.poses(state), state.rates, piece)
 
     def gap(self, pair: ContactPair, state: State) -> float:
-        """Return the distance between a pair's link and obstacle, negative where they overlap."""
+        """Return the distance between a pair's link and obstacle, in engine units; it is negative
+        where they overlap.
+        """
         return self.closest(pair, state).gap
 
     def along(self, pair: ContactPair, state: State) -> float:
-        """Return the x coordinate of the pair's contact point, along the workpart."""
+        """Return the x coordinate of the pair's contact point (along the workpart), in engine
+        units.
+        """
         poses = self.mechanism.poses(state)
         return poses[pair.link].joint[0] + pair.closest(poses, state.rates).arm[0]
 
     def gap_and_rate(self, pair: ContactPair, state: State) -> tuple[float, float]:
-        """Return a pair's gap and its rate of change."""
+        """Return a pair's gap and the gap's rate of change, in engine units."""
         touch = self.closest(pair, state)
         return touch.gap, touch.velocity[0]
 
@@ -49,14 +56,14 @@ class Gaps:
 
 
 LEAST_LEVER = 1e-6
-"""Shortest lever of the contact normal, over the link's length, at which turning the link can close
-a gap."""
+"""Shortest lever of the contact normal about the link's joint, over the link's length, with which a
+rotation of the link can close a gap."""
 
 CLOSED_GAP = 1e-10
-"""Gap, over the link's length, below which no further round of Newton's method is needed: it would
-change the rate by less than any accuracy."""
+"""Gap, over the link's length, below which Newton's method ends: a further iteration would change
+the angular velocity by less than any requested accuracy."""
 
-# rounds of Newton's method: an error of 1e-3 falls to 1e-6, 1e-12 and then rounding
+# iterations of Newton's method: an error of 1e-3 falls to 1e-6, 1e-12 and then rounding error
 NEWTON_ROUNDS = 3
 
 
@@ -66,13 +73,21 @@ def contact_rows(
     contacts: Sequence[ClosedPair],
     touches: Sequence[ClosestApproach],
 ) -> tuple[Array, Array]:
-    """Return the rows d(relative velocity)/d(rates) of the contacts along their normals and along
-    their tangents, each of shape (contacts, links).
+    """Return the Jacobians of the contacts' relative velocities, along the normals and along the
+    tangents.
 
-    The rate of the touching link acts by the lever of the contact point about the link's joint; the
-    rate of a link that carries it acts by the lever of the link's tip. With points as complex
-    numbers, the lever of the normal n about the start of an arm r is Re(i conj(n) r), that of the
-    tangent -Im(i conj(n) r). ``turn`` is e^{i angle} of each link.
+    Each Jacobian d(velocity)/d(angular velocities) has the shape (contacts, links).
+
+    Args:
+        mechanism: the mechanism.
+        turn: e^{i angle} of each link, with its absolute angle.
+        contacts: the closed contacts.
+        touches: closest approach of each contact.
+
+    The angular velocity of the touching link enters with the arm from its joint to the contact
+    point. The angular velocity of a link nearer the root enters with the arm from that link's joint
+    to its tip. With points as complex numbers, the lever of the normal n about the start of an arm
+    r is Re(i conj(n) r); the lever of the tangent is -Im(i conj(n) r).
     """
     rows = np.zeros((len(contacts), len(turn)), complex)
     for row, (pair, _, _), touch in zip(rows, contacts, touches, strict=True):
@@ -89,11 +104,12 @@ def contact_rows(
 
 
 def set_back(gaps: Gaps, contacts: Sequence[ClosedPair], state: State) -> State:
-    """Return the nearest state in which all contacts are closed and stay closed, by Newton's
-    method.
+    """Return the nearest state in which all contacts are closed and their gaps do not change, by
+    Newton's method.
 
-    Nearest is meant in the norm of the kinetic energy: the change is M^-1 J^T (J M^-1 J^T)^-1 times
-    the gaps and their rates. In contacts that stick the slip velocity is removed too.
+    The distance of states is measured by the mass matrix M. With the Jacobian J of the contacts,
+    the change is M^-1 J^T (J M^-1 J^T)^-1 times the gaps for the angles, and times the normal
+    velocities for the angular velocities. In contacts that stick the slip velocity is removed too.
     """
     mechanism = gaps.mechanism
     stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
@@ -114,8 +130,8 @@ def set_back(gaps: Gaps, contacts: Sequence[ClosedPair], state: State) -> State:
 
 
 def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
-    """Return the smallest change, in the norm of the mass matrix, whose product with ``rows`` is
-    ``amounts``.
+    """Return the change of smallest norm, measured by the mass matrix, whose product with ``rows``
+    is ``amounts``.
     """
     response = np.linalg.solve(mass, rows.T)
     found = np.linalg.lstsq(rows @ response, np.array(amounts), rcond=1e-12)[0]
@@ -124,7 +140,9 @@ def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
 
 
 def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None = None) -> State:
-    """Return the state of a single link turned until the pair's gap is closed and stays closed."""
+    """Return the state of a single link after a rotation that closes a pair's gap and stops the
+    gap's change.
+    """
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON_ROUNDS):
         placed = State(state.time, (angle,), (rate,))
@@ -140,12 +158,14 @@ def turned_back(gaps: Gaps, pair: ContactPair, state: State, piece: int | None =
 
 
 MOMENT = 1e-6
-"""Time, in scene units, after which the touching piece and a single link's slip are computed again,
-to tell how they change."""
+"""Time step, in engine units, after which the slip velocity of a single link is computed again, to
+obtain its acceleration."""
 
 
 def slip_acceleration(gaps: Gaps, pair: ContactPair, state: State) -> float:
-    """Return the tangential acceleration of the contact point of a single link that stays on a pair."""
+    """Return the tangential acceleration of the contact point of a single link that stays on its
+    obstacle, in engine units.
+    """
     slips = []
     for time in (0.0, MOMENT):
         angles = tuple(
@@ -160,9 +180,11 @@ def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     """Return the rate at which the clearance between two contacts of one link grows; a negative
     rate wedges the link.
 
-    Each contact's normal velocity is drift + lever * rate. With levers of opposite signs, one rate
-    can make both velocities positive only if the sum of drift / abs(lever), in which the rate
-    cancels, is positive. The result is infinite for levers of the same sign.
+    Each contact's normal velocity is drift + lever * rate, where the drift is the part from the
+    motion of the joint and the rate is the link's angular velocity. If the levers have opposite
+    signs, one rate can make both velocities positive only if the sum of drift / abs(lever) is
+    positive; the rate cancels in this sum, which is returned. If the levers have the same sign, the
+    result is infinite.
     """
     levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:

@@ -1,10 +1,10 @@
-"""Pairs of a link and its obstacle: the bar (a circle), the workpart (a half-plane) or another
-wire's link (a capsule).
+"""Pairs of a link and an obstacle: the bar (a circle), the workpart (a half-plane) or a link of
+another wire (a rectangle with round ends).
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
-The engine's shapes of the obstacles are larger by ``SHAPE_MARGIN``, which the engine's slop covers:
-the engine detects a sustained contact at every step and does not correct its position. Links are
-not enlarged, so the lever of friction stays exact.
+The engine's shapes of bar and workpart are larger by ``SHAPE_MARGIN``, which the engine's slop
+covers. The engine therefore detects a sustained contact at every step and does not correct its
+position. Links are not enlarged, so the lever of friction stays exact.
 """
 
 from __future__ import annotations
@@ -20,35 +20,41 @@ import pymunk
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 SHAPE_MARGIN = 0.02
-"""Length by which the engine's obstacle shapes are enlarged, over the link's length."""
+"""Length by which the engine's shapes of obstacles are enlarged, over the link's length."""
 
-# largest difference of the gaps of two pieces that both touch, over the link's length
+# largest difference between the gaps of two straight segments of a link that both count as
+# touching, over the link's length
 SAME_GAP = 1e-9
 
 LEAST_REACH = 1e-9
-"""Least distance of the wire's centre line from the bar's centre, as a fraction of the link's length: a hundred times the
-gap that counts as closed. Rounding of 1e-16 then turns the normal by 1e-7."""
+"""Least distance of the wire's centre line from the bar's centre, over the link's length. It is a
+hundred times the gap that counts as closed, so a rounding error of 1e-16 turns the normal by 1e-7.
+"""
 
-HALF_PLANE = 1e3  # half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach
+# half width and half depth of the workpart's shape, in link lengths: beyond any mechanism's reach
+HALF_PLANE = 1e3
 
 Line = tuple[Vector, ...]
-"""A straight piece of a wire's centre line: its two ends."""
+"""A straight segment of a wire's centre line: its two ends."""
 
 
 class ClosestApproach(NamedTuple):
-    """Where and how a link is closest to an obstacle.
+    """The points at which a link and an obstacle are closest, and their relative motion; engine
+    units.
 
     Attributes:
         gap: distance, negative inside the obstacle.
-        arm: contact point seen from the link's joint, along world axes.
+        arm: vector from the link's joint to the contact point, along world axes.
         normal: unit vector out of the obstacle.
-        velocity: (normal, tangential) velocity of the link's contact point.
-        kinks: values that pass through 0 where a sustained contact's motion has a kink: the contact
-            leaves a straight piece of the centre line for a corner or the end, or comes back.
-        piece: number of the closest straight piece of the centre line, from 0 at the joint; of two
-            wires, number of the closest of their four ends.
-        partner_arm: contact point seen from the joint of the other wire's link; None on a fixed
+        velocity: (normal, tangential) velocity of the link's contact point relative to the
             obstacle.
+        kinks: values that pass through 0 where the motion of a sustained contact has a kink,
+            because the contact passes from a straight segment of the centre line to a corner or the
+            end, or back.
+        piece: index of the closest straight segment of the centre line, from 0 at the joint. For
+            two wires it is the index of the closest of the four ends of their segments.
+        partner_arm: vector from the joint of the other wire's link to the contact point; None for a
+            fixed obstacle.
     """
 
     gap: float
@@ -61,12 +67,18 @@ class ClosestApproach(NamedTuple):
 
     @property
     def tangent(self) -> Vector:
-        """The normal turned clockwise, which is +x on the workpart."""
+        """Unit tangent: the normal turned clockwise by 90 degrees, which is +x on the workpart."""
         return (self.normal[1], -self.normal[0])
 
 
 class ClosedPair(NamedTuple):
-    """A sustained contact: the pair, the touching straight piece of its link, and the sense of slip (0 in stick)."""
+    """A closed contact.
+
+    Attributes:
+        pair: the link and the obstacle.
+        piece: index of the touching straight segment of the link; None for the closest segment.
+        slip: sense of slip, +1 or -1; 0 in stick; None without friction.
+    """
 
     pair: ContactPair
     piece: int | None
@@ -74,7 +86,11 @@ class ClosedPair(NamedTuple):
 
 
 def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
-    """Return a point's position along a straight piece, in lengths of the piece, and the closest point of the piece."""
+    """Return the position along a segment of the foot of a point's perpendicular, and the segment's
+    point closest to the point.
+
+    The position is in segment lengths: 0 at the start, 1 at the end.
+    """
     (x, y), (u, v) = line
     along_x, along_y = u - x, v - y
     along = ((point[0] - x) * along_x + (point[1] - y) * along_y) / (along_x**2 + along_y**2)
@@ -83,7 +99,9 @@ def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
 
 
 def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
-    """Return the (normal, tangential) velocity of a link's point."""
+    """Return the (normal, tangential) velocity of a point of a link, given by ``arm`` from the
+    link's joint.
+    """
     x = pose.joint_velocity[0] - rate * arm[1]
     y = pose.joint_velocity[1] + rate * arm[0]
     return (x * normal[0] + y * normal[1], x * normal[1] - y * normal[0])
@@ -91,21 +109,24 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 @dataclass(frozen=True, slots=True)
 class BarPair:
-    """A fixed circle that the wire touches: the wire's centre line stays at least ``radius +
-    wire_radius`` from ``centre``.
+    """The bar, a fixed circle, and a link of the wire.
 
-    All pairs have these attributes in common.
+    The link's centre line stays at least ``radius + wire_radius`` from the circle's ``centre``. The
+    attributes from ``friction`` on are common to all pairs.
 
     Attributes:
-        friction: Coulomb's mu.
+        centre: centre of the bar.
+        radius: radius of the bar.
+        wire_radius: radius of the wire.
+        friction: Coulomb's coefficient of friction mu.
         restitution: coefficient of restitution e*.
         name: name of the obstacle in events and contact records.
-        link: number of the link; -1 is the last one.
-        partner: number of the other wire's link; None for a fixed obstacle.
+        link: index of the link; -1 is the last link.
+        partner: index of the other wire's link; None for a fixed obstacle.
         first_touch: name of the event of a first touch.
-        dent: depth by which a contact resolved in time has moved the surface back.
-        corner: number of the corner of the link's centre line that touches, -1 for the tip; None
-            where the contact slides along the link.
+        dent: depth by which an earlier contact, resolved in time, has moved the surface back.
+        corner: index of the corner of the centre line that touches, -1 for the tip; None where the
+            contact slides along the link.
     """
 
     centre: Vector
@@ -121,7 +142,12 @@ class BarPair:
     corner: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        """Refuse a bar so thin that rounding would decide on which side of it the wire is."""
+        """Check that the bar is thick enough for the wire's side of it to be known despite rounding
+        errors.
+
+        Raises:
+            ValueError: if it is too thin.
+        """
         reach = self.radius + self.wire_radius
         if not reach >= LEAST_REACH:
             raise ValueError(
@@ -131,16 +157,17 @@ class BarPair:
 
     @property
     def restitution_friction(self) -> float:
-        """Friction in restitution is that in compression."""
+        """Coefficient of friction in restitution; it equals the coefficient in compression."""
         return self.friction
 
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the centre line, which has round ends; the contact is on
-        the wire's surface.
+        """Return the closest approach of the link's centre line, which has round ends; the contact
+        point is on the wire's surface.
 
-        If two pieces touch, the piece that approaches faster is used, unless ``piece`` names one.
+        If two straight segments touch, the segment that approaches faster is used. ``piece``
+        selects a segment by index instead.
         """
         pose = poses[self.link]
         rate = rates[self.link]
@@ -176,10 +203,11 @@ class BarPair:
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the least gap to another piece of the link that touches the bar by itself;
-        infinite if there is none.
+        """Return the smallest gap between the bar and any other straight segment of the link;
+        infinite without such a segment.
 
-        A piece whose closest point is its corner towards the given piece is left out.
+        ``piece`` is the index of the segment that touches already. A segment whose closest point is
+        its corner towards ``piece`` is left out.
         """
         gaps = [math.inf]
         for index, line in enumerate(itertools.pairwise(pose.corners)):
@@ -192,10 +220,11 @@ class BarPair:
         return min(gaps)
 
     def foot(self, pose: Pose) -> tuple[float, float]:
-        """Return the position of the bar's centre along the first piece, from its start, and along
-        the last piece, from its end.
+        """Return the position of the bar's centre along the first straight segment of the link, and
+        along the last one.
 
-        Each position is in lengths of its piece.
+        The first position is measured from the segment's start, the second from the segment's end.
+        Each is in lengths of its segment.
         """
         corners = pose.corners
         return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
@@ -203,7 +232,7 @@ class BarPair:
     def shapes(
         self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
     ) -> list[pymunk.Shape]:
-        """Return the engine's shapes: a circle for the bar, segments with round ends for the wire."""
+        """Return the engine's shapes: a circle for the bar, round-ended segments for the link."""
         bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
         return [
             bar,
@@ -216,8 +245,11 @@ class BarPair:
 
 @dataclass(frozen=True, slots=True)
 class WorkpartPair:
-    """The half-plane y <= -depth that a corner of the link's centre line touches: its tip, or a
-    knee by its number.
+    """The workpart, a half-plane y <= -depth, and a corner of the link's centre line: its tip, or a
+    knee.
+
+    ``corner`` is -1 for the tip, or the index of a knee. The other attributes are those of
+    ``BarPair``.
     """
 
     depth: float
@@ -234,7 +266,9 @@ class WorkpartPair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the corner; the normal is +y, the tangent +x."""
+        """Return the closest approach of the corner. The normal is +y and the tangent +x; ``piece``
+        has no effect.
+        """
         del piece
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
@@ -246,7 +280,9 @@ class WorkpartPair:
     def shapes(
         self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
     ) -> list[pymunk.Shape]:
-        """Return a thick segment whose upper face is the surface, and the corner as a point."""
+        """Return the engine's shapes: a thick segment, whose upper face is the workpart's surface,
+        and the corner as a point.
+        """
         middle = -self.depth - HALF_PLANE
         surface = pymunk.Segment(
             space.static_body,
@@ -259,12 +295,19 @@ class WorkpartPair:
 
 @dataclass(frozen=True, slots=True)
 class WirePair:
-    """A straight piece of a link and a straight piece of a link of another wire, ``partner``; one's
-    end touches the other.
+    """Two straight segments, one of a link and one of a link of another wire, of which an end of
+    one touches the other.
 
-    Both wires have the radius ``wire_radius``. The normal points from the partner to the link. The
-    ``piece`` of a closest approach is the end that touches: 0 and 1 are the start and the end of
-    the link's own piece, 2 and 3 are those of the partner's piece.
+    The normal points from the other wire's link, ``partner``, to the link. The ``piece`` of a
+    closest approach is the index of the end that touches: 0 and 1 are the start and the end of the
+    link's own segment, 2 and 3 those of the partner's segment.
+
+    Attributes:
+        own_piece: index of the straight segment in the link.
+        partner_piece: index of the straight segment in the partner.
+        wire_radius: radius of both wires.
+
+    The other attributes are those of ``BarPair``.
     """
 
     link: int
@@ -281,14 +324,14 @@ class WirePair:
 
     @property
     def restitution_friction(self) -> float:
-        """Friction in restitution is that in compression."""
+        """Coefficient of friction in restitution; it equals the coefficient in compression."""
         return self.friction
 
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two pieces, or of the end numbered ``piece`` and the
-        other piece.
+        """Return the closest approach of the two segments. With ``piece``, the closest approach of
+        the end of this index and the other segment.
         """
         links = (self.link, self.partner)
         own, other = (
@@ -317,20 +360,22 @@ class WirePair:
 
 
 def _sides(line: Line, points: Line) -> float:
-    """Return a number that is negative if two points lie on different sides of a line."""
+    """Return a number that is negative if the two points lie on different sides of the infinite
+    line.
+    """
     (x, y), (u, v) = line
     one, other = (cross((u - x, v - y), (each[0] - x, each[1] - y)) for each in points)
     return one * other
 
 
 ContactPair = BarPair | WorkpartPair | WirePair
-"""A pair of a link and an obstacle."""
+"""A link and an obstacle that can touch."""
 
 
 def wire_pairs(
     mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
 ) -> Iterator[WirePair]:
-    """Yield every pair of straight pieces of links of two wires."""
+    """Yield a pair for every two straight segments of links of different wires."""
     numbered = [
         (link, piece)
         for link, each in enumerate(mechanism.links)

@@ -1,4 +1,4 @@
-"""Results of a run, converted from the scene's units to SI."""
+"""Results of a run, converted from engine units to SI units."""
 
 from __future__ import annotations
 
@@ -25,9 +25,13 @@ def trajectories_in_si(
     parameters: dict[str, Any],
     cost: tuple[float, float, int],
 ) -> tuple[Trajectory, ...]:
-    """Return a trajectory of each wire in SI units, from a system that has run.
+    """Return one trajectory for each wire, in SI units, from a system that has run.
 
-    ``cost`` is wall time, s, processor time, s, and number of engine steps.
+    Args:
+        system: the system after its run.
+        units: conversion factors from engine units to SI units.
+        parameters: the input of the run, as plain numbers and strings.
+        cost: wall time, s, processor time, s, and number of engine steps.
     """
     recording = system.recording
     scene = system.scene
@@ -69,7 +73,11 @@ def trajectories_in_si(
 
 
 def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, Array, Array]:
-    """Return times, and one wire's angles and rates, of shapes (n,), (n, links) and (n, links)."""
+    """Return the sampled times, angles and angular velocities as arrays of shapes (n,), (n, links)
+    and (n, links).
+
+    ``own`` selects the links of one wire.
+    """
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
     return time, angles[:, own], rates[:, own]
 
@@ -79,10 +87,13 @@ def _events(
 ) -> tuple[Event, ...]:
     """Return a wire's events, with at most one largest retraction.
 
-    The largest retraction is the largest one at which the wire turns, up to the strike or in the
-    whole run. There is none if the retraction at either end of that time is larger. A largest
-    retraction at which the run stops is kept in any case. Events that never happened are named at
-    the end. ``lags`` are times and retractions of the samples.
+    ``lags`` holds the times and the retractions of the samples.
+
+    Of all instants at which the first link turns back, the one with the largest retraction up to
+    the strike, or in the whole run if the wire does not strike, is kept. None is kept if the
+    retraction is larger at the start of this period or at its end. A largest retraction that stops
+    the run is kept in any case. The absence of a bar or workpart contact is added as an event at
+    the end of the run.
     """
     times, lag = lags
     end = float(times[-1])
@@ -112,9 +123,11 @@ def contacts_in_si(
     wire: int,
     units: Units,
 ) -> tuple[ContactRecord, ...]:
-    """Return a wire's contact records in SI units, with the wire's own angles and rates.
+    """Return a wire's contact records in SI units, with the angles and angular velocities of this
+    wire only.
 
-    Each record names the link in contact and the neighbouring bristle that it touches, if any.
+    Each record states the index of the link in contact, and of the neighbouring bristle if it
+    touches one.
     """
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
@@ -138,8 +151,9 @@ def contacts_in_si(
 def energies(
     mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
-    """Return the kinetic energy, and the potential energy of belt, hinges and gravity, at each
-    sample; engine units.
+    """Return the kinetic energy and the potential energy at each sample, in engine units.
+
+    The potential energy is the sum of the energies of belt, hinges and gravity.
     """
     time, angles, _ = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
@@ -163,7 +177,8 @@ UNIT_OF = {
     "tangential_force": "force", "penetration": "length", "normal_velocity": "velocity",
     "tangential_velocity": "velocity",
 }  # fmt: skip
-"""Names of the units of a contact record's numbers, and of its history's."""
+"""Kind of unit of each number of a contact record and of its history: the name of an attribute of
+``Units``."""
 
 
 T = TypeVar("T", ContactRecord, ContactHistory)

@@ -1,5 +1,5 @@
-"""A run interval by interval: the state and the contacts at the end of each interval, and after each
-decision.
+"""A run as a sequence of snapshots: the state and the contacts at the end of each interval and
+after each decision about contacts.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 
 SLIDING = {0: "stick", 1: "slip +", -1: "slip -"}
-"""Names of the senses of slip."""
+"""Names of the senses of slip, used in ``ContactState.mode``."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactState:
-    """The state of a lasting contact at an instant.
+    """The state of a sustained contact at an instant.
 
     Attributes:
         obstacle: ``bar`` or ``workpart``.
         link: number of the link in contact, from 1 at the root.
         mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity),
-            ``at rest``, or ``frictionless``. For a contact resolved in time the phase of its spring
-            comes first: ``loading,``, ``unloading,`` or ``at rest,``.
+            ``at rest``, or ``frictionless``. For a contact resolved in time, the phase of its
+            spring comes first: ``loading,``, ``unloading,`` or ``at rest,``.
         normal_force: normal force on the wire, N; None where a contact without a spring begins at
             this instant.
-        tangential_force: tangential force on the wire, N; None likewise.
+        tangential_force: tangential force on the wire, N; None where ``normal_force`` is None.
     """
 
     obstacle: str
@@ -50,19 +50,19 @@ class ContactState:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A run at the end of an interval, or after the decision on the event that ended it; SI units
-    and radians.
+    """A run at the end of an interval, or after the decision on the event that ended the interval;
+    SI units and radians.
 
     Attributes:
         time: time, s.
         angles: absolute angle of each link, rad.
-        rates: absolute rate of each link, rad/s.
+        rates: absolute angular velocity of each link, rad/s.
         contacts: the active contacts with their forces.
-        event: the kind of event that ended the interval, in words. The next snapshot, of the same
-            instant, is that after the decision. It is empty after a decision and without an event.
+        event: kind of the event that ended the interval, in words. It is empty if no event ended
+            the interval, and in the snapshot after a decision, which has the same time.
         events: names of the events that the trajectory has recorded since the last snapshot.
         impacts: records of the impacts, and of the contacts that ended, since the last snapshot.
-        stop_reason: why the run stops here; None while it goes on.
+        stop_reason: reason why the run stops here; None while it goes on.
     """
 
     time: float
@@ -92,8 +92,8 @@ def snapshots(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Iterator[Snapshot]:
-    """Yield the run of one bristle interval by interval; :func:`bristle_sim.simulate` goes through
-    the same intervals.
+    """Yield the state and contacts of one bristle interval by interval;
+    :func:`bristle_sim.simulate` computes the same intervals.
 
     The first snapshot is the start of the run, the last one its end. Each snapshot is computed when
     it is requested, so the caller may stop anywhere.
@@ -103,8 +103,8 @@ def snapshots(
             for ``simulate``.
 
     Raises:
-        ValueError: as for ``simulate``: at once for bad input, and during the run for a contact
-            that cannot be resolved.
+        ValueError: as for ``simulate``. Bad input raises it at once, a contact that cannot be
+            resolved during the run.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)
@@ -132,7 +132,7 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
 
 
 def contact_state(contact: ActiveContact, units: Units) -> ContactState:
-    """Return the state of a contact in SI units, with the forces computed last."""
+    """Return the state of a contact in SI units, with its last computed forces."""
     spring = contact.spring
     if spring is not None:
         phase = "at rest" if spring.at_rest else "loading" if spring.loading else "unloading"

@@ -42,8 +42,8 @@ class Plan:
         stop_after: name of an event that ends the run; None without one.
         longest_interval: longest interval between samples.
         damped_interval: longest interval in which engine steps resolve damping.
-        maximum_steps: largest number of engine steps of a mechanism with few links; a step of many
-            links counts more.
+        maximum_steps: largest number of engine steps; a step of a mechanism with many links counts
+            several times.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
             hinges vibrate.

@@ -1,6 +1,7 @@
 """Interpolation of the motion of a run at any instant.
 
-Polynomials pass through positions and velocities, splines through forces and energies.
+Hermite polynomials interpolate positions and velocities; cubic splines interpolate forces and
+energies.
 """
 
 from __future__ import annotations
@@ -17,35 +18,38 @@ from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED, Motion
 
 Pieces = list[tuple[int, int]]
-"""First and last sample of each interval in which a function is smooth."""
+"""Indices of the first and the last sample of each smooth part of a run."""
 
-# Largest number of samples, values and slopes, of a polynomial of free motion: the degree is then
-# 15.
+# Largest number of samples of a polynomial. Each sample has a value and a slope, so the degree is
+# at most 15.
 MOST_SAMPLES = 8
-# Largest number of samples beyond an interval on one side. With six, and none on the other side,
-# errors grow by a factor of 20.
+# Largest number of samples of a polynomial on one side of its interval. With six on one side and
+# none on the other, errors would be amplified by a factor of 20.
 MOST_ON_ONE_SIDE = 4
 SHORTEST_DISTANCE = 0.4
 LONGEST_DISTANCE = 20.0
 """Shortest and longest distance between neighbouring samples of a polynomial, over the length of
-its interval.
+the interval that is interpolated.
 
-A shorter distance, as next to an event, would magnify the errors of the samples far away from
-them."""
+A shorter distance, as occurs next to an event, would amplify the errors of the samples far from it.
+"""
 
 
 class Interpolation:
-    """Interpolate the motion of a run at any instant within it, to the highest order that its
+    """Interpolates the motion of a run at any instant within it, to the highest order that its
     samples support.
 
-    A polynomial passes through angles and rates of up to eight samples around the instant, between
-    two ends of contacts. The slopes of normal force and energies are not recorded. These quantities
-    follow cubic splines from one contact to the next. Measured at accuracy 1e-6 on 3,000 random instants
-    of each of nine tools, against finely sampled runs of accuracy 1e-9: angles agree within 4e-8
-    rad, rates within 7e-7 of the largest rate.
+    Angles and angular velocities follow a polynomial through up to eight samples around the
+    instant. The polynomial does not extend beyond the beginning or the end of a contact. Normal
+    force and energies, whose slopes are not recorded, follow cubic splines from one contact to the
+    next.
+
+    Measured at accuracy 1e-6 on 3,000 random instants of each of nine tools, against finely sampled
+    runs of accuracy 1e-9: angles agree within 4e-8 rad, angular velocities within 7e-7 of the
+    largest one.
 
     Raises:
-        ValueError: for a run of one instant.
+        ValueError: for a run whose samples all have the same instant.
     """
 
     def __init__(self, run: RecordedRun) -> None:
@@ -82,7 +86,7 @@ class Interpolation:
             self._splines.append(CubicSpline(run.time[first : last + 1], values))
 
     def __call__(self, time: ArrayLike, side: str = "after") -> Motion:
-        """Return the motion at one instant or several; see ``Trajectory.at``."""
+        """Return the motion at one instant or several, s; see ``Trajectory.at``."""
         if side not in ("before", "after"):
             raise ValueError(f"side = {side!r}: must be before or after")
         run = self.run
@@ -113,7 +117,7 @@ class Interpolation:
         )
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion up to an instant; see ``Trajectory.course``."""
+        """Return the motion up to an instant, s, for drawing; see ``Trajectory.course``."""
         start, end = float(self.run.time[0]), min(until, float(self.run.time[-1]))
         if not end > start:
             raise ValueError(
@@ -134,13 +138,14 @@ class Interpolation:
     def normal_force(self, time: Array, side: str) -> Array:
         """Return the normal force at instants within the run, N.
 
-        It costs a hundredth of the interpolation of the whole motion.
+        This takes a hundredth of the time of interpolating the whole motion. ``side`` is ``before``
+        or ``after`` an impact at the instant.
         """
         return self._scalars(time, side)[:, 0]
 
     def _scalars(self, instants: Array, side: str) -> Array:
-        """Return normal force (N), kinetic and potential energy (J) at instants, shape (instants,
-        3).
+        """Return normal force, N, kinetic energy, J, and potential energy, J, at instants, as an
+        array of shape (instants, 3).
         """
         chosen = _chosen(self.run.time, self._pieces, instants, side)
         found = np.empty((instants.size, 3))
@@ -149,7 +154,9 @@ class Interpolation:
         return found
 
     def _motion(self, instants: Array, side: str) -> Array:
-        """Return values and slopes of angles and corners at instants, shape (2, instants, columns)."""
+        """Return values and slopes of the link angles and centre-line corners at instants, shape
+        (2, instants, columns).
+        """
         chosen = _chosen(self.run.time, self._pieces, instants, side)
         both = zip(chosen.tolist(), instants.tolist(), strict=True)
         windows = [_window(self.run.time, self._pieces[piece], instant) for piece, instant in both]
@@ -163,12 +170,15 @@ class Interpolation:
 
 
 def _hermite(time: Array, states: Array, instants: Array) -> Array:
-    """Return values and slopes of one Hermite polynomial for each instant, shape (2, instants,
+    """Return the value and the slope of a Hermite polynomial at each instant, shape (2, instants,
     columns).
 
-    Divided differences give the polynomials. ``time`` holds the times of each polynomial's samples,
-    shape (instants, samples). ``states`` holds the values and slopes of the samples, shape
-    (instants, samples, 2, columns).
+    Each instant has a polynomial of its own, computed by divided differences.
+
+    Args:
+        time: times of the samples of each polynomial, shape (instants, samples).
+        states: values and slopes of these samples, shape (instants, samples, 2, columns).
+        instants: the instants, shape (instants,).
     """
     nodes = np.repeat(time, 2, axis=1)
     table = np.repeat(states[:, :, 0], 2, axis=1)
@@ -190,7 +200,10 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
 
 
 def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[np.intp]:
-    """Return the number of the piece of each instant; where two pieces meet, ``side`` decides."""
+    """Return the index of the smooth part of the run that contains each instant.
+
+    Where two parts meet, ``side`` selects the part ``before`` or ``after`` the instant.
+    """
     starts, ends = time[np.array(pieces)].T
     if side == "after":
         return np.searchsorted(starts, instants, side="right") - 1
@@ -198,9 +211,10 @@ def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[
 
 
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
-    """Return the numbers of the samples of the polynomial for an instant.
+    """Return the indices of the samples through which the polynomial for an instant passes.
 
-    They lie on both sides of the instant, as far as the piece has samples at suitable distances.
+    They lie on both sides of the instant, as far as the smooth part, ``piece``, has samples at
+    suitable distances.
     """
     first, last = piece
     low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
@@ -221,7 +235,10 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, .
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:
-    """Return the pieces between kinks and jumps, without pieces of zero length."""
+    """Return the smooth parts of a run, between kinks and jumps, without parts of zero length.
+
+    ``kinks`` are indices of samples. Jumps are the pairs of samples with equal times.
+    """
     jumps = np.flatnonzero(np.diff(time) <= 0.0).tolist()
     corners = [
         [start + 1, *sorted(each for each in kinks if start + 1 < each < end), end]

@@ -1,6 +1,6 @@
 """Access to the module that draws runs.
 
-The module is in a higher layer; it is imported only when a picture is requested.
+That module is in a higher layer of the package; it is imported only when a picture is requested.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ DRAWN_BY = "bristle_sim.render.of_run"
 
 @dataclass(frozen=True, slots=True)
 class Html:
-    """A piece of HTML that a notebook shows."""
+    """HTML text that a notebook displays."""
 
     text: str
 
@@ -23,7 +23,7 @@ class Html:
 
 
 def drawn_by() -> ModuleType:
-    """Return the module that draws runs; its functions are ``plot``, ``film``, ``view`` and
+    """Return the module that draws runs; it provides ``plot``, ``film``, ``view`` and
     ``summary_page``.
     """
     return import_module(DRAWN_BY)

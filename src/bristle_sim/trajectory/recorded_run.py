@@ -1,4 +1,4 @@
-"""The record of a run, without the interpolation, files, tables and pictures of a trajectory."""
+"""The recorded data of a run, and simple questions about them; base class of a trajectory."""
 
 from __future__ import annotations
 
@@ -12,25 +12,29 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
 
-# error estimate over the requested accuracy above which the run states the excess
+# ratio of error estimate to requested accuracy above which the run reports the excess
 EXCESS_SAID = 100.0
-NOTABLE = 0.01  # least extreme of the relative motion that is notable, as a fraction of the largest
+# least notable extreme of the motion relative to the hub, as a fraction of the run's largest value
+NOTABLE = 0.01
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class RecordedRun(Motion):
-    """The record of a run: the motion of one bristle at n samples, in SI units and radians, with
-    its events and contacts.
+    """The recorded data of a run: the motion of one bristle at n samples, its events and its
+    contacts, in SI units and radians.
 
-    An impact has two samples at the same instant: before and after it.
+    An impact has two samples at the same instant: one before it and one after it.
 
     Attributes:
-        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
-        events, contacts: in order of time.
-        stop_reason: why the run stopped.
-        cost: cost of the run.
-        parameters: the simulation's parameters, as plain numbers and strings.
-        stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
+        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; the arrays have n
+            samples.
+        events: events in order of time.
+        contacts: contact records in order of time.
+        stop_reason: reason why the run stopped.
+        cost: cost of the run, and its error estimate.
+        parameters: input of the simulation, as plain numbers and strings.
+        stop_detail: explanation and remedy if a contact law could not resolve a contact; otherwise
+            empty.
     """
 
     events: tuple[Event, ...]
@@ -43,11 +47,15 @@ class RecordedRun(Motion):
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
     ) -> float | None:
-        """Return the time of the first (or last) event of a name up to an instant, s; None if there
-        is none.
+        """Return the time of an event, s; None if the event did not happen.
+
+        Args:
+            name: name of the event.
+            last: whether the last event of this name is meant instead of the first.
+            before: latest time to be considered, s.
 
         Raises:
-            ValueError: for a name that no event can have.
+            ValueError: if no event can have this name.
         """
         recorded = [event.name for event in self.events]
         name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
@@ -56,10 +64,11 @@ class RecordedRun(Motion):
 
     @property
     def notable_events(self) -> tuple[Event, ...]:
-        """All events, except extremes of the relative motion below 1 % of the run's largest.
+        """All events, except extremes of the motion relative to the hub below 1 % of the run's
+        largest.
 
-        For example, a bent wire carried by the hub swings by a tenth of a degree before it meets
-        the bar.
+        Small extremes are, for example, those of a bent wire carried by the hub, which swings by a
+        tenth of a degree before it meets the bar.
         """
         sizes = {
             "largest retraction": abs(self.relative_angle),
@@ -74,7 +83,9 @@ class RecordedRun(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """The remedy for the stop of the run, in terms of the obstacle touched last."""
+        """Advice on how to avoid the stop of the run. It names the friction parameter of the
+        obstacle touched last.
+        """
         at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
         return self.stop_detail or self.stop_reason.remedy.format(
             friction="bar_friction" if at_bar else "friction"
@@ -82,11 +93,12 @@ class RecordedRun(Motion):
 
     @property
     def accuracy_not_reached(self) -> str:
-        """Sentence that the error estimate exceeds the requested accuracy a hundredfold; otherwise
-        empty.
+        """A warning if the error estimate exceeds the requested accuracy more than a hundredfold;
+        otherwise empty.
 
-        The sentence names the remedy. It begins with "accuracy not reached" unless chatter, or a
-        touch slower than the error, has made the estimate a bound only.
+        The warning states the remedy. It begins with "accuracy not reached", unless the estimate is
+        valid only for the first part of the run: chatter, or a touch slower than the error, ends
+        its validity.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
@@ -104,9 +116,12 @@ class RecordedRun(Motion):
         )
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """Return the first contact with ``bar``, ``workpart`` or ``wire``, or None.
+        """Return the first contact with an obstacle, or None without one.
 
-        Raises ValueError for any other name.
+        ``obstacle`` is ``bar``, ``workpart`` or ``wire``.
+
+        Raises:
+            ValueError: for any other obstacle.
         """
         checked_name("obstacle", obstacle, OBSTACLES)
         for each in self.contacts:
@@ -119,7 +134,7 @@ class RecordedRun(Motion):
         """The tool that was simulated.
 
         Raises:
-            ValueError: if the parameters do not describe a tool.
+            ValueError: if the recorded parameters do not describe a tool.
         """
         try:
             parts = self.parameters["tool"]

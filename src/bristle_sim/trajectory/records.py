@@ -1,4 +1,4 @@
-"""The parts of the result of a run: motion, events, contacts and cost."""
+"""The parts of a run's result: motion, events, contacts and cost."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ WIRE = {
 SAMPLED = WIRE | {
     "hub_angle": ("n", "rad"), "kinetic_energy": ("n", "J"), "potential_energy": ("n", "J"), "normal_force": ("n", "N"),
 }  # fmt: skip
-"""Dimensions and unit of each sampled array of a WireMotion and of a Motion.
+"""Dimensions and unit of each sampled array of a Motion; ``WIRE`` holds those of a WireMotion.
 
-The dimensions are n instants, l links, c corners and 2 axes."""
+The letters of the dimensions are n for instants, l for links, c for corners and 2 for the axes x
+and y."""
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An event and its time, s; the name is, for example, ``strike`` or ``bar touch``."""
+    """An event and its time, s; its name is, for example, ``strike`` or ``bar touch``."""
 
     name: str
     time: float
@@ -32,16 +33,17 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """The cost of a run.
+    """The computing time of a run, and its error estimate.
 
     Attributes:
         wall_s: wall time, s.
         cpu_s: CPU time, s.
-        steps: engine steps, or evaluations of the right-hand side.
+        steps: number of engine steps, or of evaluations of the right-hand side of the equations of
+            motion.
         error_estimate: the method's own estimate of the error of the last state, relative to the
-            size of the motion; None if the method has none.
-        holds_until: time up to which the estimate is valid, s. The outcome of the impact at that
-            time depends on the error, as in chatter. None if the estimate is valid to the end.
+            size of the motion; None if the method has no estimate.
+        holds_until: time up to which the estimate is valid, s; None if it is valid to the end. The
+            outcome of the impact at that time depends on the error, as in chatter.
     """
 
     wall_s: float
@@ -56,13 +58,13 @@ class WireMotion(EqualByValue):
     """The motion of a wire at an array of instants of any shape (...), in SI units and radians.
 
     Attributes:
-        time: the instants, shape (...), s.
-        angles: absolute angle of each link, shape (..., links), rad.
-        rates: absolute rate of each link, shape (..., links), rad/s.
+        time: the instants, s, shape (...).
+        angles: absolute angle of each link, rad, shape (..., links).
+        rates: absolute angular velocity of each link, rad/s, shape (..., links).
         centre_line: corners of the wire's centre line from the root over knees and joints to the
-            tip, (x, y) from the hub's centre, shape (..., corners, 2), m; pictures draw these
+            tip, as (x, y) from the hub's centre, m, shape (..., corners, 2). Pictures draw these
             points.
-        centre_line_velocity: velocity of the same corners, m/s.
+        centre_line_velocity: velocity of the same corners, m/s, shape (..., corners, 2).
     """
 
     time: Array
@@ -94,12 +96,12 @@ class Motion(WireMotion):
 
     @property
     def tip(self) -> Array:
-        """Position of the end of the centre line, shape (..., 2), m."""
+        """Position of the end of the centre line, m, shape (..., 2)."""
         return self.centre_line[..., -1, :]
 
     @property
     def tip_velocity(self) -> Array:
-        """Velocity of the tip, shape (..., 2), m/s."""
+        """Velocity of the tip, m/s, shape (..., 2)."""
         return self.centre_line_velocity[..., -1, :]
 
     @property
@@ -109,21 +111,21 @@ class Motion(WireMotion):
 
     @property
     def relative_angle(self) -> Array:
-        """Angle alpha of the first link relative to the radial direction, rad; negative if the link
-        lags (retraction).
+        """Angle alpha of the first link relative to the radial direction, rad; negative in
+        retraction.
         """
         return np.asarray(self.angles[..., 0] - self.hub_angle)
 
     @property
     def retraction(self) -> Array:
-        """Angle by which the first link lags the radial direction, rad; it is minus
+        """Angle by which the first link is behind the radial direction, rad: minus
         ``relative_angle``.
         """
         return np.asarray(self.hub_angle - self.angles[..., 0])
 
     @property
     def relative_rate(self) -> Array:
-        """Rate of the first link relative to the hub, rad/s."""
+        """Angular velocity of the first link relative to the hub, rad/s."""
         return np.asarray(self.rates[..., 0] - self.hub_speed)
 
     @property
@@ -132,9 +134,10 @@ class Motion(WireMotion):
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity, one entry for each instant of a one-dimensional motion, for tables.
+        """Return every quantity as a column of a table, by a title of the form "name (unit)".
 
-        The key of a quantity is its name and unit.
+        The motion must have a one-dimensional array of instants; each column has one entry for
+        each.
         """
         x_y = ("x", "y")
         links = range(self.angles.shape[1])
@@ -160,10 +163,10 @@ class Motion(WireMotion):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactHistory(EqualByValue):
-    """The history of a contact resolved in time, in arrays of one length.
+    """The time history of a contact resolved in time, as arrays of equal length.
 
     Attributes:
-        time: times on the run's clock from the first touch on, s.
+        time: times on the run's clock, s, from the first touch on.
         normal_force: normal force on the tip, N.
         tangential_force: tangential force on the tip, N.
         penetration: penetration, m, positive inside the workpart.
@@ -179,9 +182,7 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity, one entry for each sample; the key of a quantity is its name and
-        unit.
-        """
+        """Return every quantity as a column of a table, by a title of the form "name (unit)"."""
         units = ("s", "N", "N", "m", "m/s", "m/s")
         named = zip(dataclasses.fields(self), units, strict=True)
         return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
@@ -195,33 +196,36 @@ class ContactRecord:
 
     Attributes:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
-        law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
-        outcome: outcome by the impact law, or the end of a sustained contact.
+        law: ``energetic``, ``compliant`` or ``engine`` for an impact; ``sustained`` for a sustained
+            contact.
+        outcome: outcome by the impact law; for a sustained contact, the event or obstacle that
+            ended it.
         time: start of the contact, s.
         duration: duration, s; 0 for an instantaneous impact.
-        impulse: impulse on the moving body, N s.
+        impulse: impulse on the wire, N s.
         compressive_impulse: impulse up to the end of compression, N s; None if the law has no
-        phases.
-        compressive_work: work of the impulse on the body in compression, J; for a sustained contact
-        (0, work of friction).
-        restitutive_work: work of the impulse on the body in restitution, J; None for a sustained
-        contact.
+            phases.
+        compressive_work: work of the impulse on the wire in compression, J; for a sustained contact
+            (0, work of friction).
+        restitutive_work: work of the impulse on the wire in restitution, J; None for a sustained
+            contact.
         velocity_before: velocity of the contact point before the contact, m/s.
         velocity_after: velocity of the contact point after the contact, m/s.
         angles: absolute angle of every link when the contact began, rad.
-        rates_before: absolute rate of every link before the contact, rad/s.
-        rates_after: absolute rate of every link after the contact, rad/s.
-        phases: phases in order, for example ``("compression slip", "restitution slip")``.
-        history: history of a contact resolved in time; otherwise None.
+        rates_before: absolute angular velocity of every link before the contact, rad/s.
+        rates_after: absolute angular velocity of every link after the contact, rad/s.
+        phases: names of the phases in order, for example
+            ``("compression slip", "restitution slip")``.
+        history: time history of a contact resolved in time; None for any other contact.
         link: number of the link in contact, from 1 at the root; None for a rigid bristle, and in
-        the reference.
+            the reference solution.
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
-        other obstacles.
+            any other obstacle.
         point: part of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
-        links), or ``flank``. It is empty for a contact of two wires and for a single contact
-        without a pass.
+            links), or ``flank``. It is empty for a contact of two wires, and for a single contact
+            that is not part of a pass.
         place: position of that point on the wire's centre line at the start, (x, y) from the hub's
-        centre, m; None where ``point`` is empty.
+            centre, m; None where ``point`` is empty.
     """
 
     obstacle: str
@@ -247,7 +251,9 @@ class ContactRecord:
 
     @property
     def work(self) -> tuple[float, float] | None:
-        """Work of the impulse on the body, J; None if the law has no phases."""
+        """Work of the impulse on the wire, as (normal, tangential), J; None if the law has no
+        phases.
+        """
         if self.compressive_work is None or self.restitutive_work is None:
             return self.compressive_work
         normal, tangential = np.add(self.compressive_work, self.restitutive_work).tolist()
@@ -255,11 +261,10 @@ class ContactRecord:
 
     @property
     def outcome_in_words(self) -> str:
-        """The outcome in the words of sentences and of ``ensemble``.
+        """The outcome as sentences and ``ensemble`` state it.
 
-        The words are *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays* and *jams*. A
-        tip reverses its slip, or sticks, in a phase that has an impulse. A sustained contact keeps
-        the name of its own outcome.
+        It is *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays* or *jams*. Only phases
+        with an impulse count as reverse slip or stick. A sustained contact keeps its own outcome.
         """
         if self.outcome != "rebound":
             ends = {"jam": "jams", "stiction": "stays", "no rebound": "stays"}
@@ -271,12 +276,13 @@ class ContactRecord:
 
     @property
     def friction_magnification(self) -> float:
-        """Normal impulse over the impulse that would change the normal velocity as much without
-        friction; large near the jam.
+        """Normal impulse over the normal impulse that would change the normal velocity equally
+        without friction; it is large near the jam.
 
-        With dv = K p the impulse without friction is dv_n/K_nn. For a rod of one degree of freedom,
-        whose K has rank one, the ratio is p_n dv_n/(p . dv). It is 1 without friction, and infinite
-        where the impulse along the wire's own line moves nothing.
+        With the contact-space inverse mass matrix K, the velocity change is dv = K p for an
+        impulse p, and the impulse without friction is dv_n/K_nn. For a rod of one degree of
+        freedom, whose K has rank one, the ratio is p_n dv_n/(p . dv). It is 1 without friction, and
+        infinite if the impulse points along the wire and moves nothing.
         """
         normal, tangential = (
             after - before
@@ -286,7 +292,8 @@ class ContactRecord:
         return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
-        """Return the quantities of the history; the key of a quantity is its name and unit.
+        """Return the quantities of the time history as columns of a table, by titles of the form
+        "name (unit)".
 
         Raises:
             ValueError: for a contact that was not resolved in time.

@@ -1,6 +1,7 @@
-"""Trajectory files: npz archives of arrays, with all other data as JSON.
+"""Trajectory files: npz archives that hold arrays, and all other data as JSON.
 
-A file holds the digest of its content. A file of any other kind or content is refused.
+A file also holds a digest of its content. A file of any other kind, or with a changed content, is
+refused.
 """
 
 from __future__ import annotations
@@ -27,26 +28,28 @@ from bristle_sim.trajectory.records import (
     Event,
 )
 
-FORMAT = 4  # number of the file format
+FORMAT = 4  # version of the file format
 MOST_UNPACKED = (
-    # most bytes of unpacked arrays that any file may hold: a million samples of a rigid bristle
+    # size of the unpacked arrays, bytes, up to which any file is read: a million samples of a rigid
+    # bristle
     256e6
 )
-# Largest ratio of unpacked to packed bytes of a larger file: motion packs to a half, rest to a
-# thousandth.
+# Largest ratio of unpacked to packed size of a file with larger arrays. Compression reduces the
+# arrays of a motion to a half of their size, and the arrays of a wire at rest to a thousandth.
 MOST_PACKED = 100.0
 HISTORY = tuple(each.name for each in dataclasses.fields(ContactHistory))
 PLAIN = ("hub_speed", "parameters", "stop_detail")
-"""Names of the arrays of a contact's history; and parts of a run that JSON can hold."""
+"""Attributes of a run that JSON can hold as they are; ``HISTORY`` holds the names of the arrays of
+a contact's history."""
 
 
 def write(run: RecordedRun, path: str | Path) -> None:
-    """Write a run to one npz file of exactly the given name; no suffix is added.
+    """Write a run to one npz file with exactly the given name; no suffix is added.
 
     The file appears only when it is complete.
 
     Raises:
-        OSError: if the file cannot be written; the message names it.
+        OSError: if the file cannot be written; the message states its name.
     """
     arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLED}
     for number, contact in enumerate(run.contacts):
@@ -71,7 +74,7 @@ def write(run: RecordedRun, path: str | Path) -> None:
 
 
 def digest(arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return a digest of the names, types, shapes and bytes of arrays."""
+    """Return a SHA-256 digest of the names, types, shapes and bytes of arrays."""
     total = hashlib.sha256()
     for name in sorted(arrays):
         array = arrays[name]
@@ -81,11 +84,12 @@ def digest(arrays: Mapping[str, NDArray[Any]]) -> str:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Read a trajectory file; return the arguments of ``Trajectory``.
+    """Read a trajectory file; return the keyword arguments of ``Trajectory``.
 
     Raises:
         OSError: if the file does not exist or cannot be read.
-        ValueError: if the file is no trajectory file of this format; the message names the fault.
+        ValueError: if the file is not a trajectory file of this format; the message states the
+            fault.
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
@@ -108,7 +112,13 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def _check_size(members: ZipFile, size: int) -> None:
-    """Refuse a file of ``size`` bytes whose unpacked members would fill the memory."""
+    """Check that the arrays of a file do not fill the memory when they are unpacked.
+
+    ``size``: size of the packed file, bytes.
+
+    Raises:
+        ValueError: if the arrays are too large.
+    """
     unpacked = sum(each.file_size for each in members.infolist())
     if unpacked > max(MOST_UNPACKED, MOST_PACKED * size):
         raise ValueError(
@@ -117,7 +127,7 @@ def _check_size(members: ZipFile, size: int) -> None:
 
 
 def _arguments(meta: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return the arguments of ``Trajectory`` from a file's metadata and arrays."""
+    """Return the keyword arguments of ``Trajectory`` from a file's metadata and arrays."""
     contacts = []
     for number, row in enumerate(meta["contacts"]):
         values: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""A run as five lines of text, and as tables of pandas and xarray."""
+"""A run as a short text, and as tables of pandas and xarray."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ EVENTS_SHOWN = 6  # largest number of events in a summary
 
 DIMENSIONS = {"n": "time", "l": "link", "c": "corner", "2": "axis"}
 SINGULAR = {"angles": "angle", "rates": "rate"}
-"""Names of the dimensions of a dataset; and its variables whose names differ from the run's
-arrays."""
+"""Variables of a dataset whose names differ from those of the run's arrays; ``DIMENSIONS`` holds
+the names of its dimensions."""
 
 
 def summary(run: RecordedRun) -> str:
-    """Return a text of a run: samples, strike, events, stop reason and cost, in one line each.
+    """Return a text with one line each for samples, strike, events, stop reason and cost of a run.
 
-    A further line says that the accuracy was not reached, if so.
+    If the accuracy was not reached, a further line states it.
     """
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     notable = run.notable_events
@@ -58,7 +58,7 @@ def summary(run: RecordedRun) -> str:
 def to_dataframe(run: RecordedRun) -> pd.DataFrame:
     """Return all sampled quantities as a pandas DataFrame, with one row for each sample.
 
-    ``attrs["units"]`` holds the units.
+    Its ``attrs["units"]`` holds the units by column.
 
     Raises:
         ImportError: if pandas is not installed.
@@ -74,9 +74,9 @@ def to_dataframe(run: RecordedRun) -> pd.DataFrame:
 def to_xarray(run: RecordedRun) -> xarray.Dataset:
     """Return all sampled quantities as an xarray Dataset with units as attributes.
 
-    Its coordinate ``time`` increases strictly, so that ``interp(time=...)`` works (linearly;
-    ``Trajectory.at`` is of higher order). Where samples share an instant, the later ones are
-    shifted by the smallest step of a double. ``instant`` is the recorded time.
+    The coordinate ``time`` increases strictly, so that the linear ``interp(time=...)`` works; the
+    order of ``Trajectory.at`` is higher. Where samples have the same instant, the later samples are
+    shifted by the smallest step of a double. The coordinate ``instant`` is the recorded time.
 
     Raises:
         ImportError: if xarray is not installed.

@@ -1,6 +1,4 @@
-"""The trajectory that a simulation returns: motion in samples, events, contacts, stop reason and
-cost.
-"""
+"""The result of a simulation: sampled motion, events, contacts, stop reason and cost."""
 
 from __future__ import annotations
 
@@ -25,29 +23,33 @@ from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Largest distance of a touch from a corner at which it is a touch of the corner, as a fraction of
-# the piece's length.
+# Largest distance of a touch from a corner of the wire up to which the corner counts as touched, as
+# a fraction of the length of the straight segment.
 CORNER_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Trajectory(RecordedRun):
-    """The result of a run: the motion of one bristle at n samples, in SI units and radians.
+    """The result of a run: the motion of one bristle at n samples, its events and its contacts, in
+    SI units and radians.
 
-    An impact has two samples at the same instant: before and after it.
+    An impact has two samples at the same instant: one before it and one after it.
 
     Attributes:
-        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
-        events, contacts: in order of time.
-        stop_reason: why the run stopped.
-        cost: cost of the run.
-        parameters: the simulation's parameters, as plain numbers and strings.
-        stop_detail: why a contact law gave up, and the remedy; empty for any other stop.
+        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; the arrays have n
+            samples.
+        events: events in order of time.
+        contacts: contact records in order of time.
+        stop_reason: reason why the run stopped.
+        cost: cost of the run, and its error estimate.
+        parameters: input of the simulation, as plain numbers and strings.
+        stop_detail: explanation and remedy if a contact law could not resolve a contact; otherwise
+            empty.
     """
 
     def with_places(self, tool: Tool) -> Trajectory:
-        """Return the trajectory with ``point`` and ``place`` set in its contacts with bar and
-        workpart.
+        """Return the trajectory after setting ``point`` and ``place`` in its contact records of bar
+        and workpart.
         """
         contacts = []
         for contact in self.contacts:
@@ -58,24 +60,29 @@ class Trajectory(RecordedRun):
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
-        """Return the motion at one or several instants, interpolated between samples.
+        """Return the motion at one instant or several, interpolated between samples.
 
-        ``Interpolation`` states the accuracy.
+        :class:`Interpolation` states the accuracy.
 
         Args:
-            time: instants, s, of any shape.
-            side: ``before`` or ``after``: the state that is returned at the instant of an impact.
+            time: instants, s, an array of any shape.
+            side: at the instant of an impact, ``before`` for the state before it or ``after`` for
+                the state after it.
 
         Raises:
-            ValueError: for an instant outside the run, another side, or a run of one instant.
+            ValueError: for an instant outside the run, any other side, or a run whose samples all
+                have the same instant.
         """
         return Interpolation(self)(time, side)
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion for drawing, at every sample up to ``until`` (s) and at ``points``
-        equally spaced instants.
+        """Return the motion for drawing, at every sample and at equally spaced instants.
 
-        Two entries share the instant of an impact.
+        An impact has two entries of the same instant: before it and after it.
+
+        Args:
+            until: last instant, s; by default the end of the run.
+            points: number of equally spaced instants.
 
         Raises:
             ValueError: if ``until`` is not after the start of the run.
@@ -83,7 +90,9 @@ class Trajectory(RecordedRun):
         return Interpolation(self).course(until, points)
 
     def plot(self, *, until: float | None = None) -> Figure:
-        """Draw tool, tip path, retraction, speed and energy up to the time ``until``, s."""
+        """Return a figure of tool, tip path, retraction, speed and energy up to the time ``until``,
+        s.
+        """
         figure: Figure = drawn_by().plot(self, until)
         return figure
 
@@ -95,9 +104,18 @@ class Trajectory(RecordedRun):
         size: tuple[int, int] = (640, 480),
         **options: Any,
     ) -> Path:
-        """Write a film of the run, mp4 or gif, and return its path.
+        """Write a film of the run as mp4 or gif, and return its path.
 
-        ``size`` is in pixels. Options are those of ``bristle_sim.render.tool_films.pass_film``.
+        Args:
+            path: path of the film, with the suffix ``.mp4`` or ``.gif``.
+            fps: frames per second.
+            size: width and height, pixels.
+            options: options of ``bristle_sim.render.tool_films.pass_film``.
+
+        Raises:
+            ValueError: for a file that cannot be written, an mp4 film without imageio-ffmpeg, or an
+                option out of range.
+            OSError: if the encoder fails.
         """
         written: Path = drawn_by().film(self, path, fps, size, options)
         return written
@@ -118,7 +136,7 @@ class Trajectory(RecordedRun):
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a trajectory from a file that :meth:`save` wrote, under exactly the same name.
+        """Read a trajectory from a file that :meth:`save` wrote; the name must be exactly the same.
 
         Raises:
             OSError: if the file cannot be read.
@@ -128,11 +146,16 @@ class Trajectory(RecordedRun):
 
 
 def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
-    """Return the record of a contact with the point of the wire that is in contact.
+    """Return the record of a contact after setting ``point`` and ``place``: the point of the wire
+    in contact.
 
-    The point is the corner of the centre line at the workpart's surface, or the point of the centre
-    line nearest to the bar's centre. ``line`` holds the corners of the centre line, shape (corners,
-    2), m.
+    For the workpart it is the corner of the centre line nearest to the workpart's surface. For the
+    bar it is the point of the centre line nearest to the bar's centre.
+
+    Args:
+        contact: the record.
+        tool: the tool.
+        line: corners of the centre line, m, shape (corners, 2).
     """
     if contact.obstacle == "workpart":
         corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
