@@ -1,4 +1,4 @@
-"""Numerical settings of a simulation, the names of its events, and the reasons for which it stops."""
+"""Numerical settings of a simulation, names of its events, and reasons for which it stops."""
 
 from __future__ import annotations
 

@@ -78,8 +78,9 @@ class ChainStrike:
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """Kinetic energy after the impact over the kinetic energy before it; None if the chain is at
-        rest before it.
+        """Kinetic energy after the impact over the kinetic energy before it.
+
+        It is None if the chain is at rest before the impact.
         """
         return (
             self.kinetic_energy_after / self.kinetic_energy_before
