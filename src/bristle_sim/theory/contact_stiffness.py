@@ -1,4 +1,4 @@
-"""Stiffness of a spring with energetic restitution at which a contact lasts a given time.
+"""Stiffness at which a contact on a spring with energetic restitution lasts a given time.
 
 Units are SI or any other consistent ones.
 """
@@ -11,9 +11,10 @@ from bristle_sim.theory.impact import Impact
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
-    """Return k = (pi (1 + e*)/(2 T))^2/K_nn, at which a frictionless contact lasts the time T.
+    """Return the contact stiffness at which a frictionless contact lasts a given time.
 
-    K_nn is the inverse mass along the normal.
+    It is k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn is the inverse mass along the normal, e* the
+    energetic coefficient of restitution and T the duration.
 
     A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
 
@@ -28,8 +29,9 @@ def stiffness_for_duration(
 ) -> float:
     """Return the stiffness at which a contact lasts a given time, in the limit of short contacts.
 
-    ``impact`` is the result of the rigid-body law. The duration scales with 1/sqrt(k). ``velocity``
-    is the normal velocity before the impact, which is negative.
+    In this limit the duration is inversely proportional to the square root of the stiffness.
+    ``impact`` is the result of the rigid-body law. ``velocity`` is the normal velocity before the
+    impact, which is negative. ``restitution`` is the energetic coefficient.
 
     The point of ``frictionless_stiffness``, in contact for half the time, needs four times the
     stiffness:
@@ -43,10 +45,11 @@ def stiffness_for_duration(
 
 
 def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Return the duration of the contact for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
+    """Return the duration that a contact of stiffness 1 would have, in the limit of short contacts.
 
-    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the phase is
-    part of a harmonic motion; the impact law gives the velocities and forces at its ends.
+    Within a phase of the impact the normal velocity v and the normal force N obey v' = a N and
+    N' = -k v, where a is the change of v per unit normal impulse in that phase. The phase is
+    therefore part of a harmonic motion. The impact law gives v and N at the ends of the phase.
     """
     works = impact.phase_work_normal.tolist()
     time = 0.0

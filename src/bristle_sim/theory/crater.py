@@ -1,26 +1,27 @@
 """Crater depth as sums over plies of equal time, by Merchant's circle and by energy (Zhang 2020,
 eqs. 4.48-4.66).
 
-Merchant's sum adds the depths of the plies. The growth of the cutting force in a ply shears off its
-depth, at the width of the cut at that time:
+The compression is divided into plies, intervals of equal time. Merchant's sum adds the depths of
+the plies. In a ply the increase of the cutting force F_c removes a layer over the width b of the
+cut:
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
-As n grows this tends to the integral of F_c'(t)/b(t). The width starts like sqrt(t), so that the
-sum, a rule of right end points, falls short of the limit like 1/sqrt(n) (Navot 1961): order one
-half, not one.
+As the number n of plies grows, the sum tends to the integral of F_c'(t)/b(t). The width starts like
+sqrt(t). The sum, a rule of right end points, therefore falls short of the limit like 1/sqrt(n)
+(Navot 1961): its order is one half, not one.
 
 The work-energy estimate adds, over the plies, the lost kinetic energy divided by the force, d_i =
-[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). It fails: the postulated motion brakes hardest at t = 0, where
-the force of (3.19) begins near zero, so that as written the sum is 9.65 mm at 300 plies and grows
-with n; read as a ratio of two sums, as (4.66) is set in print, it tends to zero; and over the
-printed path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (of which 3.0
-mJ, the term in e^(-lambda t), are work of the root's bearing): force and motion belong to two
-different events.
+[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). This estimate fails. The postulated motion brakes hardest at
+t = 0, where the force of (3.19) begins near zero; the sum is therefore 9.65 mm at 300 plies and
+grows with n. Read as a ratio of two sums, as (4.66) is printed, it tends to zero. Over the printed
+path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (3.0 mJ of it, the
+term in e^(-lambda t), is work of the root's bearing). Force and motion thus belong to two different
+events.
 
-Arguments: the friction mu while cutting, gamma in rad, tau_s in Pa, the number of plies, t_c in s,
-and the wire's diameter in m, which bounds the printed width b(t). The printed force is that of the
-printed wire.
+Arguments: the coefficient of friction mu while cutting, the impact angle gamma in rad, the shear
+yield stress tau_s in Pa, the number of plies, the compression time t_c in s, and the wire's
+diameter in m, which bounds the width b(t). "Printed" values are those of the dissertation.
 """
 
 from __future__ import annotations
@@ -42,15 +43,15 @@ from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 from bristle_sim.theory.numbers import require
 
 CUTTING_FRICTION = 0.5
-"""Friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
+"""Coefficient of friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 in impacts."""
 
-PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
-DEPTH_ROUNDING = 1e-12  # relative rounding error with which the extreme depths are still accepted
+PLIES = 300  # number of time intervals of the dissertation's sums (Zhang 2020, below eq. 4.56)
+DEPTH_ROUNDING = 1e-12  # relative rounding error by which a depth may exceed its largest value
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression.
 
-20 nodes would already leave rounding alone."""
+With 20 nodes its error would already be no more than rounding error."""
 
 
 def merchant_crater_depth(
@@ -63,12 +64,21 @@ def merchant_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth, m, as a sum over n plies of equal time (4.50).
+    """Return the crater depth by Merchant's circle, m, summed over equal time steps, called plies.
 
-    Force R(t) and width b(t) are the printed ones.
+    This is eq. 4.50 of Zhang (2020), with the force R(t) and the width b(t) of the dissertation. By
+    default the angles of the cut follow from ``friction`` and ``impact_angle`` without rounding;
+    ``PRINTED_ANGLES`` are the rounded angles of (4.52). Raises ShearAngleError where the friction
+    is below tan(impact_angle), unless ``angles`` are given.
 
-    By default the angles of the cut are exact for mu and gamma; PRINTED_ANGLES are the rounded ones
-    of (4.52). Raises ShearAngleError where mu < tan(gamma), unless ``angles`` are given.
+    Args:
+        friction: coefficient of friction while cutting.
+        impact_angle: angle at which the tip's path descends into the surface, rad.
+        shear_yield_stress: shear yield stress of the workpart, Pa.
+        plies: number of time steps.
+        angles: rake, friction and shear angle of the cut.
+        compression_time: duration of the compression, s.
+        wire_diameter: diameter of the wire, m; the cut is at most as wide.
 
     The dissertation's 300 plies, with its rounded angles (below 4.56):
 
@@ -92,12 +102,12 @@ def merchant_crater_depth_limit(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the limit of ``merchant_crater_depth`` for infinitely many plies, m.
+    """Return the crater depth by Merchant's circle, m, in the limit of infinitely many time steps.
 
-    The arguments are those of ``merchant_crater_depth``.
+    It is the limit of ``merchant_crater_depth``, whose arguments it takes.
 
-    With the printed angles it is 142.28 um, which the sums approach as 1/sqrt(n): 142.13 um with
-    100,000 plies:
+    With the printed angles the limit is 142.28 um. The error of a sum of n steps decreases like
+    1/sqrt(n); 100,000 steps give 142.13 um.
 
     >>> from bristle_sim.theory.merchant import PRINTED_ANGLES
     >>> print(f"{1e6 * merchant_crater_depth_limit(angles=PRINTED_ANGLES):.2f} um")
@@ -118,13 +128,12 @@ def friction_for_crater_depth(
     shear_yield_stress: ArrayLike = API_5L,
     plies: int = PLIES,
 ) -> Number:
-    """Return the friction at which the crater has a depth, m: (4.50) solved for mu (Zhang 2020,
-    fig. 4.16).
+    """Return the coefficient of friction at which the crater has a given depth, m.
 
-    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) -
-    gamma)]/2. Raises ValueError for a depth that no mu >= tan(gamma) gives.
-
-    It is the inverse of ``merchant_crater_depth``:
+    It is the inverse of ``merchant_crater_depth``: eq. 4.50 solved for the friction mu (Zhang 2020,
+    fig. 4.16). At the shear angle eta of least work, sin(eta) cos(eta + beta - alpha) =
+    [1 - sin(arccot(mu) - gamma)]/2, with the friction angle beta, the rake angle alpha and the
+    impact angle gamma. Raises ValueError for a depth that no friction mu >= tan(gamma) gives.
 
     >>> print(f"{friction_for_crater_depth(merchant_crater_depth(0.5)):.6f}")
     0.500000
@@ -155,13 +164,14 @@ def constant_for_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the constant C of (4.45), rad, at which the crater has a depth, m: (4.50) solved for
-    C.
+    """Return the shear-angle constant C, rad, at which the crater has a given depth, m.
 
-    With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by
-    sin(eta) cos(eta + x) = [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma)
-    sum of dR/b). The shear plane comes out of the surface, eta >= gamma (4.35), where C >=
-    arccot(mu) + gamma. Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
+    C = 2 eta + x (4.45) fixes the shear angle eta; x = beta - alpha = arccot(mu) - gamma is the
+    angle between the resultant force and the cutting velocity. The angles enter the depth by
+    sin(eta) cos(eta + x) = [sin(C) - sin(x)]/2. With the sum of dR/b, the increases of the force R
+    over the width b of the cut, eq. 4.50 gives sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of
+    dR/b). The shear plane emerges from the surface, eta >= gamma (4.35), where C >= arccot(mu) +
+    gamma. Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
 
     The shear angle of least work has C = 90 deg:
 
@@ -187,16 +197,20 @@ def _depth_ratio(
     shear_yield_stress: ArrayLike,
     angles: CuttingAngles | None,
 ) -> Number:
-    """Return the ratio of the crater depth to the sum of dR/b, 1/Pa.
+    """Return the crater depth over the sum of dR/b, 1/Pa: the force increases over the cut's width.
 
-    The factor cos(beta - alpha) in F_c cancels against that in the denominator of (4.50).
+    The factor cos(beta - alpha) of the cutting force cancels against the same factor in the
+    denominator of (4.50).
     """
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
 def _ply_sum(plies: int, compression_time: float, wire_diameter: float) -> float:
-    """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
+    """Return the sum over equal time steps of the force's increase over the width of the cut, N/m.
+
+    It is the sum of [R(t_i) - R(t_{i-1})]/b(t_i).
+    """
     time = np.linspace(0.0, compression_time, plies + 1)
     return float(np.sum(np.diff(BRISTLE(time)) / CuttingWidth(0.5 * wire_diameter)(time[1:])))
 
@@ -207,10 +221,10 @@ def energy_crater_depth(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth as the derived sum of quotients, cos(gamma) sum_i dE_i/R(t_i), m
-    (4.62-4.65).
+    """Return the crater depth from energy as a sum of quotients, m; it grows with the plies.
 
-    It grows with the number of plies.
+    It is cos(gamma) sum_i dE_i/R(t_i) (Zhang 2020, eqs. 4.62-4.65): in each of the equal time steps
+    (``plies``) the kinetic energy lost over the force at its end. gamma is the impact angle, rad.
 
     >>> print(f"{1e3 * energy_crater_depth(300):.2f} mm")  # 75.8 um are printed
     9.65 mm
@@ -225,10 +239,11 @@ def energy_crater_depth_ratio(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth as the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i), m
-    (4.66 as printed).
+    """Return the crater depth from energy as a ratio of two sums, m; it falls like 1/plies.
 
-    It falls like 1/n.
+    It is cos(gamma) sum_i dE_i / sum_i R(t_i) (Zhang 2020, eq. 4.66 as printed): the kinetic energy
+    lost in each of the equal time steps (``plies``) over the force at the end of each step. The sum
+    of the energies converges while the sum of the forces grows with their number.
 
     With 5 plies it is the printed depth:
 
@@ -240,15 +255,18 @@ def energy_crater_depth_ratio(
 
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
-    """Return the kinetic energy lost in each ply, J, and the force at the end of each ply, N."""
+    """Return the kinetic energy lost in each of the equal time steps, J, and the force at its end.
+
+    The force is in N.
+    """
     time = np.linspace(0.0, compression_time, int(plies) + 1)
     return -np.diff(kinetic_energy(time)), np.asarray(BRISTLE(time[1:]))
 
 
 def work_along_path() -> float:
-    """Return the integral of R v_C over the compression, J.
+    """Return an upper bound of the work of the force along the dissertation's motion, J.
 
-    It is an upper bound of the force's work along the printed motion.
+    It is the integral of R v_C, the force times the speed of the tip, over the compression.
     """
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
     return float(

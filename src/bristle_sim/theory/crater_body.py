@@ -1,16 +1,18 @@
-"""One crater as a body: the shape that a tip cuts into a plane, as a formula.
+"""The shape of one crater that a tip cuts into a plane, as a formula.
 
 x runs along the slide and y across it, from the middle of the crater's outline. ``shape`` is the
-height above the lowest point; the ground after the cut is the lower one of itself and the shape.
-The shape continues beyond the outline, for a tip that meets higher ground. Lengths in m.
+height of the crater's surface above its lowest point. After the cut the ground is the lower one of
+the old ground and the shape. The shape continues beyond the outline, for a tip that meets higher
+ground. Lengths in m.
 
-``SweptTip``: the tip's face, half an ellipse, moves along a straight path that descends at gamma.
-Its edge is z_e(y) = D (1 - sqrt(1 - (2 y/d)^2)) above its lowest point, with the wire's diameter d
-and D the depth at which the cut is as wide as the wire; the face rises from there forward at phi =
-28 deg to the surface (Zhang 2020, eqs. 4.9-4.14). So the floor behind the tip's last place x_t is
-z_e(y) (1 + tan(gamma)/tan(phi)) - (x - x_t) tan(gamma), and the crater ends before it in the face's
-imprint, (x - x_t) tan(phi). This body takes 6 % more than the chip's volume in u V = W
-(``crater_cutting``) at a depth of 106 um; one that ends in an upright wall would take 42 % less.
+``SweptTip``: the tip's face, half an ellipse, moves along a straight path that descends at the
+impact angle gamma. The edge of the face is z_e(y) = D (1 - sqrt(1 - (2 y/d)^2)) above its lowest
+point, with the wire's diameter d and the depth D at which the cut is as wide as the wire. From the
+edge the face rises forward at phi = 28 deg to the surface (Zhang 2020, eqs. 4.9-4.14). So the floor
+behind the tip's last position x_t is z_e(y) (1 + tan(gamma)/tan(phi)) - (x - x_t) tan(gamma). Ahead
+of x_t the crater ends in the imprint of the face, (x - x_t) tan(phi). At a depth of 106 um the
+volume of this shape is 6 % larger than the chip volume V of ``crater_cutting``; with an upright
+wall at its end it would be 42 % smaller.
 
 ``Paraboloid``: 4 depth (x^2/length^2 + y^2/width^2), a crater of given depth, length and width.
 """
@@ -26,12 +28,14 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
 
-ROUNDING = 1e-9  # relative, of a place at the very side of the wire
+ROUNDING = 1e-9  # fraction of the wire's radius by which rounding may put a point beside the wire
 
 
 @dataclass(frozen=True, slots=True)
 class Paraboloid:
     """A crater whose sections along and across the slide are parabolas.
+
+    Depth, length and width of the crater are in m; the length is along the slide.
 
     >>> crater = Paraboloid(130e-6, 325e-6, 651e-6)
     >>> print(f"{1e6 * crater.area():.3f} mm^2, {1e9 * crater.volume():.5f} mm^3")
@@ -48,23 +52,26 @@ class Paraboloid:
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
-        """Return the shape at all x and y, shape (y, x)."""
+        """Return the height above the lowest point, m, on the grid of all x and y, shape (y, x)."""
         return 4.0 * self.depth * np.add.outer((y / self.width) ** 2, (x / self.length) ** 2)
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the least x, the largest x and the largest y where the shape is at most
-        ``height``.
+        """Return the extent of the crater up to a height above its lowest point, all in m.
+
+        Returns:
+            The least x, the largest x and the largest y at which the surface is not higher.
         """
         part = 0.5 * math.sqrt(height / self.depth)
         return -part * self.length, part * self.length, part * self.width
 
     def area(self) -> float:
-        """Return the area of the outline on a plane, an ellipse, m^2."""
+        """Return the area of the crater's outline on a plane surface, an ellipse, m^2."""
         return math.pi / 4.0 * self.length * self.width
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
-        """Return the volume below a plane, m^3, of the whole crater or of its lowest part of a
-        depth.
+        """Return the volume of the crater below the plane surface, m^3.
+
+        With ``depth``, m, it is the volume of the crater's lowest part of this depth.
         """
         ratio = 1.0 if depth is None else np.asarray(depth) / self.depth
         return 0.5 * self.area() * self.depth * ratio**2
@@ -72,8 +79,10 @@ class Paraboloid:
 
 @dataclass(frozen=True, slots=True)
 class SweptTip:
-    """The crater that the tip's elliptic face sweeps on a straight path, at the impact angle gamma,
-    rad.
+    """The crater that the tip's elliptic face sweeps on a straight descending path.
+
+    ``depth`` is the depth of the crater, m. ``impact_angle`` is the angle of the path to the
+    surface, rad. ``face`` is the cutting face of the tip.
 
     The printed depth of 130 um at 23.4 deg makes the printed width (Zhang 2020, fig. 4.6):
 
@@ -87,26 +96,35 @@ class SweptTip:
 
     @property
     def stretch(self) -> float:
-        """Return the length of the outline over its depth, cot(gamma) + cot(phi)."""
+        """Return the length of the crater over its depth, cot(gamma) + cot(phi).
+
+        gamma is the impact angle, phi the angle of the tip's face to the surface.
+        """
         return 1.0 / math.tan(self.impact_angle) + 1.0 / math.tan(self.face.face_angle)
 
     @property
     def length(self) -> float:
-        """Return the length of the outline along the slide, depth (cot(gamma) + cot(phi))."""
+        """Return the length of the crater's outline along the slide, m."""
         return self.depth * self.stretch
 
     @property
     def width(self) -> float:
-        """Return the largest width of the outline, that of the cut at the tip's last place (4.14)."""
+        """Return the largest width of the crater's outline, m (Zhang 2020, eq. 4.14).
+
+        The outline is widest at the tip's last position.
+        """
         return float(self.face.width(self.depth))
 
     @property
     def lowest(self) -> float:
-        """Return x of the lowest point, the tip's last place."""
+        """Return the coordinate x of the lowest point, m: the tip's last position."""
         return 0.5 * self.length - self.depth / math.tan(self.face.face_angle)
 
     def shape(self, x: Array, y: Array) -> Array:
-        """Return the shape at all x and y, shape (y, x); infinite beside the wire."""
+        """Return the height above the lowest point, m, on the grid of all x and y, m, shape (y, x).
+
+        It is infinite beside the wire.
+        """
         sine = 2.0 * np.abs(y) / self.face.short_axis
         edge = self.face.full_depth * (1.0 - np.sqrt(np.maximum(1.0 - sine**2, 0.0)))
         edge = np.where(sine <= 1.0 + ROUNDING, edge, math.inf)
@@ -116,25 +134,31 @@ class SweptTip:
         return np.maximum(floor, ahead * math.tan(self.face.face_angle))
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the least x, the largest x and the largest y where the shape is at most
-        ``height``.
+        """Return the extent of the crater up to a height above its lowest point, all in m.
+
+        Returns:
+            The least x, the largest x and the largest y at which the surface is not higher.
         """
         start = self.lowest - height / math.tan(self.impact_angle)
         return start, start + height * self.stretch, 0.5 * float(self.face.width(height))
 
     def area(self) -> float:
-        """Return the area of the outline on a plane, (cot(gamma) + cot(phi)) times integral of
-        depth - z_e(y) dy, m^2.
+        """Return the area of the crater's outline on a plane surface, m^2.
+
+        It is (cot(gamma) + cot(phi)) times the integral of depth - z_e(y) over y. gamma is the
+        impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
+        edge.
         """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))
         return float(0.5 * self.face.short_axis * section * self.stretch)
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
-        """Return the volume below a plane, m^3: (cot(gamma) + cot(phi))/2 times the integral of
-        (depth - z_e(y))^2 dy.
+        """Return the volume of the crater below the plane surface, m^3.
 
-        ``depth`` is that of the whole crater or of its lowest part.
+        It is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y. gamma is
+        the impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
+        edge. With ``depth``, m, it is the volume of the crater's lowest part of this depth.
         """
         last, sine, above = self._edge(self.depth if depth is None else depth)
         full = self.face.full_depth
@@ -143,10 +167,13 @@ class SweptTip:
         return 0.25 * self.face.short_axis * (squares + cubes) * self.stretch
 
     def _edge(self, depth: ArrayLike) -> tuple[Number, Number, Number]:
-        """Return the ellipse's angle from the tip to the surface, rad, its sine, and the depth less
-        D, m.
+        """Return where the edge of the elliptic face meets the surface at a depth.
 
-        With y = (d/2) sin(theta) the edge is z_e = D (1 - cos(theta)).
+        With the wire's diameter d and the depth D of half the ellipse, the edge at the angle theta
+        is at y = (d/2) sin(theta) and z_e = D (1 - cos(theta)).
+
+        Returns:
+            The angle theta at the surface, rad, its sine, and the depth less D, m.
         """
         full = self.face.full_depth
         below = np.asarray(depth, dtype=float)

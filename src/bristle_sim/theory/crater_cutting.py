@@ -1,22 +1,27 @@
-"""Crater depth from one statement of cutting force, energy and depth, also for a contact resolved in time.
+"""Crater depth from the cutting force or from the energy, also for a contact resolved in time.
 
-Merchant's relation (4.31) says that a tip which cuts a chip of depth d_u and width b feels F_c = u b d_u along its path,
-with the specific cutting energy u = tau_s cos(beta - alpha)/(sin(eta) cos(eta + beta - alpha)) fixed by the angles. On a
-straight path that descends at gamma, the tip after the path S is S sin(gamma) below the surface and S tan(gamma) from
-it along the normal to the path; this is d_u, so that depth = d_u cos(gamma) as in (4.50), and the face's width there is
-b(S sin(gamma)). So
+Merchant's relation (4.31) says that a tip which cuts a chip of depth d_u and width b feels F_c = u
+b d_u along its path, with the specific cutting energy u = tau_s cos(beta - alpha)/(sin(eta) cos(eta
++ beta - alpha)) fixed by the angles. On a straight path that descends at gamma, the tip after the
+path S is S sin(gamma) below the surface and S tan(gamma) from it along the normal to the path; this
+is d_u, so that depth = d_u cos(gamma) as in (4.50), and the face's width there is b(S sin(gamma)).
+So
 
-    F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),    V: volume swept.
+    F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),    V: volume
+    swept.
 
-``depth_from_force`` solves the first for a force, ``depth_from_energy`` the second for an energy. The sum over plies of (4.50)
-differs from the first: it adds up dF_c/b with the width at the time, although (4.31) ties the whole force to the last width.
+``depth_from_force`` solves the equation of F_c for the depth, ``depth_from_energy`` the equation of
+W. The sum over time steps of (4.50) differs from the equation of F_c: it adds up dF_c/b with the
+width at each time, although (4.31) ties the whole force to the last width.
 
-A contact resolved in time gives both: up to its deepest penetration the force along the path, N sin(gamma) + |T| cos(gamma),
-is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is as stiff as the chip is: the
-energy does not depend on how long the contact lasts, a force is inversely proportional to it.
+A contact resolved in time gives both force and energy. Up to its deepest penetration the force
+along the path, N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W.
+The two depths agree only if the contact is as stiff as the chip: the energy does not depend on the
+duration of the contact, while the force is inversely proportional to it.
 
-Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back, compression only, and a
-face longer than the cut is deep. The angle is within 0 < gamma < pi/2, in rad.
+Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back,
+compression only, and a face longer than the cut is deep. The angle is within 0 < gamma < pi/2, in
+rad.
 """
 
 from __future__ import annotations
@@ -36,26 +41,28 @@ from bristle_sim.theory.numbers import require
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES = 0.5 * (_RULE[0] + 1.0)
 WEIGHTS = 0.5 * _RULE[1]
-"""Gauss-Legendre rule on (0, 1).
+"""Gauss-Legendre rule on (0, 1), for the volume swept up to the depth at which the cut is as wide
+as the wire.
 
-The width is smooth in the substituted path up to the full depth, and constant beyond."""
+Up to this depth the width is a smooth function of the substituted path; beyond it is constant."""
 
-NEWTON_STEPS = 60  # largest number of steps; about ten suffice from the start values used here
+NEWTON_STEPS = 60  # largest number of Newton steps; about ten suffice from the start values here
 
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """Results of a contact's compression, from first touch to deepest penetration, and its craters.
+    """Compression of a contact, from first touch to deepest penetration, and the crater it cuts.
 
     Attributes:
         compression_time: time from first touch to deepest penetration, s.
         peak_cutting_force: largest force along the path, N.
-        path: length of the tip's path, m.
+        path: length of the tip's path during compression, m.
         penetration: deepest penetration, m.
         depth_from_force: crater depth that follows from the largest force, m.
         depth_from_energy: crater depth that follows from the work, m.
-        shear_plane_emerges: whether eta >= gamma with the friction used. If not, the depths for a
-            parallel surface are formal.
+        shear_plane_emerges: whether the shear plane of the chip emerges from the surface. If not,
+            Merchant's circle for a surface parallel to the path does not hold, and the depths are
+            formal.
     """
 
     compression_time: float
@@ -70,12 +77,12 @@ class ContactCrater:
 def swept_volume(
     path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE
 ) -> Number:
-    """Return the volume V(S) that the face sweeps below the surface on a path S (m), m^3.
+    """Return the volume, m^3, that the tip's face sweeps below the surface on a path of length S.
 
-    It is the integral of b(S' sin(gamma)) S' tan(gamma) dS'.
-
-    Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the
-    width is constant.
+    For a path S, m, that descends at the impact angle gamma, rad, it is V(S) = integral from 0 to S
+    of b(s sin(gamma)) s tan(gamma) ds. b is the width of the cut at a depth. Up to the depth at
+    which the cut is as wide as the wire, the substitution s = S u^2 makes the integrand smooth;
+    beyond it the width is constant.
     """
     gamma = np.asarray(impact_angle)
     full = face.full_depth / np.sin(gamma)
@@ -92,9 +99,16 @@ def depth_from_energy(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth S sin(gamma), m, whose volume V(S) satisfies u V(S) = W.
+    """Return the crater depth, m, at which cutting the crater takes a given energy.
 
-    W in J is the work that the tip does on the workpart along its path, u in J/m^3.
+    The depth is S sin(gamma) for the length S of the path that satisfies u V(S) = W, with V of
+    ``swept_volume``.
+
+    Args:
+        energy: work W that the tip does on the workpart along its path, J.
+        specific_energy: specific cutting energy u of the chip, J/m^3.
+        impact_angle: angle gamma of the path to the surface, rad.
+        face: cutting face of the tip.
 
     The energy of a swept volume gives the depth of its path:
 
@@ -120,14 +134,14 @@ def depth_from_force(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth, m, at which the chip resists with a force: u b(depth)
-    depth/cos(gamma) = F_c.
+    """Return the crater depth, m, at which the chip resists with a given force.
 
-    ``cutting_force`` is the force along the path, N; the other arguments are those of
-    ``depth_from_energy``.
+    It solves u b(depth) depth/cos(gamma) = F_c, with the width b of the cut. ``cutting_force`` is
+    the force F_c along the path, N. The specific cutting energy u, the impact angle gamma and the
+    face are those of ``depth_from_energy``.
 
-    A face of full width b = 0.71 mm in steel of u = 1 GPa: at gamma = 60 deg, whose cosine is 1/2,
-    1420 N cut 1 mm, deeper than the face's half, from where on the width is constant.
+    In steel of u = 1 GPa, at gamma = 60 deg, 1420 N cut 1 mm deep. The cut is then as wide as the
+    wire, b = 0.71 mm, and cos(gamma) = 1/2:
 
     >>> print(f"{1e3 * depth_from_force(1420.0, 1e9, math.radians(60.0)):.6f}")
     1.000000
@@ -138,7 +152,7 @@ def depth_from_force(
     fraction = np.minimum(wide / face.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
-        """Return the scaled area of a depth less the given area, and its slope."""
+        """Return the scaled area of the cut at a depth less the given area, and its derivative."""
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
@@ -150,8 +164,8 @@ def depth_from_force(
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
     """Return the root of a rising function by Newton's method.
 
-    ``excess`` returns the function and its slope. The start must be just below the root, or the
-    root itself where that is 0.
+    ``excess`` returns the function and its derivative. The start must be just below the root; where
+    the root is 0 the start must be 0.
     """
     root = np.asarray(start, dtype=float)
     step = np.array(math.inf)
@@ -183,8 +197,9 @@ def crater_depth_from_contact(
     surface: Surface = "parallel",
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> ContactCrater:
-    """Return the craters that follow from a contact resolved in time, up to its deepest
-    penetration.
+    """Return the crater that a contact resolved in time cuts up to its deepest penetration.
+
+    Its depth is given twice, from the largest force and from the work.
 
     Args:
         time: times, s, shape (n,) with n >= 2, as all columns below.
@@ -193,14 +208,16 @@ def crater_depth_from_contact(
         penetration: penetration, m, positive inside the workpart.
         normal_velocity: normal velocity of the tip, m/s.
         tangential_velocity: tangential velocity of the tip, m/s.
-        impact_angle: gamma, rad.
-        shear_yield_stress: tau_s, Pa.
-        friction: mu while cutting; by default the contact's own at its largest force.
-        surface: lie of the surface where the shear plane ends, ``parallel`` or ``inclined``.
+        impact_angle: angle of the tip's path to the surface, rad.
+        shear_yield_stress: shear yield stress of the workpart, Pa.
+        friction: coefficient of friction while cutting; by default the ratio of tangential to
+            normal force where the force along the path is largest.
+        surface: surface relative to the path, where the shear plane ends: ``parallel`` or
+            ``inclined``.
         wire_diameter: width of the tip's face, m.
 
     Raises:
-        ValueError: if no force presses on the tip at the peak.
+        ValueError: if the normal force is not positive where the force along the path is largest.
     """
     columns = (
         time,

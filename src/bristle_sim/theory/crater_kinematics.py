@@ -1,4 +1,4 @@
-"""Motion of the bristle while its tip cuts, its energy, and the width of the cut (Zhang 2020,
+"""Motion and energy of the bristle while its tip cuts, and the width of the cut (Zhang 2020,
 section 4.1, compression only).
 
 The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda
@@ -24,21 +24,23 @@ IMPACT_ANGLE = math.radians(23.4)  # rad (Zhang 2020, eq. 4.51)
 
 @dataclass(frozen=True, slots=True)
 class CraterKinematics:
-    """Motion during compression (Zhang 2020, eqs. 4.4-4.10); defaults as printed.
+    """Motion of the bristle during compression (Zhang 2020, eqs. 4.4-4.10).
 
-    With q = exp(-decay t), t in s, a motion is a constant times q or 1 - q.
+    The defaults are the values printed in the dissertation. Below q = exp(-decay t), with the time
+    t since first touch, s.
 
     Attributes:
-        decay: lambda, 1/s.
-        excursion: c_1, m; the path is S = excursion (1 - q).
-        tip_speed: initial speed along the path, m/s; v_C = tip_speed q.
-        rate: rad/s; the absolute rate of the bristle is rate q - final_rate.
-        final_rate: rad/s; see ``rate``.
-        centre_speed: m/s; the speed of the bristle's centre is v_G = centre_speed q +
-            final_centre_speed.
-        final_centre_speed: m/s; see ``centre_speed``.
-        depth: final depth below the surface, m; the depth is depth (1 - q).
-        face_depth: trace of the final depth on the tip's face, m; it grows as the depth does.
+        decay: decay rate lambda of the motion, 1/s.
+        excursion: final length of the tip's path, m; its length is excursion (1 - q).
+        tip_speed: initial speed of the tip along its path, m/s; its speed is tip_speed q.
+        rate: initial rate of the bristle less its rate with the tip at rest, rad/s; its rate is
+            rate q - final_rate.
+        final_rate: rate of the bristle with the tip at rest, of opposite sign, rad/s.
+        centre_speed: initial speed of the bristle's centre less its speed with the tip at rest,
+            m/s; its speed is centre_speed q + final_centre_speed.
+        final_centre_speed: speed of the bristle's centre with the tip at rest, m/s.
+        depth: final depth of the tip below the surface, m; its depth is depth (1 - q).
+        face_depth: length on the tip's face that lies below the surface at the final depth, m.
     """
 
     decay: float = 92400.0
@@ -53,10 +55,13 @@ class CraterKinematics:
 
     @classmethod
     def of_tool(cls, tool: Tool, bristle_rate: float) -> CraterKinematics:
-        """Return the unrounded motion of a radial bristle that strikes at an absolute rate, rad/s.
+        """Return the motion of a radial bristle that strikes at a given angular velocity, rad/s.
 
-        The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3). When the tip has
-        come to rest, the bristle has the rate -r_h w/L (2.36) and its centre half the rim's speed.
+        The constants are computed without the rounding of the printed ones. The tip arrives with
+        the speed v = r_h omega + L bristle_rate (2.24), with the hub's radius r_h and speed omega
+        and the wire's length L. The decay rate is v over the length of the path (4.3). When the tip
+        has come to rest, the bristle has the rate -r_h omega/L (2.36), and its centre has half the
+        speed of the hub's rim.
         """
         rim = tool.hub.speed * tool.hub.radius
         length = tool.bristle.length
@@ -69,23 +74,23 @@ class CraterKinematics:
         return cls(speed / excursion, excursion, speed, *rates, *centre, depth, face_depth)
 
     def tip_displacement(self, time: ArrayLike) -> Number:
-        """Return S along the path (4.4a), m."""
+        """Return the distance that the tip has moved along its path, m (Zhang 2020, eq. 4.4a)."""
         return self.excursion * self._grown(time)
 
     def tip_velocity(self, time: ArrayLike) -> Number:
-        """Return v_C along the path (4.4b), m/s."""
+        """Return the speed of the tip along its path, m/s (Zhang 2020, eq. 4.4b)."""
         return self.tip_speed * self._left(time)
 
     def bristle_rate(self, time: ArrayLike) -> Number:
-        """Return the absolute rate of the bristle (4.6), rad/s."""
+        """Return the absolute angular velocity of the bristle, rad/s (Zhang 2020, eq. 4.6)."""
         return self.rate * self._left(time) - self.final_rate
 
     def centre_velocity(self, time: ArrayLike) -> Number:
-        """Return v_G (4.7), m/s."""
+        """Return the speed of the bristle's centre of mass, m/s (Zhang 2020, eq. 4.7)."""
         return self.centre_speed * self._left(time) + self.final_centre_speed
 
     def crater_depth(self, time: ArrayLike) -> Number:
-        """Return the depth below the surface, S sin(gamma) (4.8), m."""
+        """Return the depth of the tip below the surface, m (Zhang 2020, eq. 4.8)."""
         return self.depth * self._grown(time)
 
     def _left(self, time: ArrayLike) -> Number:
@@ -99,11 +104,10 @@ class CraterKinematics:
 class TipFace:
     """The cutting face: the ellipse in which a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
 
-    Its short axis a_2, m, is the wire's diameter d.
-
-    The face's normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5). (4.10) puts
-    the face at 28 deg to the surface, the rake angle gamma + 11.5 deg (4.36) at 55.1 deg; both are
-    kept as printed. Angles in rad.
+    ``short_axis`` of the ellipse is the wire's diameter, m. ``tilt`` is the angle between the
+    face's normal and the wire's axis, rad; 39.5 deg were measured (fig. 4.5). ``face_angle`` is the
+    angle of the face to the surface, rad. (4.10) has it at 28 deg, whereas the rake angle, the
+    impact angle plus 11.5 deg (4.36), would give 55.1 deg; both are kept as printed.
     """
 
     short_axis: float = 7.1e-4
@@ -112,18 +116,21 @@ class TipFace:
 
     @property
     def long_axis(self) -> float:
-        """Return a_1 = d/cos(tilt) (4.12), m."""
+        """Return the long axis of the ellipse, short_axis/cos(tilt), m (Zhang 2020, eq. 4.12)."""
         return self.short_axis / math.cos(self.tilt)
 
     @property
     def full_depth(self) -> float:
-        """Return the depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
+        """Return the depth below the surface at which the cut is as wide as the wire, m.
+
+        Half of the ellipse is then below the surface: the depth is (long_axis/2) sin(face_angle).
+        """
         return 0.5 * self.long_axis * math.sin(self.face_angle)
 
     def width(self, depth: ArrayLike) -> Number:
         """Return the width of the cut at a depth below the surface, both in m (4.9, 4.14).
 
-        From the centre line of the ellipse on, the width is the wire's diameter.
+        At depths beyond ``full_depth`` the width is the wire's diameter.
         """
         fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
         return self.short_axis * np.sqrt(fraction * (2.0 - fraction))
@@ -131,10 +138,16 @@ class TipFace:
 
 @dataclass(frozen=True, slots=True)
 class CuttingWidth:
-    """b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, t in s (Zhang 2020, eq. 4.16); defaults as printed.
+    """Width of the cut as a function of the time since first touch (Zhang 2020, eq. 4.16).
 
-    h = d/2 is the half-width, m. The swing s, m, is the trace of the final depth on the face times a_2/a_1; the other printed
-    constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
+    It is b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, with t in s. The defaults are the values
+    printed in the dissertation.
+
+    Attributes:
+        half_width: radius h of the wire, m.
+        swing: length s on the tip's face that lies below the surface at the final depth, times the
+            ratio of the ellipse's short to its long axis, m; 1.39e-4 m is printed for h - s.
+        decay: decay rate of the motion, 1/s.
     """
 
     half_width: float = 3.55e-4
@@ -143,14 +156,18 @@ class CuttingWidth:
 
     @classmethod
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
-        """Return the unrounded width of the cut by a face in a motion (4.13-4.15)."""
+        """Return the width of the cut by a given face in a given motion (eqs. 4.13-4.15).
+
+        Its constants are computed without the rounding of the printed ones.
+        """
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Return the width, m, at times (s) of any shape.
+        """Return the width of the cut, m, at times in s, of any shape.
 
-        The difference of squares is factored, so that it keeps its digits near t = 0.
+        The difference of squares in ``CuttingWidth`` is factored, which avoids cancellation near
+        t = 0.
         """
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
         gone = np.minimum(gone, self.half_width)  # from there on a thin wire cuts as wide as it is
@@ -170,9 +187,11 @@ PRINTED_ENERGY = (
 def energy_coefficients(
     kinematics: CraterKinematics = PRINTED_KINEMATICS,
 ) -> tuple[float, float, float]:
-    """Return the coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J.
+    """Return the coefficients of the bristle's kinetic energy during compression, J.
 
-    E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
+    With the decay rate lambda the energy is E(t) = a e^(-2 lambda t) + b e^(-lambda t) + c; the
+    function returns (a, b, c). They follow from E = m v^2/2 + (m L^2/12) rate^2/2 (4.58-4.59), with
+    the speed v of the bristle's centre, its rate, its mass m and its length L.
     """
     wire = Bristle()
     k = kinematics
@@ -193,20 +212,22 @@ def kinetic_energy(
     coefficients: tuple[float, float, float] = PRINTED_ENERGY,
     decay: float = PRINTED_KINEMATICS.decay,
 ) -> Number:
-    """Return the kinetic energy of the bristle, J, at times >= 0 in s (4.59).
+    """Return the kinetic energy of the bristle, J, at times >= 0 in s (Zhang 2020, eq. 4.59).
 
-    The coefficients are the printed ones by default.
+    ``coefficients`` are those of ``energy_coefficients``, by default as printed. ``decay`` is the
+    decay rate of the motion, 1/s.
     """
     left = np.exp(-decay * np.asarray(time))
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
 
 
 def path_force(time: ArrayLike) -> Number:
-    """Return the force along the path that the postulated motion requires, (m/3) lambda v_C(t), N.
+    """Return the force along the tip's path that the dissertation's motion would require, N.
 
-    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone:
-    its effective mass along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). The force is
-    largest at first touch, where the force of (3.19) is zero.
+    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone.
+    Its effective mass along the path is I/L^2 = m/3, with its inertia I about the root, length L
+    and mass m. The speed v_C of the tip falls like e^(-lambda t), so the force is (m/3) lambda
+    v_C(t). It is largest at first touch, where the dissertation's own force (3.19) is zero.
     """
     wire = Bristle()
     motion = PRINTED_KINEMATICS

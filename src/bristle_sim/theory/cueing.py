@@ -1,19 +1,19 @@
 """Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs.
 2.1-2.3).
 
-The bar releases the bristle when it lags its radial direction by the retraction theta_p. The tip
-then lags the hub's root radius by A. The belt throws the bristle forward, and after the cue time
-t_c, in which the hub turns by theta_1, it is fastest; it should then touch the workpart radially,
-at the impact angle gamma. Hence the bar's direction from the workpart's normal, A + theta_1 +
-gamma.
+The bar releases the bristle when it lags its radial direction by the retraction theta_p. Seen from
+the hub's centre, the tip then lags the root by the angle A. The belt throws the bristle forward.
+After the cue time t_c, in which the hub turns by theta_1, the bristle is fastest. It should then
+touch the workpart radially, at the impact angle gamma. The direction of the bar from the workpart's
+normal is therefore A + theta_1 + gamma.
 
 Between contacts, with alpha the bristle's angle relative to the radial direction,
 
     I alpha'' + c alpha' + k alpha + g sin alpha = 0,    g = m r_h (L/2) omega^2.
 
-The dissertation has c = g = 0. The centrifugal stiffness g is the moment about the root, with lever
-(L/2) sin alpha, of the force m r_h omega^2 that acts on the centre of mass in the rotating root's
-frame.
+The dissertation has c = g = 0. The centrifugal stiffness g comes from the force m r_h omega^2 that
+acts on the centre of mass in the frame of the rotating root. Its lever about the root is (L/2) sin
+alpha.
 
 Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where
 the geometry or the motion does not exist, and where the tool lacks a bar or a workpart.
@@ -29,15 +29,17 @@ from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.theory.numbers import require
 
-# Gauss-Legendre rule on [-1, 1]; with 64 nodes only rounding is left for retractions up to 150 deg.
+# Gauss-Legendre rule on [-1, 1]; 64 nodes leave only rounding error for retractions up to 150 deg.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
-    """Return the impact angle gamma of a radial bristle, rad: cos gamma = (r_h + L - Delta)/(r_h +
-    L).
+    """Return the angle to the workpart's normal at which a radial bristle first touches it, rad.
 
-    If the penetration Delta is half the radius of the tip's circle, cos(gamma) = 1/2:
+    It is the impact angle gamma, cos(gamma) = (r_h + L - Delta)/(r_h + L), with the hub's radius
+    r_h, the wire's length L and the penetration Delta, all in m.
+
+    If the penetration is half the radius of the tip's circle, cos(gamma) = 1/2:
 
     >>> print(f"{np.degrees(impact_angle(0.4, 0.6, 0.5)):.6f}")
     60.000000
@@ -50,8 +52,10 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
 
 
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return the distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos
-    theta_p), m.
+    """Return the distance of the tip from the hub's centre, m, at a retraction of the bristle.
+
+    It is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h and the wire's length
+    L in m and the retraction theta_p in rad.
 
     A hub radius of 3 m and a wire of 4 m at a right angle give:
 
@@ -62,7 +66,9 @@ def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number
 
 
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3).
+    """Return the angle by which the tip lags the root as seen from the hub's centre, rad.
+
+    It is the angle A of Zhang (2020), fig. 2.3. Lengths in m, the retraction in rad.
 
     >>> print(f"{np.degrees(tip_lag(1.0, 1.0, np.pi / 2.0)):.6f}")  # an isosceles right triangle
     45.000000
@@ -77,9 +83,17 @@ def retraction_at_bar(
     hub_radius: Number,
     length: Number,
 ) -> Number:
-    """Return the retraction theta_p at which the tip slips off a bar at (S_H, S_V), rad.
+    """Return the retraction at which the tip slips off the bar, rad; the inverse of ``tip_radius``.
 
-    It is the inverse of ``tip_radius``.
+    Args:
+        bar_horizontal: position of the bar along the workpart, from the hub's centre, m.
+        bar_vertical: position of the bar normal to the workpart, from the hub's centre, m.
+        bar_reach: distance from the bar's centre to the wire's axis, m.
+        hub_radius: radius of the hub, m.
+        length: length of the wire, m.
+
+    Raises:
+        ValueError: if no retraction puts the tip at this distance from the hub's centre.
 
     A bar 6 m from the hub's centre that reaches 1 m holds the tip at 5 m, as in ``tip_radius``:
 
@@ -97,11 +111,11 @@ def retraction_at_bar(
 
 
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
-    """Return the natural rate sqrt(k/I), rad/s.
+    """Return the natural angular frequency of the bristle on its belt, sqrt(k/I), rad/s.
 
-    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2.
-
-    With k + g in place of k it is the rate of the stiffened bristle at small angles.
+    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2. With the sum of belt
+    stiffness and centrifugal stiffness in place of k, it is the frequency of small oscillations on
+    a turning hub.
 
     >>> print(f"{natural_rate(9.0, 4.0):.6f}")
     1.500000
@@ -112,7 +126,10 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
 def centrifugal_stiffness(
     mass: Number, hub_radius: Number, length: Number, hub_speed: Number
 ) -> Number:
-    """Return the centrifugal stiffness g = m r_h (L/2) omega^2, N m/rad.
+    """Return the stiffness that the hub's rotation adds to the belt's at small angles, N m/rad.
+
+    It is the centrifugal stiffness g = m r_h (L/2) omega^2, with the bristle's mass m, the hub's
+    radius r_h, the wire's length L and the hub's speed omega, in SI units.
 
     >>> print(f"{centrifugal_stiffness(2.0, 3.0, 4.0, 5.0):.6f}")  # 2 x 3 x 2 x 25
     300.000000
@@ -123,10 +140,11 @@ def centrifugal_stiffness(
 def stiffened_highest_speed(
     retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
 ) -> Number:
-    """Return the highest relative speed of the undamped motion, sqrt((k theta_p^2 + 2 g (1 - cos
-    theta_p))/I), rad/s.
+    """Return the highest speed of the undamped bristle relative to the hub, rad/s.
 
-    It follows from the energy integral.
+    The energy integral gives sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), with the retraction
+    theta_p at release, the belt stiffness k, the centrifugal stiffness g and the inertia I about
+    the root.
 
     Without a belt, from 90 deg, it is the speed of a pendulum, sqrt(2 g/I):
 
@@ -140,15 +158,17 @@ def stiffened_highest_speed(
 def stiffened_cue_time(
     retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
 ) -> Number:
-    """Return the time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
+    """Return the time of the undamped bristle from its release to the radial direction, s.
 
-    With alpha = theta_p sin u the energy integral becomes, without a singularity at the start,
+    The bristle is released at rest at the retraction theta_p, |theta_p| < pi. k is the belt
+    stiffness, g the centrifugal stiffness and I the inertia about the root. With alpha = theta_p
+    sin u the energy integral has no singularity at the start:
 
         t_c = integral over 0 <= u <= pi/2 of sqrt(I/(k + g sinc((theta_p + alpha)/2) sinc((theta_p - alpha)/2))) du
 
     where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p - alpha)/2).
 
-    Without the field it is a quarter of the period, (pi/2) sqrt(I/k):
+    Without centrifugal stiffness it is a quarter of the period, (pi/2) sqrt(I/k):
 
     >>> print(f"{stiffened_cue_time(0.5, 4.0, 0.0, 1.0):.6f}")
     0.785398
@@ -164,11 +184,13 @@ def stiffened_cue_time(
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the time from release at rest to the highest speed, s, without centrifugal stiffness.
 
+    Omega is the natural rate, rad/s, and zeta the damping ratio:
+
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
-    since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), Omega_d = Omega
-    sqrt(1 - zeta^2), is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. A damped bristle has
-    not yet reached the radial direction then.
+    This holds since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), with
+    Omega_d = Omega sqrt(1 - zeta^2), is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. At
+    that time a damped bristle has not yet reached the radial direction.
 
     >>> print(f"{damped_cue_time(2.0, 0.0):.6f} {damped_cue_time(2.0, 1.0):.6f}")  # (pi/2)/Omega, and 1/Omega at critical damping
     0.785398 0.500000
@@ -177,7 +199,10 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 
 
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the highest speed relative to the hub, theta_p Omega e^(-zeta f(zeta)), rad/s.
+    """Return the highest speed of the bristle relative to the hub, rad/s, with a damped belt.
+
+    It is theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release, rad, the natural
+    rate Omega, rad/s, the damping ratio zeta, and f of ``damped_cue_time``.
 
     >>> print(f"{damped_highest_speed(0.5, 2.0, 0.0):.6f} {damped_highest_speed(0.5, 2.0, 1.0):.6f}")  # times 1/e when critical
     1.000000 0.367879
@@ -186,16 +211,16 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 LEAST_TURN = 1e-100
-"""Smallest angle at which sin(x)/x is divided out, rad; at a smaller one it is 1, and the quotient
-would overflow."""
+"""Angle, rad, below which sin(x)/x is set to 1, since the quotient would overflow."""
 
 
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
-    """Return retraction -alpha (rad) and relative speed (rad/s) of the released bristle at times in
-    s.
+    """Return the retraction, rad, and the relative rate, rad/s, of the bristle after its release.
 
-    The centrifugal stiffness is neglected: alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta
-    Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1).
+    ``time`` is the time since the release, s; ``retraction`` is theta_p, the retraction at release,
+    rad. The centrifugal stiffness is neglected. The retraction is theta_p e^(-zeta Omega t) (cosh w
+    t + zeta Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1), with the natural rate Omega and the
+    damping ratio zeta.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate
@@ -211,7 +236,10 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
 
 
 def _phase(damping_ratio: Number) -> Number:
-    """Return the phase f(zeta) of ``damped_cue_time``; it is 1 at zeta = 1."""
+    """Return the cue time times the natural rate: f(zeta) of ``damped_cue_time``.
+
+    At critical damping, zeta = 1, it is 1.
+    """
     zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
@@ -223,16 +251,18 @@ class Cue:
     """The position of the bar that cues a tool's strike, and the motion up to the strike.
 
     Attributes:
-        impact_angle: gamma, rad.
+        impact_angle: angle of the wire to the workpart's normal at the strike, rad.
         tip_radius: distance of the tip from the hub's centre as it slips off the bar, m.
-        tip_lag: A, the lag of the tip as it slips off the bar, rad.
-        cue_time: t_c, time from the release to the highest speed, s.
-        hub_turn: theta_1 = omega t_c, turn of the hub in the cue time, rad.
+        tip_lag: angle by which the tip lags the root as it slips off the bar, seen from the hub's
+            centre, rad.
+        cue_time: time from the release to the highest speed, s.
+        hub_turn: angle by which the hub turns in the cue time, rad.
         highest_relative_speed: highest speed of the bristle relative to the hub, rad/s.
-        bar_distance: S, distance of the bar from the hub's centre, m.
-        bar_direction: A + theta_1 + gamma, direction of the bar from the workpart's normal, rad.
-        bar_horizontal: S_H, position of the bar along the workpart, m.
-        bar_vertical: S_V, position of the bar normal to the workpart, m.
+        bar_distance: distance of the bar from the hub's centre, m.
+        bar_direction: direction of the bar from the workpart's normal, tip_lag + hub_turn +
+            impact_angle, rad.
+        bar_horizontal: position of the bar along the workpart, m.
+        bar_vertical: position of the bar normal to the workpart, m.
     """
 
     impact_angle: float
@@ -248,10 +278,10 @@ class Cue:
 
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the dissertation's cue of a tool, without centrifugal stiffness but with the belt's
-    damping.
+    """Return the bar's position by the dissertation's formulas, and the motion up to the strike.
 
-    The retraction is in rad.
+    The centrifugal stiffness is neglected; the damping of the belt is included. ``retraction`` is
+    the retraction at release, rad.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     damping = tool.belt.damping_ratio
@@ -260,9 +290,10 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the cue of a tool with centrifugal stiffening; it is exact for an undamped belt.
+    """Return the position of the bar with centrifugal stiffness, and the motion up to the strike.
 
-    The retraction is in rad.
+    It is exact for an undamped belt; damping is neglected. ``retraction`` is the retraction at
+    release, rad.
     """
     swing = (
         retraction,
@@ -274,23 +305,27 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def field_stiffness(tool: Tool) -> float:
-    """Return the centrifugal stiffness g of a tool, N m/rad."""
+    """Return the centrifugal stiffness of a tool, N m/rad."""
     bristle = tool.bristle
     hub = tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
-    """Return the cue of a tool whose bristle is fastest after a given time (2.1).
+    """Return the position of the bar for a bristle that is fastest a given time after its release.
 
-    The bar stands at S (sin, cos)(A + theta_1 + gamma), along and normal to the workpart.
+    The bar stands at S (sin, cos)(A + theta_1 + gamma), along and normal to the workpart (Zhang
+    2020, eq. 2.1), with the angles of ``Cue``: tip lag A, hub turn theta_1 and impact angle gamma.
+    The distance S is the tip's distance from the hub's centre plus the radius of the bar plus half
+    the wire's diameter; the dissertation neglects this diameter.
 
-    S is the tip's distance from the hub's centre plus the bar's reach, which is its radius and half
-    the wire's diameter; the dissertation neglects that diameter. Retraction in rad, time in s,
-    highest speed in rad/s.
+    Args:
+        tool: the tool; it must have a bar and a workpart.
+        retraction: retraction at release, rad.
+        time: time from the release to the highest speed, s.
+        relative_speed: highest speed relative to the hub, rad/s.
 
-    At the printed operating point (44.5 deg) the tip is at 50.442 mm and lags by 22.035 deg; the
-    quarter period is 1.4631 ms and the highest speed 833.8 rad/s, by the plain formulas of ``cue``:
+    At the dissertation's operating point the retraction is 44.5 deg. The formulas of ``cue`` give:
 
     >>> found = cue(Tool())
     >>> print(f"{1e3 * found.tip_radius:.3f} mm, {np.degrees(found.tip_lag):.3f} deg, {1e3 * found.cue_time:.4f} ms")

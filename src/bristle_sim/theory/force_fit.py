@@ -1,15 +1,16 @@
 """Fit of the force history (Zhang 2020, eqs. 3.2-3.4) to measured points, or to a record that
 contains a contact.
 
-With t_o = t_f/10 and T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t) (F*/2) [cos 30 deg -
-cos(2 pi t/(1.2 t_f) + 30 deg)]. F* only scales the c_i. It is therefore not fitted but read off the
-points. The unknowns are c and lambda and, unless given, t_f and the start s of the contact. If the
-record holds samples from outside the contact, the baseline b is an unknown too: F_measured(t) = b +
-F(t - s) during the contact, and b elsewhere. (3.3) vanishes at both ends, so the model is
+With the lead t_o = t_f/10 and the period T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t)
+(F*/2) [cos 30 deg - cos(2 pi t/(1.2 t_f) + 30 deg)], where t_f is the duration of the contact. F*
+only scales the amplitudes c_i. It is therefore not fitted but read off the points. The unknowns are
+one amplitude c and one decay rate lambda and, unless given, t_f and the start s of the contact. If
+the record holds samples from outside the contact, the baseline b is an unknown too: the measured
+force is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends, so the model is
 continuous in s and t_f.
 
-A search begins at the half-width of the highest pulse, of the points and of their moving averages.
-The fit that explains most of the record is chosen.
+There are several searches. Each one starts from the highest pulse of the points or of a moving
+average of them. The fit that explains most of the record is chosen.
 """
 
 from __future__ import annotations
@@ -26,47 +27,50 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
-# Fraction of the duration before and after the contact that the fit includes: nearer than other
-# contacts.
+# Time around the contact that the fit includes, as a fraction of the duration. It is short
+# so that other contacts in the record stay outside.
 AROUND = 0.5
-# fraction of the duration by which the first estimate of the start may be late and of the end early
+# Error of the first estimates of start and end, as a fraction of the duration: a sample counts as
+# outside the contact only if it is farther from them.
 ENDS = 0.05
 SHORTEST = 3.0  # shortest duration of a contact, in median sampling intervals
 FEWEST_OUTSIDE = 4  # least number of samples outside the contact for a baseline
-# Times over t_f of (3.3) without decay: from the start to half the peak, and above half the peak.
+# Times of the curve (3.3) without decay, as fractions of its duration: from the start to half the
+# peak force, and with a force above half the peak.
 RISE = 0.2127
 HALF_WIDTH = 0.5745
 
-# Largest probability that independent normal noise alone would show as good a contact in the
-# record.
+# Largest accepted probability that independent normal noise alone would give as good a fit.
 MOST_CHANCE = 0.01
-# Contacts that noise may show in each contact duration by which the record is longer: 16 starts,
-# and several durations.
+# Number of independent F tests, per contact duration by which the record exceeds the contact: 16
+# different starts, and several durations.
 PLACES = 50.0
-# fraction of the peak by which both ends of a record of the contact alone may be off zero
+# Largest force at both ends of a record without samples outside the contact, as a fraction of the
+# peak force.
 LEVEL = 0.03
-# fraction of the duration by which a contact may begin before the record, by extrapolation
+# Longest time by which a contact may begin before the record, as a fraction of its duration.
 MISSING_START = 0.1
 NO_CONTACT = "force: no contact found in the record; there must be a force in it that rises and falls above the noise"
-SPAN = (1e-12, 1e6)  # shortest and longest record, s: squares of times and of rates do not overflow
+SPAN = (1e-12, 1e6)  # shortest and longest record, s, so that no square of a time or rate overflows
 
 
 @dataclass(frozen=True, slots=True)
 class ForceFit:
-    """A fitted force history; p is the number of parameters, n that of points.
+    """A force history fitted to n points with p parameters.
 
     Attributes:
         curve: the fitted curve; its time 0 is the start of the contact.
         names: names of the parameters: ``amplitude 1``, ``decay 1``, and ``duration``, ``start``
             and ``baseline`` where they were fitted.
-        values: values of the parameters, shape (p,): c, lambda in 1/s, t_f in s, s in s, b in N.
-        covariance: covariance of the parameters, shape (p, p), for independent errors of one
+        values: values of the parameters, shape (p,): the amplitude (dimensionless), the decay rate
+            in 1/s, duration and start in s, the baseline in N.
+        covariance: covariance of the parameters, shape (p, p), for independent errors of the same
             standard deviation in all points.
         residuals: fitted minus measured force, N, shape (n,).
         noise: standard deviation of a point, N, estimated from the residuals.
-        explained: sum of squares of the force that the fit explains, N^2.
-        start: start s of the contact on the clock of the record, s.
-        baseline: baseline b, N.
+        explained: sum of squares of the force, about its mean, that the fit explains, N^2.
+        start: start of the contact on the clock of the record, s.
+        baseline: force that the record shows outside the contact, N.
     """
 
     curve: ForceCurve
@@ -81,7 +85,7 @@ class ForceFit:
 
     @property
     def standard_errors(self) -> Array:
-        """Return the standard deviations of the values, shape (p,)."""
+        """Return the standard errors of the fitted parameters, in their units, shape (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
@@ -91,8 +95,11 @@ class ForceFit:
 
 
 class _Pulse(NamedTuple):
-    """Pulse at which a search begins: start and duration (s), height above its level and level
-    (N)."""
+    """A pulse of the record, the first estimate of a fit.
+
+    Start and duration of the contact are in s. ``level`` is the force outside the pulse, N;
+    ``height`` is the peak above this level, N.
+    """
 
     start: float
     duration: float
@@ -108,21 +115,24 @@ def fit_force_history(
     peak_force: float | None = None,
     start: float | None = None,
 ) -> ForceFit:
-    """Fit (3.3) with one exponential to a measured force history by least squares (3.2).
+    """Fit the force history of an impact to measured points by least squares.
+
+    The curve is ``ForceCurve``, eq. 3.3 of Zhang (2020) with one exponential; the fit is (3.2).
 
     Args:
         time: increasing times on any clock, s, shape (n,). The record is a contact or its
             beginning, with or without samples before and after it.
         force: forces, N, shape (n,), positive where the tip is pushed.
-        duration: t_f, s; fitted by default.
-        peak_force: F*, N, which scales c; by default the largest measured force.
-        start: start of the contact, s. The points from there on are then one contact without a
+        duration: duration of the contact, s; fitted by default.
+        peak_force: force F* to which the fitted amplitude refers, N; by default the largest
+            measured force above the baseline.
+        start: start of the contact, s. All points must then belong to one contact, without a
             baseline. By default the start is fitted, and the baseline too if the record holds
             samples outside the contact.
 
     Raises:
-        ValueError: for points that are no force history, for fewer points than unknowns, and for a
-            record in which no contact is found or whose contact began before it.
+        ValueError: if the points are not a force history; if they are not more than the unknowns;
+            if no contact is found in the record; or if the contact began before the record.
     """
     time = np.asarray(time, dtype=float)
     force = np.asarray(force, dtype=float)
@@ -142,10 +152,10 @@ def fit_force_history(
 
 
 def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
-    """Yield the pulses at which a search begins, each once.
+    """Yield the first estimates from which the fits start, without repetition.
 
-    They are the highest pulses of moving averages, above the median of the record and above its
-    ends.
+    An estimate is the highest pulse of a moving average. Its height is measured above the median of
+    the record, or above the mean of its two ends.
     """
     seen = set[tuple[int, int]]()
     interval = float(np.median(np.diff(time)))
@@ -178,7 +188,7 @@ def _fitted(
     peak_force: float | None,
     start: float | None,
 ) -> ForceFit | None:
-    """Return the least-squares fit whose search begins at a pulse; None if the search fails."""
+    """Return the least-squares fit that starts from a pulse; None if the fit fails."""
     from scipy.optimize import OptimizeWarning, curve_fit
 
     length = pulse.duration if duration is None else duration
@@ -206,7 +216,7 @@ def _fitted(
     units, first = np.transpose([*guesses.values()])
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
-        """Return curve, start and baseline at values of the unknowns."""
+        """Return the curve, the start and the baseline for scaled values of the unknowns."""
         found = dict(zip(guesses, (units * unknowns).tolist(), strict=True))
         span = abs(found.get("duration", length))
         curve = ForceCurve.of_impact(found["amplitude 1"], found["decay 1"], scale, span)
@@ -253,9 +263,10 @@ def _fitted(
 
 
 def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
-    """Refuse a fit that noise alone could give, or whose contact begins before the record.
+    """Raise ValueError if noise could give the fit or if the record misses parts of the contact.
 
-    The F test decides on noise.
+    An F test decides whether noise could give the fit. The record must include the start and the
+    peak of the contact.
     """
     from scipy.special import fdtrc
 
@@ -292,9 +303,9 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
 def _check(
     time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
 ) -> None:
-    """Refuse points that cannot be the force history of one contact.
+    """Raise ValueError for arguments that cannot be the force history of one contact.
 
-    The times must be one ascending row, with more samples than unknowns.
+    The times must be ascending, with more samples than there are unknowns.
     """
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(

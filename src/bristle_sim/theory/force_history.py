@@ -5,11 +5,12 @@ terms suffices:
 
     F(t) = c e^(-lambda t) (F*/2) [cos(2 pi t_o/T) - cos(2 pi (t + t_o)/T)],   t_o = t_f/10,  T = t_f + 2 t_o,
 
-It applies the shape to the bristle: the bristle's impulse is divided in the same fractions. The
-bracket vanishes at t = 0 and t = t_f, and its constant part is fixed by the swing: offset = swing
-cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 whatever t_f. The printed 145 and 26 N are
-145.059 and 25.981, rounded, which leaves the printed curves with F(0) = -0.083 N (ball) and +0.020
-N (bristle) where (3.3) has zero.
+t_f is the duration of the contact. The dissertation applies the shape to the bristle: the bristle's
+impulse is divided in the same fractions as the ball's. The bracket is 0 at t = 0 and t = t_f. The
+amplitude of its cosine (the swing) therefore fixes its constant part (the offset): offset = swing
+cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 for every t_f. The printed offsets 145 and 26 N
+are rounded from 145.059 and 25.981 N. The printed curves therefore have F(0) = -0.083 N (ball) and
++0.020 N (bristle), where (3.3) has zero.
 """
 
 from __future__ import annotations
@@ -24,17 +25,20 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
 
-LEAD_RATIO = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
+LEAD_RATIO = 0.1  # lead t_o over the duration t_f of the contact (Zhang 2020, below eq. 3.3)
 
 
 @dataclass(frozen=True, slots=True)
 class ForceCurve:
-    """F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N (Zhang 2020, eq. 3.3).
+    """Force history of an impact, an exponential times a shifted cosine (Zhang 2020, eq. 3.3).
 
-    The amplitude c is dimensionless, the decay lambda in 1/s, offset and swing in N, lead t_o < T/2 and period T in s. For
-    an impact of the form (3.3), offset = swing cos(2 pi lead/period).
+    It is F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N, with the time
+    t since first touch. The amplitude is dimensionless, the decay in 1/s, offset and swing in N,
+    lead and period in s, with lead < period/2. F is 0 at first touch if offset = swing cos(2 pi
+    lead/period), as in (3.3).
 
-    Without decay the curve (3.3) is highest in the middle, with F* (1 + cos(pi/6))/2 = 0.933013 F*:
+    Without decay the curve of ``of_impact`` is highest in the middle. Its peak is the argument
+    ``peak_force`` times (1 + cos(pi/6))/2 = 0.933013:
 
     >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
     >>> print(f"{curve.peak_time():.3e} s, {curve.peak_force():.4f} N")
@@ -52,7 +56,14 @@ class ForceCurve:
     def of_impact(
         cls, amplitude: float, decay: float, peak_force: float, duration: float
     ) -> ForceCurve:
-        """Return the curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
+        """Return the curve (3.3) of an impact; the force is 0 at both ends of the contact.
+
+        Args:
+            amplitude: dimensionless amplitude c.
+            decay: decay rate lambda, 1/s.
+            peak_force: force F* that scales the curve, N; the peak of the curve differs from it.
+            duration: duration t_f of the contact, s.
+        """
         lead = LEAD_RATIO * duration
         swing = 0.5 * peak_force
         period = duration + 2.0 * lead
@@ -62,7 +73,7 @@ class ForceCurve:
 
     @property
     def duration(self) -> float:
-        """Return t_f = T - 2 t_o, s."""
+        """Return the duration of the contact, period - 2 lead, s."""
         return self.period - 2.0 * self.lead
 
     @property
@@ -76,20 +87,23 @@ class ForceCurve:
         return self.amplitude * np.exp(-self.decay * t) * bracket
 
     def rate(self, time: ArrayLike) -> Number:
-        """Return dF/dt, N/s."""
+        """Return the time derivative of the force, N/s, at times in s of any shape."""
         t = np.asarray(time, dtype=float)
         growth = self.swing * self._turn * np.sin(self._turn * (t + self.lead))
         return self.amplitude * np.exp(-self.decay * t) * growth - self.decay * self(t)
 
     def impulse(self, end: ArrayLike, start: ArrayLike = 0.0) -> Number:
-        """Return the integral of F from start to end, N s (3.1); start and end in s, broadcast."""
+        """Return the impulse of the force between two times, N s (Zhang 2020, eq. 3.1).
+
+        The times ``start`` and ``end``, s, broadcast.
+        """
         return self._integral(end) - self._integral(start)
 
     def _integral(self, time: ArrayLike) -> Number:
-        """Return the integral of F from 0 to times in s, N s.
+        """Return the impulse of the force from first touch to times in s, N s.
 
-        The cosine is the real part of e^(i w (t + t_o)); with the decay its exponent is z t + i w
-        t_o, z = -lambda + i w.
+        The cosine is the real part of e^(i w (t + t_o)), with w = 2 pi/period and the lead t_o.
+        Multiplied by the decay e^(-lambda t) it has the exponent z t + i w t_o, z = -lambda + i w.
         """
         t = np.asarray(time, dtype=float)
         exponent = complex(-self.decay, self._turn)
@@ -98,12 +112,14 @@ class ForceCurve:
         return self.amplitude * (self.offset * constant - self.swing * turning.real)
 
     def peak_time(self) -> float:
-        """Return the time t_c of the largest force, s, where F' = 0 (3.6): the end of compression.
+        """Return the time of the largest force, s, which is the end of compression.
 
-        It is the second root of sin(w (t + t_o) + phi) = lambda offset/(swing sqrt(w^2 + lambda^2))
-        with tan(phi) = lambda/w.
+        There F' = 0 (Zhang 2020, eq. 3.6). The time is the second root of sin(w (t + t_o) + phi) =
+        lambda offset/(swing sqrt(w^2 + lambda^2)) with tan(phi) = lambda/w, w = 2 pi/period, the
+        lead t_o and the decay rate lambda. Raises ValueError if the force does not rise and fall
+        within the duration.
 
-        The ball's, as printed (Zhang 2020, below eq. 3.6):
+        The ball's time and peak are those printed below (3.6):
 
         >>> print(f"{1e3 * BALL.peak_time():.3f} ms, {BALL.peak_force():.0f} N")
         2.328 ms, 341 N
@@ -118,8 +134,7 @@ class ForceCurve:
         return peak
 
     def inflection_time(self) -> float:
-        """Return the time at which the force rises fastest, s, where F'' = 0 (Zhang 2020, fig.
-        3.2)."""
+        """Return the time at which the force rises fastest, s (Zhang 2020, fig. 3.2)."""
         turn = self._turn
         decay = self.decay
         cosine = -(decay**2) * self.offset / (self.swing * (turn**2 + decay**2))
@@ -132,10 +147,12 @@ class ForceCurve:
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """Return the same shape with another compressive impulse (N s) and compression time (s).
+        """Return a curve of the same shape with another impulse, N s, and compression time, s.
 
-        In both impacts the same fraction of the compression time carries the same fraction of the impulse (3.14), so with k
-        the ratio of the compression times F_new(t) = (impulse / (k p_c)) F(t/k): times grow by k, rates shrink by it.
+        ``impulse`` is the impulse up to the peak of the new curve. In both impacts the same
+        fraction of the compression time carries the same fraction of this impulse (3.14). With the
+        ratio k of the compression times and the impulse p_c of this curve, F_new(t) = (impulse/(k
+        p_c)) F(t/k).
         """
         peak = self.peak_time()
         factor = compression_time / peak
@@ -151,30 +168,32 @@ class ForceCurve:
 
 
 BALL = ForceCurve(1.3935, 101.6189, offset=145.0, swing=167.5, lead=5e-4, period=6e-3)
-"""Steel ball on a steel plate, fitted to the measurement of Yu et al. (Zhang 2020, eq. 3.5): t_f = 5 ms, F* = 335 N."""
+"""Force of a steel ball on a steel plate, fitted to the measurement of Yu et al. (Zhang 2020, eq.
+3.5): contact of t_f = 5 ms, F* = 335 N."""
 
 BRISTLE = ForceCurve(1.0160, 5.4990, offset=26.0, swing=30.0, lead=1e-5, period=1.2e-4)
-"""Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
+"""Resultant force on the bristle's tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> Array:
-    """Divide an impulse in the fractions of another impact's curve: p_i = p_c p'_i/p'_c.
+    """Divide an impulse among equal parts of the compression time, in proportion to a force curve.
 
-    (Zhang 2020, eq. 3.15 and table 3.1.)
+    The impulse in part i is p_i = p_c p'_i/p'_c, where p' are the impulses of the curve (Zhang
+    2020, eq. 3.15 and table 3.1).
 
     Args:
-        curve: force curve of the other impact.
-        impulse: p_c, compressive impulse to be divided, N s, shape (...).
+        curve: force curve of another impact, which gives the proportions.
+        impulse: compressive impulse p_c to be divided, N s, shape (...).
         segments: number of equal parts of the compression time.
-        compression_time: compression time of the curve, s; by default its peak time, which the
-            dissertation rounds to 2.328 ms.
+        compression_time: compression time of the curve, s; by default the time of its peak. For the
+            ball the dissertation rounds this to 2.328 ms.
 
     Returns:
-        p_i, N s, shape (..., segments); their sum is the impulse.
+        The impulses of the parts, N s, shape (..., segments). Their sum is the impulse.
 
-    Up to the middle of an undecaying curve the fractions add up to the whole:
+    The parts add up to the whole:
 
     >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
     >>> parts = segment_impulses(curve, 2.0, segments=2)

@@ -10,15 +10,15 @@ linear and the works are quadratic in p_n, and every phase ends in closed form:
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);
 * compression ends at v_n = 0;
-* restitution ends by the coefficient of restitution: by the energetic one (Stronge 1990) when the
-normal work in
-  restitution is W_r = -e*^2 W_c, Poisson's when the normal impulse in restitution is e times that of compression,
-  Newton's when v_n is -e times its value before the impact.
+* the coefficient of restitution determines the end of restitution. With the energetic coefficient
+  (Stronge 1990) the normal work in restitution is W_r = -e*^2 W_c, where W_c is the work in
+  compression. With Poisson's the normal impulse in restitution is e times the impulse in
+  compression. With Newton's v_n is -e times its value before the impact.
 
 So compression and restitution have two phases each: the initial slip, and the stick or slip that
-follows it. Where restitution's friction is larger than compression's, slip can drive the point back
-into compression as soon as v_n > 0; the only motion that obeys both coefficients then keeps v_n = 0
-until slip stops ("slip at rest").
+follows it. Where friction is larger in restitution than in compression, slip can drive the point
+back into compression as soon as v_n > 0. The only motion that obeys both coefficients of friction
+then keeps v_n = 0 until slip stops ("slip at rest").
 
 Sources: W. J. Stronge, *Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990)
 169-181; J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 635-642 for
@@ -58,12 +58,13 @@ __all__ = [
 
 LEAST_COMPLIANCE = 1e-4
 MOST_COMPLIANCE = 1e4
-"""Smallest eta^2 at which the springs are followed, and largest eta^2 accepted.
+"""Smallest tangential compliance eta^2 at which the springs are followed, and largest one accepted.
 
 Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below the
-smallest value the impact is a mean of the rigid impact and that at the smallest value."""
+smallest value the impact is a weighted mean of two impacts: the rigid one, and the one at the
+smallest value."""
 
-BLOCK = 1 << 13  # number of rigid impacts resolved together: their arrays fit the cache
+BLOCK = 1 << 13  # number of rigid impacts resolved together, so that their arrays fit the cache
 
 
 def energetic_impact(
@@ -75,48 +76,52 @@ def energetic_impact(
     stick_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
-    """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang
-    2020, eq. 2.46).
+    """Resolve an impact with Coulomb friction and Stronge's energetic coefficient of restitution.
 
-    The impact never gains energy, for any K, slip and friction.
+    Restitution ends where its normal work is W_r = -e*^2 W_c, W_c being the normal work of
+    compression (Zhang 2020, eq. 2.46). The impact never gains energy, whatever the inverse mass
+    matrix, the slip and the friction.
 
     Args:
-        inverse_mass: K, symmetric and positive semidefinite, order (normal, tangential), shape
-            (..., 2, 2), 1/kg.
+        inverse_mass: inverse mass matrix K of the contact point, the change of its velocity per
+            unit impulse, 1/kg. It is symmetric and positive semidefinite, in the order (normal,
+            tangential), shape (..., 2, 2).
         velocity: (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s; v_n < 0
             approaches.
-        friction: Coulomb's mu, shape (...); only in compression if restitution_friction is given.
-        restitution: e*, in [0, 1], shape (...).
-        restitution_friction: mu in restitution; equal to ``friction`` by default.
-        stick_compliance: gain of v_n per unit normal impulse while the point does not slip, K_nn -
-            K_nt^2/K_tt, 1/kg, if known more accurately than from the rounded K: at a mass ratio of
-            1e12 the difference keeps only four digits.
-        tangential_compliance: eta^2, the contact's normal over its tangential stiffness, from 0
-            (rigid along the surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of
-            one elastic material (``impact_compliance``). Below 1e-4 the impact is a mean of the
-            rigid impact and the impact at 1e-4, weighted linearly in eta, so that it is continuous.
-            Measured for 20,000 random K (correlation up to 0.95, ratio of the entries up to 100, mu
-            <= 2): the impulse at 1e-4 differs from the rigid impulse by less than 30 eta times its
-            largest component; the mean differs from the impulse of the springs by less than 15 eta.
-            In half of the cases the differences are below 0.001 eta.
+        friction: Coulomb's coefficient of friction, shape (...). It holds only in compression if
+            restitution_friction is given.
+        restitution: energetic coefficient of restitution e*, in [0, 1], shape (...).
+        restitution_friction: coefficient of friction in restitution, by default equal to
+            ``friction``.
+        stick_compliance: change of v_n per unit normal impulse while the point does not slip,
+            K_nn - K_nt^2/K_tt, 1/kg. Give it if it is known more accurately than from K: at a mass
+            ratio of 1e12 the difference keeps only four digits.
+        tangential_compliance: ratio eta^2 of the contact's normal to its tangential stiffness, from
+            0 (rigid along the surface) to 1e4, shape (...). Two bodies of one elastic material have
+            (2 - nu)/(2 (1 - nu)), nu being Poisson's ratio (``impact_compliance``). Below 1e-4 the
+            result is a mean of the rigid impact and the impact at 1e-4, weighted linearly in eta,
+            so that it is continuous. Measured for 20,000 random K (correlation up to 0.95, ratio of
+            the entries up to 100, friction <= 2): the impulse at 1e-4 differs from the rigid
+            impulse by less than 30 eta times its largest component. The mean differs from the
+            impulse on springs by less than 15 eta. In half of the cases the differences are below
+            0.001 eta.
 
     Returns:
-        The impact; floats for a single one, arrays of the broadcast shape otherwise.
+        The impact, with floats for a single impact and arrays of the broadcast shape otherwise.
 
     Raises:
-        ValueError: for non-finite values, a K that is not symmetric positive semidefinite, mu < 0,
-            e* outside [0, 1], a stick_compliance < 0, eta^2 outside [0, 1e4], or impulses or works
-            too large for a float.
+        ValueError: for values that are not finite or out of range, for an inverse mass that is not
+            symmetric positive semidefinite, and for impulses or works too large for a float.
 
-    A body of 1 kg that slips throughout: p_c = 1, and W_r = 0.25 W_c with p_r = 0.5; friction takes
-    0.2 of 1.5 N s.
+    A body of 1 kg slips throughout. The normal impulse is 1 N s in compression and 0.5 N s in
+    restitution, whose work is 0.25 times the work of compression. Friction takes 0.2 times 1.5 N s.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 0.2, 0.5)
     >>> impact.velocity_normal, round(impact.velocity_tangential, 12), impact.impulse_normal
     (0.5, 0.2, 1.5)
 
-    Springs of equal stiffness that stick, e* = 1: both swing through half a period, and both
-    velocities are reversed.
+    The normal and the tangential spring are equally stiff, the tip sticks, and e* = 1. Both springs
+    swing through half a period, and both velocities are reversed.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 9.0, 1.0, tangential_compliance=1.0)
     >>> round(impact.velocity_normal, 12), round(impact.velocity_tangential, 12)
@@ -135,13 +140,14 @@ def poisson_impact(
     stick_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
-    """Resolve an impact with Poisson's coefficient e: restitution ends at p_r = e p_c (Wang and Mason 1992).
+    """Resolve an impact with Coulomb friction and Poisson's coefficient of restitution.
 
-    Arguments, result and errors are those of ``energetic_impact``. With one coefficient of friction no energy is gained;
-    with a ``restitution_friction`` of its own it can be. Springs define no impulse of restitution, so that the tangential
-    compliance must be 0.
+    The normal impulse of restitution is e times the normal impulse of compression (Wang and Mason
+    1992). Arguments, result and errors are those of ``energetic_impact``. The impact can gain
+    energy only if ``restitution_friction`` differs from ``friction``. The tangential compliance
+    must be 0, since springs do not prescribe the impulse of restitution.
 
-    A body of 1 kg without friction: p_c = 1 and p_r = 0.5 N s.
+    A body of 1 kg without friction has impulses of 1 N s in compression and 0.5 N s in restitution.
 
     >>> poisson_impact(np.eye(2), (-1.0, 0.0), 0.0, 0.5).impulse_normal
     1.5
@@ -162,11 +168,13 @@ def newton_impact(
     stick_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
-    """Resolve an impact with Newton's coefficient e: restitution ends at the normal velocity v_n = -e v_n(0).
+    """Resolve an impact with Coulomb friction and Newton's coefficient of restitution.
 
-    Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses it can gain energy, as in
-    Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it serves for comparison. Springs
-    define no velocity of separation, so that the tangential compliance must be 0.
+    The normal velocity after the impact is -e times the normal velocity before it. Arguments,
+    result and errors are those of ``energetic_impact``. This law serves for comparison: where slip
+    stops or reverses, the impact can gain energy, as in Kane and Levinson's double pendulum
+    (*Dynamics: Theory and Applications*, 1985). The tangential compliance must be 0, since springs do not prescribe the
+    velocity of separation.
 
     A body of 1 kg that approaches at 2 m/s leaves at half that speed.
 
@@ -185,10 +193,10 @@ LAWS: dict[str, Callable[..., Impact]] = {
     "poisson": poisson_impact,
     "newton": newton_impact,
 }
-"""The impact laws by name; all take the same arguments, so that they are interchangeable.
+"""The impact laws by name. All take the same arguments, so that they are interchangeable.
 
-They differ in the normal impulse at which restitution ends. To add a law, write the function of
-that impulse, the law, and its name here."""
+They differ in the normal impulse at which restitution ends. To add a law, write a function that
+returns this impulse and a function of the law, and enter the law here."""
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
@@ -215,9 +223,9 @@ def _require_rigid(compliance: ArrayLike) -> None:
 
 
 def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
-    """Check and unpack the arguments, then resolve the impacts.
+    """Check the arguments and resolve the impacts, rigid or on springs.
 
-    Impacts without tangential compliance are rigid; the others are on springs.
+    An impact is rigid if its tangential compliance is 0. ``end`` gives the end of restitution.
     """
     matrix, velocity, friction, restitution, later, stick = given
     coefficients = (friction, restitution, friction if later is None else later)
@@ -244,9 +252,10 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
 
 
 def _row(end: End, values: list[Number], squared: Number) -> Impact:
-    """Resolve a row of impacts, rigid or with tangential springs.
+    """Resolve a one-dimensional array of impacts, rigid or with tangential springs.
 
-    Below ``LEAST_COMPLIANCE`` an impact is a mean of the rigid impact and the impact on springs.
+    ``squared`` holds the tangential compliances eta^2. Where one is below ``LEAST_COMPLIANCE``, the
+    result is a mean of the rigid impact and the impact on springs.
     """
     elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
     if not elastic.any():
@@ -267,12 +276,14 @@ def _row(end: End, values: list[Number], squared: Number) -> Impact:
 
 
 def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
-    """Return the mean of a rigid impact and one on springs; ``weight`` is that of the springs.
+    """Return the weighted mean of a rigid impact and an impact on springs.
 
-    Where their outcomes differ and the weight is below 1, the rigid impact is returned. Friction's
-    cone and the normal works are linear in the impulses. The kinetic energy is a convex function of
-    the impulse, so the mean impulse leaves less of it, by w (1 - w) dp.dv/2. Friction takes this
-    difference in the last phase. The phases and the end of slip are those of the rigid impact.
+    ``weight`` is the weight w of the impact on springs. Where the outcomes differ and w < 1, the
+    rigid impact is returned. The mean keeps Coulomb's limit and the normal works, which are linear
+    in the impulses. The kinetic energy is a convex function of the impulse, so the mean impulse
+    leaves less energy than the mean of the energies, by w (1 - w) dp.dv/2 with the differences dp
+    and dv of the two impacts. This energy is added to the work of friction in the last phase. The
+    phases and the end of slip are those of the rigid impact.
     """
     weight = np.where((rigid.outcome == springs.outcome) | (weight == 1.0), weight, 0.0)
     means = {}
@@ -299,7 +310,7 @@ def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
 
 
 def _rigid_row(end: End, values: list[Number]) -> Impact:
-    """Resolve a row of rigid impacts in blocks that fit the cache."""
+    """Resolve a one-dimensional array of rigid impacts in blocks that fit the cache."""
     starts = range(0, max(values[0].size, 1), BLOCK)
     parts = [
         resolve_phases(end, *(value[start : start + BLOCK] for value in values)) for start in starts

@@ -14,15 +14,16 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import Impact
 from bristle_sim.theory.numbers import isfinite, numbers, square_root
 
-MOST_FRICTION = 1e150  # largest friction coefficient: with more, impulses overflow
+MOST_FRICTION = 1e150  # largest coefficient of friction, so that impulses do not overflow
 
 
 def single_impact(
     inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]
 ) -> list[Number] | None:
-    """Return the arguments of one impact as floats; None unless they are floats with an array K.
+    """Return the arguments of one impact as floats, or None if they need the conversion of arrays.
 
-    This is the fast way for a scene, which has one impact at a time.
+    This is the fast way for a scene, which has one impact at a time. The inverse mass must be an
+    array and all coefficients floats; otherwise the function returns None.
     """
     if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
         return None
@@ -51,7 +52,12 @@ NAMES = (
 def unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
 ) -> tuple[list[Number], tuple[int, ...]]:
-    """Return the entries of K, the velocities and the coefficients, broadcast, and their shape."""
+    """Return the arguments of an array of impacts as single quantities, broadcast.
+
+    Returns:
+        The entries K_nn, K_nt and K_tt of the inverse mass, the normal and the tangential velocity
+        and the coefficients in their order; and the common shape.
+    """
     given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
     matrix, speeds, *coefficients = (
         numbers(name, each, "must be real numbers") for name, each in given
@@ -95,7 +101,10 @@ def _check(values: list[Number], k_tn: Number) -> None:
 
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:
-    """Return the text of the first values that break a rule, for a message."""
+    """Return, for an error message, the text of the first values that break a rule.
+
+    ``holds`` tells where the rule holds.
+    """
     chosen = (
         values
         if isinstance(holds, bool)
@@ -106,9 +115,9 @@ def _first(values: tuple[Number, ...], holds: Number) -> str:
 
 
 def check_result(impact: Impact, arguments: list[Number]) -> None:
-    """Refuse an impact with impulses, velocities or works that are not finite.
+    """Raise ValueError if an impulse, a velocity or a work of an impact is not finite.
 
-    They overflow, or K is too small for its inverse.
+    Such a value has overflowed, or the inverse mass is too small to be inverted.
     """
     entries = (
         impact.impulse_normal,
