@@ -1,9 +1,10 @@
-"""Search for directions of the bar: that of a radial strike (a root) and that of the fastest tip (a
-maximum).
+"""Search for the direction of the bar at which the strike is radial (a root), and for the direction
+at which the tip is fastest (a maximum).
 
-The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release
-stays. Its direction from the workpart's normal decides when the bristle is released; the lag at the
-strike falls as the direction grows.
+The bar moves around the hub at a constant distance S = hypot(S_H, S_V) from its centre, so that the
+retraction at the release is constant. The bar's direction from the workpart's normal decides when
+the bristle is released. The farther the direction is from the normal, the smaller is the lag at the
+strike.
 """
 
 from __future__ import annotations
@@ -27,18 +28,20 @@ from bristle_sim.theory import cueing
 
 Measures = Mapping[str, float]
 Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
-"""Measures of the strike, and reasons why there is none, for directions of the bar, rad."""
+"""Function of directions of the bar, rad, that returns the measures of the strikes; without a cued
+strike they are NaN, and there is a reason."""
 
-FINEST_DIRECTION = (
-    1e-11  # Tolerance of a root, rad: errors of the lag at the finest accuracy are of this size
+FINEST_DIRECTION = 1e-11  # Tolerance of the root, rad: the error of the lag at the finest accuracy
+FINEST_MAXIMUM = (
+    1e-5  # Tolerance of the maximum, rad: the speed changes by its square, less than any accuracy
 )
-FINEST_MAXIMUM = 1e-5  # Tolerance of a maximum, rad: the speed changes by its square, which is below any accuracy
-# Steps in which directions are looked over, rad: of passes in arrays, and of single ones, as no range with an answer is
-# narrower
+# Distance between the directions of the first survey, rad: of passes in arrays, and of passes simulated one by one. No
+# range of directions with a strike is narrower.
 STEP = math.radians(0.5)
 COARSE_STEP = math.radians(4.0)
-LAG_JUMP = 1e-4  # Lag in deg beyond which a sign change is no root but a jump of the lag: a bar that is just missed
-# Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone
+LAG_JUMP = 1e-4  # Largest lag at a root, deg. Where the bristle just misses the bar the lag jumps: no root.
+# Angle beyond radial, deg, that a bristle must reach for some direction. A bristle that creeps to rest passes radial by
+# rounding error alone.
 SWUNG = 0.01
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
@@ -46,20 +49,25 @@ NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A direction of the bar from the workpart's normal, rad, and the strike that it gives."""
+    """A direction of the bar from the workpart's normal, rad, and the measures of the strike that
+    it gives.
+    """
 
     direction: float
     strike: Measures
 
 
 def placed(tool: Tool, direction: float) -> Tool:
-    """Return the tool with its bar in another direction at the same distance, rad."""
+    """Return the tool with its bar moved to another direction, rad, at the same distance from the
+    hub's centre.
+    """
     return tool.replace(**{key: float(each) for key, each in centre_of(tool, direction).items()})
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
-    """Return the bar's centre, by the keys of its coordinates, in directions at its distance,
-    rad."""
+    """Return the coordinates of the bar's centre by name, m, in given directions, rad, at the bar's
+    distance from the hub's centre.
+    """
     distance = math.hypot(*_bar_of(tool).centre)
     return {
         "bar_horizontal": distance * np.sin(directions),
@@ -74,8 +82,9 @@ def _bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return the function of the bar's direction, and the step in which directions are looked over,
-    rad."""
+    """Return the function that computes the strikes for directions of the bar, and the distance of
+    the directions in a first survey, rad.
+    """
     _bar_of(tool)
 
     def strikes(directions: Array) -> Mapping[str, NDArray[Any]]:
@@ -85,9 +94,12 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 
 
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
-    """Return the direction of the bar for a radial strike, the nearest to the stiffened formula's.
+    """Return the direction of the bar for a radial strike, and that strike.
 
-    Raises NotCuedError if there is none, with the lags that were found.
+    Of several directions it is the one nearest to the formula with centrifugal stiffening.
+
+    Raises:
+        NotCuedError: if no direction gives a radial strike; the message has the range of the lags.
     """
     guess = stiffened_direction(tool)
     directions = np.linspace(0.0, math.pi, math.ceil(math.pi / step) + 1)
@@ -121,14 +133,19 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
 
 def _single(strikes: Strikes, direction: float) -> Measures:
-    """Return the measures of one strike, NaN where there is none."""
+    """Return the measures of the strike for one direction of the bar, rad; NaN without a cued
+    strike.
+    """
     found = strikes(np.array([direction]))
     return {name: float(each[0]) for name, each in found.items() if name != REASON}
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
-    """Return the direction of the bar for the fastest tip, uphill from a start, by Brent's method,
-    rad."""
+    """Return the direction of the bar for the fastest tip, and that strike.
+
+    The search goes from the direction ``start``, rad, in steps to the next maximum of the speed,
+    which Brent's method refines.
+    """
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
     speeds = np.nan_to_num(strikes(directions)["tip_speed_at_contact"])
     middle = math.floor(start / step)
@@ -156,5 +173,5 @@ def retraction(tool: Tool) -> float:
 
 
 def stiffened_direction(tool: Tool) -> float:
-    """Return the stiffened formula's direction, rad."""
+    """Return the direction of the bar by the cue formula with centrifugal stiffening, rad."""
     return cueing.stiffened_cue(tool, retraction(tool)).bar_direction

@@ -1,6 +1,8 @@
-"""The best directions of the bar, found by simulation and compared with formulas and print, and maps over its position.
+"""The best directions of the bar by simulation, compared with formulas and printed values; and maps
+over the bar's position.
 
-The dissertation names one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), for a strike both radial and fastest.
+By the dissertation one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), gives a strike that is
+both radial and fastest.
 """
 
 from __future__ import annotations
@@ -35,18 +37,29 @@ QUANTITIES = {
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
-# Half distances of the reference's passes about the places that were found, rad: of two, between which its root lies on a
-# line to 1e-10, and of three, on whose parabola its maximum is, to 1e-6
+# Offsets of the reference's directions from the directions found by simulation, rad. SECANT: of two directions, between
+# which the reference's root is interpolated linearly, to 1e-10. PARABOLA: of three directions, through which a parabola
+# gives the reference's maximum, to 1e-6.
 SECANT = 1e-5
 PARABOLA = 1e-3
 
 CHECKED_RANGE = math.radians(5.0)
-"""Directions to either side of the radial strike's at which the scene checks passes."""
+"""Range of directions to either side of the radial strike's in which passes are checked by simulation,
+rad."""
 
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The tool, its best places, and the formula's direction, rad, which is None for a belt without stiffness."""
+    """Results of the study, from which its maps are drawn.
+
+    Attributes:
+        tool: the tool.
+        settings: accuracy and limits of the passes.
+        grid: size and resolution of the maps.
+        radial: direction for a radial strike.
+        fastest: direction for the fastest tip.
+        formula: direction by the cue formula, rad; None for a belt without stiffness.
+    """
 
     tool: Tool
     settings: Settings
@@ -127,8 +140,11 @@ def cue_map(
 def _referred(
     tool: Tool, settings: Settings, radial: bar_search.Place, fastest: bar_search.Place
 ) -> Values:
-    """Return the quantities of the independent solution, interpolated between its passes next to
-    the places that were found."""
+    """Return the quantities by the independent reference solution.
+
+    They are interpolated between reference passes whose directions are close to the directions
+    found by simulation.
+    """
     from bristle_sim.reference import simulate_reference
 
     options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
@@ -195,10 +211,12 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
 
 
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
-    """Return S_H and S_V of the bar, m, and measures of the strike over them, shape (S_V, S_H), NaN
-    where it cues none.
+    """Compute the strikes over a grid of bar positions that includes the tool's bar and the
+    directions found.
 
-    The maps show the tool's bar and the places that were found.
+    Returns:
+        The coordinates S_H and S_V of the bar, m, and the measures of the strikes by name, shape
+        (S_V, S_H), NaN without a cued strike.
     """
     assert found.tool.bar is not None
     directions = [found.radial.direction, found.fastest.direction]
@@ -217,4 +235,4 @@ def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
     return horizontal, vertical, strikes_of_keys(found.settings, found.tool, **centre)
 
 
-ROOM = 0.6  # half-width of the maps over the largest distance of the places that they show
+ROOM = 0.6  # half-width of the maps over the largest distance between the positions that they show

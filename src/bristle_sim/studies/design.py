@@ -1,5 +1,5 @@
 """Design: the tool in given ranges whose pass has wanted quantities, and the sensitivity of the
-quantities to the keys.
+quantities to the parameters.
 """
 
 from __future__ import annotations
@@ -43,8 +43,9 @@ from bristle_sim.units import Choice, Range, likely_key, shown
 
 KEPT = 0.01  # largest relative deviation of a kept quantity from its wanted value
 KEPT_DEG = 1.0  # largest deviation of a kept angle from its wanted value, deg
-STEPS = 64  # number of values of a key on either side at which the deviations are computed
-KEPT_ROUNDS = 3  # number of rounds; each refines the interval up to the first value off the want
+STEPS = 64  # number of values of a parameter on either side at which the deviations are computed
+# Number of iterations; each refines the interval up to the first value at which a want is not met
+KEPT_ROUNDS = 3
 MOST = 1e12  # largest magnitude of a wanted value, in the quantity's unit
 
 DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported only when a picture is requested
@@ -52,8 +53,12 @@ DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported onl
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """A wanted quantity: its name, the wanted value, and the value reached in the scene (None
-    without a strike).
+    """A wanted quantity.
+
+    Attributes:
+        name: name of the quantity.
+        wanted: wanted value.
+        reached: value that a simulation of the tool found has; None without a strike.
     """
 
     name: str
@@ -66,21 +71,21 @@ class Design:
     """The result of a design, in SI units, and in degrees where a name ends in ``_deg``.
 
     Attributes:
-        answer: the result in a sentence, with the scene's agreement.
-        remarks: sentences on compromises between two wants and on the tolerance of the keys.
-        tool: the tool found; if wants conflict, the nearest tool.
+        answer: the result in a sentence, with the agreement of single simulations.
+        remarks: sentences on compromises between two wants and on the tolerances of the parameters.
+        tool: the tool found; if wants conflict, the tool that comes nearest.
         given: the tool from which the search began.
-        varied: values found, by key.
+        varied: values found, by parameter.
         wants: wanted and reached values.
-        report: report of the found tool's pass in the scene.
+        report: report of the simulated pass of the tool found.
         before: simulated quantities of the given tool; None for a quantity that it does not have.
-        sensitivity: derivatives of the quantities with respect to each key.
-        kept: lowest and highest value of each key alone at which all wants are kept, to 1 % or 1
-            deg.
-        conflict: names of wants that cannot be met together; empty if all are met.
-        trade_off: values of two conflicting wants, and of the keys, along the curve of best
+        sensitivity: derivatives of the quantities with respect to each parameter.
+        kept: lowest and highest value of each parameter, changed alone, at which all wants stay met
+            to 1 % or 1 deg.
+        conflict: names of the wants that cannot be met together; empty if all are met.
+        trade_off: values of two conflicting wants, and of the parameters, along the curve of best
             compromises.
-        check: agreement of the passes in arrays with the scene.
+        check: agreement of the passes in arrays with single simulations.
     """
 
     answer: str
@@ -100,7 +105,8 @@ class Design:
     def plot(self) -> Any:
         """Return a matplotlib figure of the trade-off of two conflicting wants.
 
-        Raises ValueError if there is no conflict of two wants.
+        Raises:
+            ValueError: if there is no conflict of two wants.
         """
         if not self.trade_off:
             raise ValueError("plot: must have two conflicting wants; all are met here")
@@ -119,8 +125,9 @@ def design(
     """Find the tool in given ranges whose pass has wanted quantities.
 
     The bristle must be straight and rigid, with the energetic law of impact. If several tools meet
-    the wants, a goal is minimised or maximised; without a goal the keys change least, relative to
-    their ranges. The scene confirms the result at the found tool and at eight random tools.
+    the wants, a goal is minimised or maximised. Without a goal the parameters change least,
+    relative to their ranges. Simulations confirm the result for the tool found and for eight random
+    tools.
 
     >>> import bristle_sim as bs
     >>> found = bs.design(
@@ -131,17 +138,20 @@ def design(
     251.63 rad/s, 50.878 mm
 
     Args:
-        tool: the tool that gives the values of all other keys; by default the dissertation's tool.
+        tool: the tool that gives the values of all other parameters; by default the dissertation's.
         want: wanted values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
-        or texts with a unit.
-        vary: the two ends of the range of each key.
-        at_most: upper limits of quantities, or of varied keys.
-        minimize, maximize: name of the goal; only one of the two may be given.
+            or texts with a unit.
+        vary: the two ends of the range of each parameter to vary.
+        at_most: upper limits of quantities, or of varied parameters.
+        minimize: name of the quantity to minimise.
+        maximize: name of the quantity to maximise; only one of the two may be given.
+
+    Returns:
+        The tool found and its pass; if the wants conflict, the tool that comes nearest.
 
     Raises:
         ValueError: in one line, for an unknown name or a refused value, a wire that bends, another
-        law of impact, or ranges
-            in which no pass has the quantities.
+            law of impact, or ranges in which no pass has the quantities.
     """
     question = _question(Tool() if tool is None else tool, want, vary, at_most, minimize, maximize)
     first = look_over(question)
@@ -157,7 +167,8 @@ def design(
 
 
 def quantity_range(name: str) -> Range:
-    """Return the declaration of a quantity, by which its wanted value is read.
+    """Return the declaration of a quantity, with its unit and range, by which a wanted value is
+    read.
 
     Raises:
         ValueError: for an unknown name.
@@ -175,7 +186,11 @@ def _question(
     minimize: str,
     maximize: str,
 ) -> Question:
-    """Check all arguments of a design; return the question that they state."""
+    """Check the arguments of a design and return them as a question for the search.
+
+    Raises:
+        ValueError: for an argument that is refused.
+    """
     if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if minimize and maximize:
@@ -235,7 +250,10 @@ def _conflict(question: Question, first: Array) -> tuple[str, ...]:
 def _result(
     question: Question, place: Array, conflict: tuple[str, ...], curve: Array | None
 ) -> Design:
-    """Return the design at given fractions of the ranges, with its confirmation by the scene."""
+    """Return the design at a point of the search, confirmed by simulations.
+
+    ``place`` has the parameters as fractions of their ranges.
+    """
     varied = {key: float(each[0]) for key, each in question.keys_at(place[:, np.newaxis]).items()}
     found = question.tool.replace(**varied)
     report = whole_pass(found, SCENE)
@@ -284,7 +302,9 @@ def _result(
 
 
 def _quantities_of(question: Question) -> Function:
-    """Return the function that computes all quantities at fractions of the ranges."""
+    """Return the function that computes all quantities at given fractions of the parameters'
+    ranges.
+    """
 
     def quantities(fractions: Array) -> Array:
         passes = question.passes(fractions)
@@ -294,10 +314,11 @@ def _quantities_of(question: Question) -> Function:
 
 
 def _kept(question: Question, place: Array) -> dict[str, tuple[float, float]]:
-    """Return the ends of each key's range in which all wants are kept, with the other keys
-    unchanged.
+    """Return the interval of each parameter in which all wants stay met while the other parameters
+    do not change.
 
-    If the values at STEPS equal steps are kept, the end is that of the key's range.
+    An end of the parameter's range is an end of the interval if the wants are met at STEPS equal
+    steps up to it.
     """
     allowed = {
         name: KEPT_DEG if "_deg" in name else KEPT * abs(value)

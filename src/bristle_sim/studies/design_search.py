@@ -1,9 +1,9 @@
-"""Search of the ranges of some keys for the tool whose pass has wanted quantities, by arrays of
-passes.
+"""Search of the ranges of some parameters for the tool whose pass has wanted quantities, with
+passes computed in arrays.
 
-Every key runs from 0 to 1 in its range. Differential evolution (R. Storn and K. Price, *Journal of
-Global Optimization* 11 (1997) 341-359) with an exact penalty on the wants finds starts. Least
-squares and sequential quadratic programming refine them.
+Every parameter is expressed as a fraction, from 0 to 1, of its range. Differential evolution (R.
+Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359) with an exact penalty on the
+wants finds starting points. Least squares and sequential quadratic programming refine them.
 """
 
 from __future__ import annotations
@@ -23,40 +23,44 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 
 SEED = 1
-FIRST = 1024  # number of passes of the first survey of the ranges; fewer cost as much time
+FIRST = 1024  # number of passes of the first survey of the ranges; fewer passes would take as long
 POPULATION = 256
 GENERATIONS = 30
 STARTS = 4  # number of best points of a population that are refined
-# Step of a fraction for derivatives; its truncation error is some 1e-10, as is the error of the
-# passes.
+# Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the error
+# of the passes.
 DIFFERENCE = 1e-5
-SETTINGS = Settings(accuracy=1e-10)  # of the passes
-PENALTY = 30.0  # penalty of a want missed by its spread; a goal changes by a few spreads at most
-NO_STRIKE = 1e6  # merit of a pass without the quantities
-MET = 1e-6  # largest miss of a met want, over its spread
-MOST_STEPS = 60  # largest number of steps of a refinement
+SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
+# Penalty for a miss of one standard deviation of the wanted quantity; a goal changes by only a few of
+# its standard deviations.
+PENALTY = 30.0
+NO_STRIKE = 1e6  # value that is minimised, for a pass without the quantities
+MET = 1e-6  # largest miss at which a want counts as met, in standard deviations of the quantity
+MOST_STEPS = 60  # largest number of iterations of a refinement
 
 Function = Callable[[Array], Array]
-"""Function of fractions of the ranges, shape (keys, points), that returns values at the points."""
+"""Function of fractions of the parameters' ranges, shape (parameters, points), that returns values at
+the points."""
 
 
 class NoSolutionError(ValueError):
-    """Error: no tool in the ranges has a pass with the quantities."""
+    """Raised if no tool in the ranges has a pass with the wanted quantities."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Wanted values and upper limits of quantities, the ranges of the varied keys, and the goal.
+    """The statement of a design: wanted values, upper limits, ranges of the varied parameters, and
+    the goal.
 
     Attributes:
-        tool: the tool that gives the values of all other keys.
-        vary: the two ends of each key's range.
+        tool: the tool that gives the values of all other parameters.
+        vary: the two ends of each parameter's range.
         want: wanted values, by quantity.
         at_most: upper limits, by quantity.
         goal: quantity that is minimised if several tools meet the wants; without a goal the change
-            of the keys is minimised.
-        sense: 1, or -1 to maximise the goal.
-        spread: standard deviation of each quantity over the ranges, the unit of misses.
+            of the parameters is minimised.
+        sense: 1 to minimise the goal, -1 to maximise it.
+        spread: standard deviation of each quantity over the ranges, in which misses are measured.
     """
 
     tool: Tool
@@ -68,26 +72,29 @@ class Question:
     spread: dict[str, float] = field(default_factory=dict)
 
     def keys_at(self, fractions: Array) -> dict[str, Array]:
-        """Return the values of the varied keys at fractions of their ranges, shape (keys, points)."""
+        """Return the values of the varied parameters at fractions of their ranges, shape
+        (parameters, points).
+        """
         pairs = zip(self.vary.items(), fractions, strict=True)
         return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
 
     def passes(self, fractions: Array) -> dict[str, Array]:
-        """Return the quantities of the passes at fractions of the ranges."""
+        """Return the quantities of the passes at fractions of the parameters' ranges, by name."""
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
     def present(self) -> Array:
-        """Return the fractions of the tool's own values; a value outside a range is moved to its
-        end.
+        """Return the tool's own values as fractions of the ranges; a value outside its range is
+        moved to the nearest end.
         """
         own = key_values(self.tool)
         found = [(own[key] - low) / (high - low) for key, (low, high) in self.vary.items()]
         return np.asarray(np.nan_to_num(np.clip(found, 0.0, 1.0), nan=0.5))
 
     def misses(self, fractions: Array, wants: Collection[str]) -> Array:
-        """Return the misses of wants and excesses of limits over their spreads.
+        """Return by how much passes miss wants and exceed upper limits, in standard deviations of
+        the quantities.
 
-        The shape is (wants and limits, points).
+        A quantity below its limit gives 0. The shape is (wants and limits, points).
         """
         found = self.passes(fractions)
         missed = [(found[name] - self.want[name]) / self.spread[name] for name in wants]
@@ -96,9 +103,10 @@ class Question:
         return np.array(both) if both else np.zeros((0, fractions.shape[1]))
 
     def costs(self, fractions: Array) -> Array:
-        """Return the goal, the misses of the wants, and the excesses of the limits.
+        """Return the goal, the misses of the wants, and the excesses over the upper limits, in
+        standard deviations of the quantities.
 
-        An excess is negative below the limit.
+        An excess is negative below the limit. The shape is (1 + wants and limits, points).
         """
         found = self.passes(fractions)
         goal = np.sum((fractions - self.present()[:, np.newaxis]) ** 2, axis=0)
@@ -111,13 +119,15 @@ class Question:
 
 
 def look_over(question: Question) -> Array:
-    """Compute the spreads of the quantities, and return fractions whose passes have all quantities.
+    """Survey the ranges: store the standard deviations of the quantities in the question, and
+    return the points whose passes have all quantities.
 
     Returns:
-        Fractions, shape (keys, points).
+        Fractions of the ranges, shape (parameters, points).
 
     Raises:
-        NoSolutionError: if there is no such pass, or a quantity does not depend on the keys.
+        NoSolutionError: if no pass has all quantities, or a quantity does not depend on the
+            parameters.
     """
     fractions = Sobol(len(question.vary), seed=SEED).random(FIRST).T
     found = question.passes(fractions)
@@ -140,8 +150,8 @@ def look_over(question: Question) -> Array:
 
 
 def met(question: Question, start: Array, wants: Collection[str]) -> tuple[Array, float]:
-    """Return the fractions near a start at which wants and limits are met best, and the largest
-    miss.
+    """Return the point near a start at which wants and limits are met best, as fractions, and its
+    largest miss.
     """
     missed = functools.partial(question.misses, wants=wants)
     found = _least_squares(missed, start) if wants or question.at_most else start
@@ -149,7 +159,9 @@ def met(question: Question, start: Array, wants: Collection[str]) -> tuple[Array
 
 
 def _least_squares(function: Function, start: Array) -> Array:
-    """Return the fractions at which the sum of squares of a function's values is least."""
+    """Return the point near a start at which the sum of squares of a function's values is least, as
+    fractions.
+    """
     at = with_derivatives(function)
     inside = np.clip(start, 1e-6, 1.0 - 1e-6)
     if not np.isfinite(at(inside)[0]).all():
@@ -168,11 +180,11 @@ def _least_squares(function: Function, start: Array) -> Array:
 
 
 def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array]]:
-    """Return the function of a place that returns values, (values,), and derivatives, (values,
-    keys).
+    """Return a function of one point that returns the values of ``function`` and their derivatives.
 
-    The derivatives are finite differences within the ranges; an unknown derivative is 0. One call
-    computes both.
+    The derivatives are finite differences within the ranges; a derivative that is not finite is 0.
+    The values have the shape (values,), the derivatives (values, parameters). One call of
+    ``function`` computes both.
     """
 
     @functools.lru_cache(maxsize=2)
@@ -189,8 +201,11 @@ def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array
 
 
 def evolved(merit: Function, first: Array) -> Array:
-    """Return the best fractions that evolve from a first population, shape (keys, STARTS), best
-    first.
+    """Minimise a function by differential evolution from a first population.
+
+    Returns:
+        The best points of the last population as fractions, the best first, shape (parameters,
+        STARTS).
     """
     order = np.argsort(merit(first))[:POPULATION]
     population = first[:, order].T
@@ -212,14 +227,14 @@ def evolved(merit: Function, first: Array) -> Array:
 
 
 def solution(question: Question, first: Array) -> Array | None:
-    """Return the fractions at which all wants and limits are met and the goal is least.
+    """Return the point at which all wants and limits are met and the goal is least, as fractions.
 
-    If they cannot all be met, return None.
+    It is None if they cannot all be met.
     """
     wants = len(question.want)
 
     def merit(fractions: Array) -> Array:
-        """Return the goal plus the penalty of the misses."""
+        """Return the value that is minimised: the goal plus the penalty for misses."""
         goal, *rest = question.costs(fractions)
         missed = np.abs(rest[:wants]).sum(axis=0) + np.maximum(rest[wants:], 0.0).sum(axis=0)
         return np.asarray(np.nan_to_num(goal + PENALTY * missed, nan=NO_STRIKE))
@@ -238,7 +253,9 @@ def solution(question: Question, first: Array) -> Array | None:
 
 
 def _least_goal(question: Question, start: Array) -> Array:
-    """Return the fractions near a start at which the goal is least and wants and limits are met."""
+    """Return the point near a start at which the goal is least while wants and limits are met, as
+    fractions.
+    """
     wants = slice(1, 1 + len(question.want))
     limits = slice(1 + len(question.want), None)
 
@@ -264,7 +281,9 @@ def _least_goal(question: Question, start: Array) -> Array:
 
 
 def nearest(question: Question, first: Array, wants: Collection[str]) -> tuple[Array, float]:
-    """Return the fractions at which wants and limits are missed least, and the largest miss."""
+    """Return the point at which wants and limits are missed least, as fractions, and its largest
+    miss.
+    """
 
     def merit(fractions: Array) -> Array:
         squares = (question.misses(fractions, wants) ** 2).sum(axis=0)
@@ -277,20 +296,22 @@ def nearest(question: Question, first: Array, wants: Collection[str]) -> tuple[A
 
 
 CURVE_POINTS = 25
-STIFFNESS = 1e3  # weight of the want that a point of the curve meets to some 1e-6 of its spread
+# Weight of the want that a point of the curve meets; its miss is then some 1e-6 of its standard deviation
+STIFFNESS = 1e3
 
 
 def trade_off(question: Question, start: Array, pair: tuple[str, str]) -> Array:
-    """Return fractions along the curve of best compromises between two wants.
+    """Return points of the curve of best compromises between two wants, as fractions, shape
+    (parameters, points).
 
-    The curve runs from the first want met to the second want met.
+    The first want is met at the first point, the second want at the last point.
     """
     limits = [STIFFNESS] * len(question.at_most)
     held = question.want[pair[0]]
     spread = question.spread[pair[0]]
 
     def best(place: Array, value: float, weights: tuple[float, float]) -> Array:
-        """Return the best compromise near a place, where the first want has another value."""
+        """Return the best compromise near a point if the first want had another value."""
         factors = np.array([*weights, *limits])[:, np.newaxis]
         shift = np.array([held - value, *[0.0] * (len(limits) + 1)])[:, np.newaxis] / spread
         return _least_squares(lambda each: (question.misses(each, pair) + shift) * factors, place)

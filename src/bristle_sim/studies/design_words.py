@@ -1,5 +1,5 @@
-"""A design in sentences: the tool found, conflicting wants, best compromises, and the tolerance of
-the keys.
+"""A design in sentences: the tool found, conflicting wants, best compromises, and the tolerances of
+the parameters.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ from bristle_sim.readable import amount, readable_unit
 from bristle_sim.studies.design_search import Question
 from bristle_sim.studies.whole_pass import QUANTITIES
 
-DECIMALS = 4  # decimals of a quantity in its readable unit; further ones are rounding
+DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals are rounding error
 
 
 def tool_in_words(
     question: Question, varied: Mapping[str, float], reached: Mapping[str, float | None]
 ) -> str:
-    """Return the tool found and the quantities of its pass: wants, goal and limits.
+    """Return the clause on the tool found and on its pass: the quantities wanted, limited, or
+    minimised.
 
-    ``reached`` holds the quantities.
+    ``varied`` holds the parameters of the tool, ``reached`` the quantities of its pass.
     """
     tool = listed([_key(key, value) for key, value in varied.items()])
     extreme = "highest" if question.sense < 0.0 else "lowest"
@@ -33,7 +34,7 @@ def tool_in_words(
 
 
 def conflict_in_words(question: Question, conflict: Sequence[str]) -> str:
-    """Return the clause that no tool in the ranges meets the conflicting wants together."""
+    """Return the clause that no tool in the ranges meets all of the conflicting wants."""
     wanted = listed([f"a {_quantity(name, question.want[name])}" for name in conflict])
     return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{wanted}"
 
@@ -48,13 +49,13 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
-    """Return the sentence on the range of each key in which the wants are kept."""
+    """Return the sentence on the range of each parameter in which all wants stay met."""
     ranges = listed([_range(key, *ends) for key, ends in kept.items()])
     return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence joined by commas and a last ``and``."""
+    """Return parts of a sentence, joined by commas and a last ``and``."""
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
@@ -68,13 +69,13 @@ def _quantity(name: str, value: float | None) -> str:
 
 
 def _key(key: str, value: float) -> str:
-    """Return a key with its value and unit, for example ``hub_speed 2500 rpm``."""
+    """Return a parameter with its value and unit, for example ``hub_speed 2500 rpm``."""
     unit, size = display_unit(key, key_unit(key))
     return f"{key} {plain_number(value / size, 5)} {unit}".rstrip()
 
 
 def _range(key: str, low: float, high: float) -> str:
-    """Return the range of a key, for example ``hub_speed from 2451.2 to 2548.1 rpm``."""
+    """Return the range of a parameter, for example ``hub_speed from 2451.2 to 2548.1 rpm``."""
     unit, size = display_unit(key, key_unit(key))
     ends = " to ".join(plain_number(each / size, 5) for each in (low, high))
     return f"{key} from {ends} {unit}".rstrip()

@@ -1,4 +1,4 @@
-"""Limits: the values of a key at which the outcome of a pass changes."""
+"""Limits: the values of a parameter at which the outcome of a pass changes."""
 
 from __future__ import annotations
 
@@ -16,21 +16,26 @@ from bristle_sim.studies.many_passes import SCENE, scene_pass, unable
 from bristle_sim.units import shown
 
 POINTS = 2000
-"""Values at which the outcome is looked up first: a change and its return within a 2000th of the range are not seen."""
+"""Number of intervals into which the range is divided first. If the outcome changes and changes back within one
+interval, the changes are not found."""
 
-PARTS = 32  # of an interval with a change, in each round of the search
+PARTS = 32  # number of parts into which an interval with a change is divided in each iteration
 
-BESIDE = 1e-4  # distance from a change at which the scene confirms it, over the range
+BESIDE = 1e-4  # distance from a change at which a simulation confirms it, over the range
 
-MOST_CHANGES = 200  # beyond which the outcome changes almost everywhere in the range
+MOST_CHANGES = 200  # largest number of changes; with more, the outcome changes almost everywhere
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of the outcome at the value ``at`` of a key, with the outcomes below and above it.
+    """A change of the outcome at a value of a parameter.
 
-    ``confirmed``: whether the scene has these outcomes a ten-thousandth of the range below and
-    above.
+    Attributes:
+        at: the value, in SI units.
+        below: outcome below the value.
+        above: outcome above the value.
+        confirmed: whether the simulation gives these outcomes a ten-thousandth of the range below
+            and above the value, or closer if the next change is near.
     """
 
     at: float
@@ -42,7 +47,7 @@ class Change:
 def limits(
     tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any
 ) -> tuple[Change, ...]:
-    """Return all values of a key, ascending, at which the outcome of the pass changes.
+    """Return all values of a parameter, ascending, at which the outcome of the pass changes.
 
     From which friction on does the tip stick?
 
@@ -51,13 +56,18 @@ def limits(
     [(0.4619, 'sticks and rebounds')]
 
     Args:
-        tool: has the values of the other keys; by default the dissertation's tool.
-        accuracy: of the passes, and of the limits as a fraction of the range.
-        between: one key with the two ends of the range, numbers in SI units or texts with a unit.
+        tool: the tool that gives the values of all other parameters; by default the dissertation's.
+        accuracy: accuracy of the passes, and of the values as a fraction of the range.
+        between: one parameter by name, with the two ends of its range, as numbers in SI units or
+            texts with a unit.
+
+    Returns:
+        The changes of the outcome.
 
     Raises:
-        ValueError: for a tool whose passes are not computed in arrays, for anything but one key
-            with two different ends, a key or value that is refused, or more than 200 changes.
+        ValueError: for a tool whose passes are not computed in arrays; for anything but one
+            parameter with two different ends; for a name or value that is refused; for more than
+            200 changes.
     """
     tool = Tool() if tool is None else tool
     if reason := unable(tool):
@@ -97,15 +107,21 @@ def limits(
 
 
 def _beside(places: Array, first: float, last: float) -> Array:
-    """Return values below and above each place, BESIDE of the range away, nearer where the next
-    place is near."""
+    """Return two values beside each change, one below and one above it.
+
+    They are BESIDE of the range away, or closer if the next change is near.
+    """
     gaps = np.diff(places, prepend=first, append=last)
     steps = np.minimum(BESIDE * (last - first), 0.25 * np.stack([gaps[:-1], gaps[1:]]))
     return np.asarray((places + steps * [[-1.0], [1.0]]).T)
 
 
 def _changes(points: Array, outcome: Any) -> tuple[Array, Array, list[tuple[str, str]]]:
-    """Return the neighbouring points of each row whose outcomes differ, lower and upper ones, and those outcomes."""
+    """Find the neighbouring points in each row whose outcomes differ.
+
+    Returns:
+        The lower points, the upper points, and the pairs of outcomes.
+    """
     row, place = np.nonzero(outcome[:, 1:] != outcome[:, :-1])
     pairs = zip(outcome[row, place].tolist(), outcome[row, place + 1].tolist(), strict=True)
     return points[row, place], points[row, place + 1], list(pairs)

@@ -1,6 +1,6 @@
-"""Quantities of passes of many tools at once, computed in arrays and checked by the scene.
+"""Quantities of passes of many tools at once, computed in arrays and checked by single simulations.
 
-Names and units are those of the whole pass.
+Names and units of the quantities are those of the study of a whole pass.
 """
 
 from __future__ import annotations
@@ -26,11 +26,10 @@ OUTCOME = "outcome"
 REASON = "failure"
 
 CHECKED_POINTS = 8
-"""Number of random points at which the scene checks the passes in arrays."""
+"""Number of random points at which single simulations check the passes in arrays."""
 
 SCENE = Settings(accuracy=1e-9)
-"""Settings of a check, with the finest accuracy of the scene; at a finer accuracy it takes longer
-and agrees no better."""
+"""Settings of the simulations that check. A finer accuracy takes longer and agrees no better."""
 
 SIZES = {
     "contact_time": 0.0,
@@ -38,7 +37,7 @@ SIZES = {
     "tip_speed_at_contact": 0.0,
     "normal_final_impulse": 0.0,
 }
-"""Quantities that are compared, and the least size of each, to which a difference is related."""
+"""Quantities that are compared, and for each the smallest magnitude by which a difference is divided."""
 
 
 def unable(tool: Tool) -> str:
@@ -52,16 +51,16 @@ def unable(tool: Tool) -> str:
 
 
 def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the quantities of whole passes, NaN where a pass lacks a quantity.
+    """Return the quantities of whole passes of many tools, by name; NaN where a pass lacks a
+    quantity.
 
-    ``outcome`` and ``failure``, the reason in words, are further entries.
-
-    ``entry_angle`` is that between the surface and the path on which the tip comes down, rad.
+    Further entries are ``outcome``, ``failure`` (the reason in words), and ``entry_angle``, the
+    angle between the surface and the tip's path before the strike, rad.
 
     Args:
-        tool: the tool that gives the values of all other keys.
-        settings: accuracy requested, and the turn of the hub after which a pass ends.
-        values: arrays of values, by key, as for ``ensemble``.
+        tool: the tool that gives the values of all other parameters.
+        settings: requested accuracy, and the angle that the hub turns in a pass.
+        values: arrays of the varied parameters, by name, as for ``ensemble``.
     """
     options: dict[str, Any] = {"accuracy": settings.accuracy, "hub_turn": settings.hub_turn}
     many = ensemble(tool, progress=_log, **options, **values)
@@ -82,12 +81,12 @@ def _quantity(many: Ensemble, name: str) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """The comparison of passes in arrays with the scene.
+    """Result of a comparison of passes in arrays with single simulations.
 
     Attributes:
-        passes: number of passes.
-        difference: largest relative difference.
-        apart: number of passes whose outcome differs.
+        passes: number of passes compared.
+        difference: largest relative difference of a quantity.
+        apart: number of passes whose outcomes differ.
     """
 
     passes: int
@@ -95,17 +94,17 @@ class Check:
     apart: int
 
     def __str__(self) -> str:
-        """Return the result as the end of a sentence."""
+        """Return the result in words, as the end of a sentence."""
         apart = f", but for {self.apart} with another outcome" if self.apart else ""
         return f"the scene agrees to {self.difference:.0e} in {self.passes} passes{apart}"
 
 
 def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]) -> Check:
-    """Compare passes in arrays with passes of the scene; ``values`` holds arrays of shape (points,)
-    by key.
+    """Compare passes in arrays with single simulations.
 
     Compared are the outcome, the instant of the strike, lag, tip speed and normal impulse, relative
-    to their sizes. A tool that is refused is left out.
+    to their magnitudes. ``values`` holds the varied parameters by name, as arrays of shape
+    (points,). A tool that is refused is left out.
     """
     found = pass_quantities(tool, settings, **values)
     compared = np.flatnonzero(found[OUTCOME] != "refused")
@@ -126,7 +125,7 @@ def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]
 
 
 def scene_pass(tool: Tool, settings: Settings) -> tuple[str, Mapping[str, float | None]]:
-    """Return the outcome of a pass in words and its quantities, by the scene."""
+    """Simulate a single pass up to the strike, and return its outcome in words and its quantities."""
     run = simulate(tool, settings, stop_after="strike")
     strike = run.first_contact("workpart")
     word = "jams" if run.stop_reason is StopReason.JAM else "does not strike"

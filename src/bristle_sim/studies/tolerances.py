@@ -1,15 +1,16 @@
-"""Which tolerance matters: inputs spread about their values, and how the strike spreads with them.
+"""Which tolerance matters: the inputs of a pass are spread about their values, and the study shows
+how the strike spreads with them.
 
-Every input is uniform within its half-width about its value, independent of the others. For small
-spreads the standard deviation is that of first-order error propagation, sqrt(sum (dy/dx_i
-sigma_i)^2).
+Every input is uniformly distributed within its half-width about its value, independently of the
+others. For small spreads the standard deviation is that of first-order error propagation, sqrt(sum
+(dy/dx_i sigma_i)^2).
 
-Sobol indices divide the variance of every output among the inputs. Two samples A and B of a
-scrambled Sobol sequence, and A with the columns of B one at a time, give Saltelli's estimate of the
-first-order index V(E(y|x_i))/V(y), the fraction of the variance that would vanish if x_i were
-known, and of the total index E(V(y|all but x_i))/V(y), the fraction in which x_i has a part
-(``scipy.stats.sobol_indices``). The sample consists of sequences with independent scramblings; the
-scatter of their estimates gives the intervals.
+Sobol indices divide the variance of every output y among the inputs x_i. The first-order index
+V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i were known. The total
+index E(V(y|all but x_i))/V(y) is the fraction in which x_i has a part. Both follow by Saltelli's
+estimate from two samples A and B of a scrambled Sobol sequence, and from A with one column at a
+time replaced by B's (``scipy.stats.sobol_indices``). Several sequences with independent scramblings
+are used; the scatter of their estimates gives the confidence intervals.
 """
 
 from __future__ import annotations
@@ -41,14 +42,25 @@ Measures = Mapping[str, NDArray[Any]]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
-# Percentiles between which outputs lie with a probability of 95 %
+# The two percentiles between which an output lies with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-SEQUENCES = 16  # independent scramblings: the interval of their mean is then a seventh wider than that of a known scatter
+# Number of sequences with independent scramblings. The interval of their mean is then a seventh wider than if their
+# scatter were known exactly.
+SEQUENCES = 16
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Outputs of all samples, shape (outputs, 2 samples), their indices, (outputs, inputs), and intervals, (outputs, inputs, 2)."""
+    """Sobol indices of the outputs of a function, with the sampled outputs.
+
+    Attributes:
+        inputs: names of the inputs.
+        outputs: names of the outputs.
+        values: outputs at the samples A and B, shape (outputs, 2 samples).
+        first_order, total: first-order and total indices, shape (outputs, inputs).
+        first_order_interval, total_interval: ends of their 95 % intervals, shape (outputs, inputs,
+            2).
+    """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -59,7 +71,11 @@ class Study:
     total_interval: Array
 
     def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
-        """Return one row an output, in plain numbers."""
+        """Return one row of plain numbers for each output: mean, standard deviation, 95 % range and
+        indices.
+
+        ``propagated_std`` holds the standard deviations by first-order error propagation.
+        """
         names = ("first_order", "first_order_interval", "total", "total_interval")
         found = []
         for number, (output, values) in enumerate(zip(self.outputs, self.values, strict=True)):
@@ -73,11 +89,11 @@ class Study:
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Spread the inputs of a pass, and report the spread of its strike and the inputs that cause
+    """Spread the inputs of a pass, and report how much the strike spreads and which inputs cause
     it.
 
     Raises:
-        ValueError: if somewhere in the intervals the bar cues no strike.
+        ValueError: if for some values in the intervals there is no cued strike.
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
@@ -108,8 +124,9 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 
 
 def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, float]]) -> str:
-    """Return the agreement with the scene at the tool and at random points of the intervals, in
-    words."""
+    """Return in words how well single simulations agree, for the tool itself and at random points
+    of the intervals.
+    """
     if reason := unable(tool):
         return f"by the scene, as {reason}"
     random = np.random.default_rng(1).uniform(size=CHECKED_POINTS)
@@ -122,7 +139,9 @@ def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, 
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the input that ranks first for most outputs, and by how much speed and impulse of the strike spread."""
+    """Return in words which input ranks first for most outputs, and how much speed and impulse of
+    the strike spread.
+    """
     ranked = [_ranked(row)[0] for row in rows]
     spreads = []
     most = max(ranked, key=ranked.count)
@@ -139,11 +158,12 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
 def propagated(
     function: Callable[..., Measures], intervals: Mapping[str, tuple[float, float]]
 ) -> dict[str, dict[str, float]]:
-    """Return half the change of every output between both ends of each input's interval, the others
-    in the middle.
+    """Return the effect of each input on each output: half the change of the output from one end of
+    the input's interval to the other.
 
-    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation
-    sqrt(sum (.)^2/3). An output without a value has no change.
+    The other inputs are in the middle of their intervals. For small half-widths h_i the result is
+    dy/dx_i h_i; uniformly distributed inputs then give the standard deviation sqrt(sum (.)^2/3). An
+    output without a value is left out.
     """
     size = 2 * len(intervals)
     points = {key: np.full(size, 0.5 * sum(ends)) for key, ends in intervals.items()}
@@ -160,7 +180,7 @@ def propagated(
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
-    """Return the ends of every input's interval, cut off at the bounds of its range."""
+    """Return the ends of every input's interval, limited to the range that the input may have."""
     found = dict[str, tuple[float, float]]()
     places = {
         key: (part, *place) for part, keys in tool_keys().items() for key, place in keys.items()
@@ -195,7 +215,7 @@ def _index_in_words(key: str, indices: Mapping[str, Any]) -> str:
 
 
 def _ranked(row: Mapping[str, Any]) -> list[str]:
-    """Return the inputs, that of the largest total index first."""
+    """Return the names of the inputs in descending order of the total index."""
     return sorted(row["indices"], key=lambda key: -float(row["indices"][key]["total"]))
 
 
@@ -207,11 +227,14 @@ def sobol_study(
     *,
     seed: int = 1,
 ) -> Study:
-    """Evaluate a function of arrays on Saltelli's samples and estimate the Sobol indices of its
-    outputs.
+    """Estimate the Sobol indices of a function's outputs from Saltelli's samples.
 
-    Each argument is uniform in its interval, and there are at least two outputs. The number of
-    samples is a power of 2, at least twice SEQUENCES. The seed sets the sequences' scramblings.
+    Args:
+        function: function of arrays of the inputs that returns arrays of the outputs, by name.
+        intervals: interval of each input, in which it is uniformly distributed.
+        outputs: names of the outputs, at least two.
+        samples: number of samples, a power of 2 and at least twice SEQUENCES.
+        seed: seed of the scramblings.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals.
@@ -233,8 +256,9 @@ def sobol_study(
     values = np.array([found[name] for name in outputs]).reshape(len(outputs), inputs + 2, samples)
 
     def indices(chosen: slice) -> Array:
-        """Return first-order and total indices by some points of each sample, shape (2, outputs,
-        inputs)."""
+        """Return first-order and total indices from some points of each sample, shape (2, outputs,
+        inputs).
+        """
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
         estimate = sobol_indices(func=func, n=of_mixed.shape[-1])
@@ -249,7 +273,11 @@ def sobol_study(
 
 
 def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequence[str]) -> None:
-    """Raise ValueError, with the reason at one of them, if some points have no result."""
+    """Check that every point has results.
+
+    Raises:
+        ValueError: if some points have none; the message has the reason at one of them.
+    """
     lost = ~np.all([np.isfinite(found[name]) for name in outputs], axis=0)
     if not lost.any():
         return
