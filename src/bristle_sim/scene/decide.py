@@ -201,8 +201,8 @@ def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) 
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:
-    """Return the event name of a touch. A wire's first touch of an obstacle has a name of its own,
-    as ``strike``.
+    """Return the event name of a touch: ``strike`` for a wire's first touch of the workpart;
+    otherwise ``bar touch``, ``workpart touch`` or ``wire touch``.
     """
     wire = system.wires_of(pair)[0]
     size = system.mechanism.wire_links

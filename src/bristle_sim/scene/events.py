@@ -42,7 +42,7 @@ contact counts as pressed on instead of as an impact."""
 
 
 class Kind(Enum):
-    """The kinds of events, with the subject of each."""
+    """The kinds of events; the comment on each kind states its subject."""
 
     TOUCH = auto()  # pair: its gap closes
     REST = auto()  # pair: its gap closes, and the impact has no restitution
@@ -54,7 +54,7 @@ class Kind(Enum):
     # contact: it passes a corner of the wire, or its slip reverses while friction does not
     KINK = auto()
     LOCKED = auto()  # rigid contact: no force keeps it closed
-    # index of a pair: the tip leaves the dent of an earlier contact that was resolved in time
+    # index of a pair: the tip leaves the dent of an earlier compliant contact
     DENT_LEFT = auto()
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
@@ -324,7 +324,7 @@ def _spring_events(
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
-        """Return by how much friction could exceed the tangential force, scaled to a velocity."""
+        """Return the friction limit minus the tangential force, scaled to a velocity."""
         if spring.elastic:
             force = spring.law.tangential_force(gaps.along(pair, at.state), spring.foot)
         elif at.totals:
@@ -336,7 +336,7 @@ def _spring_events(
         )
 
     def left(at: IntervalResult) -> float:
-        """Return the time until the contact counts as too long, over its expected duration."""
+        """Return the time until the contact is too long for an impact, over its duration."""
         since = at.state.time - (contact.start or at.state).time
         return OVERDUE_DURATIONS - since / duration
 

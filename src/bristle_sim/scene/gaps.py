@@ -107,9 +107,10 @@ def set_back(gaps: Gaps, contacts: Sequence[ClosedPair], state: State) -> State:
     """Return the nearest state in which all contacts are closed and their gaps do not change, by
     Newton's method.
 
-    The distance of states is measured by the mass matrix M. With the Jacobian J of the contacts,
-    the change is M^-1 J^T (J M^-1 J^T)^-1 times the gaps for the angles, and times the normal
-    velocities for the angular velocities. In contacts that stick the slip velocity is removed too.
+    The distance between states is measured by the mass matrix M. With the Jacobian J of the
+    contacts and their gaps g, the angles change by -M^-1 J^T (J M^-1 J^T)^-1 g. The angular
+    velocities change by the same expression with the normal velocities for g. In contacts that
+    stick the slip velocity is removed too.
     """
     mechanism = gaps.mechanism
     stuck = [index for index, each in enumerate(contacts) if each.slip == 0]

@@ -233,10 +233,10 @@ def settle(
     near: float,
     tolerance: float,
 ) -> IntervalResult | None:
-    """Return the interval's result at the time at which a function of the state is zero.
+    """Return the result at the time within an interval at which a function of the state is zero.
 
     Each guess of the time is followed by secant steps along the motion that the accelerations at
-    the guess predict. Return None if the guesses do not converge.
+    the guess predict. None is returned if the guesses do not converge.
 
     Args:
         system: the run.
@@ -321,10 +321,10 @@ def locate(
     """Return the root of a function between two times at which it has opposite signs, by false
     position with the weights of Anderson and Bjorck.
 
-    The function at the returned time is within ``tolerance`` of zero, or this time is the later end of
-    the shortest bracket of the root. The first evaluation is at ``guess``; without a guess it
-    is at the root of a straight line. After ``MOST_LINES`` evaluations, as at a jump, the bracket
-    is bisected.
+    At the returned time the magnitude of the function is at most ``tolerance``, or this time is the
+    later end of the shortest bracket of the root. The first evaluation is at ``guess``; without a
+    guess it is at the root of a straight line. After ``MOST_LINES`` evaluations, as at a jump, the
+    bracket is bisected.
 
     N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.
     Where two successive values have the same sign, the stored value at the other end of the bracket

@@ -90,9 +90,8 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     """Integrate the motion over its next interval.
 
     Returns:
-        Two values, of which one at least is None: the interval, and the event of a contact that
-            slips or whose force has fallen to zero. If both are None, the integration must be
-            repeated over a shorter interval.
+        The interval and None, or None and the event of a contact that slips or whose force has
+        fallen to zero. If both are None, the next interval must be shorter.
     """
     start = system.state
     first = motion.before is None
@@ -136,12 +135,12 @@ def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening
 def _approach_release(
     system: System, motion: Motion, rigid: RigidContacts, result: IntervalResult, length: float
 ) -> Happening | None:
-    """Return the event at which a contact is released or begins to slip, or None.
+    """Return the event at which a contact is released or begins to slip; None if the next interval
+    must be shorter.
 
-    If None is returned, the integration must be repeated over a shorter interval. Only a contact
-    that does not stick is released: its normal force falls to zero where its gap begins to open. In stick
-    the normal force depends on friction too. Friction ends with the normal force, and without
-    friction the gap may still close.
+    Only a contact that does not stick is released: its normal force falls to zero where its gap
+    begins to open. In stick the normal force depends on friction too. Friction ends with the normal
+    force, and without friction the gap may still close.
     """
     plan = system.plan
     first = motion.before is None

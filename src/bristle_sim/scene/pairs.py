@@ -2,9 +2,10 @@
 another wire (a rectangle with round ends).
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
-The engine's shapes of bar and workpart are larger by ``SHAPE_MARGIN``, which the engine's slop
-covers. The engine therefore detects a sustained contact at every step and does not correct its
-position. Links are not enlarged, so the lever of friction stays exact.
+The engine's shapes of bar and workpart are larger than the obstacles by ``SHAPE_MARGIN``. The
+engine therefore detects a sustained contact at every step. It does not correct the links'
+positions, because the overlap is within its tolerance. Links are not enlarged, so the lever of
+friction stays exact.
 """
 
 from __future__ import annotations
@@ -86,10 +87,11 @@ class ClosedPair(NamedTuple):
 
 
 def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
-    """Return the position along a segment of the foot of a point's perpendicular, and the segment's
-    point closest to the point.
+    """Return the projection of a point onto a segment, and the point of the segment nearest to the
+    point.
 
-    The position is in segment lengths: 0 at the start, 1 at the end.
+    The projection is in segment lengths: 0 at the start, 1 at the end, and beyond these outside the
+    segment.
     """
     (x, y), (u, v) = line
     along_x, along_y = u - x, v - y
@@ -124,7 +126,7 @@ class BarPair:
         link: index of the link; -1 is the last link.
         partner: index of the other wire's link; None for a fixed obstacle.
         first_touch: name of the event of a first touch.
-        dent: depth by which an earlier contact, resolved in time, has moved the surface back.
+        dent: depth by which an earlier compliant contact has moved the surface back.
         corner: index of the corner of the centre line that touches, -1 for the tip; None where the
             contact slides along the link.
     """
@@ -203,11 +205,10 @@ class BarPair:
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the smallest gap between the bar and any other straight segment of the link;
-        infinite without such a segment.
+        """Return the smallest gap between the bar and any other straight segment of the link.
 
-        ``piece`` is the index of the segment that touches already. A segment whose closest point is
-        its corner towards ``piece`` is left out.
+        ``piece`` is the index of the segment that already touches. A segment whose closest point is
+        its corner towards ``piece`` is left out. Without another segment the gap is infinite.
         """
         gaps = [math.inf]
         for index, line in enumerate(itertools.pairwise(pose.corners)):
@@ -295,8 +296,8 @@ class WorkpartPair:
 
 @dataclass(frozen=True, slots=True)
 class WirePair:
-    """Two straight segments, one of a link and one of a link of another wire, of which an end of
-    one touches the other.
+    """Two straight segments of links of different wires; an end of one segment touches the other
+    segment.
 
     The normal points from the other wire's link, ``partner``, to the link. The ``piece`` of a
     closest approach is the index of the end that touches: 0 and 1 are the start and the end of the
@@ -330,8 +331,8 @@ class WirePair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two segments. With ``piece``, the closest approach of
-        the end of this index and the other segment.
+        """Return the closest approach of the two segments. If ``piece`` is given, return the
+        closest approach of the end with this index to the other segment.
         """
         links = (self.link, self.partner)
         own, other = (

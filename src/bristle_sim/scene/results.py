@@ -89,11 +89,11 @@ def _events(
 
     ``lags`` holds the times and the retractions of the samples.
 
-    Of all instants at which the first link turns back, the one with the largest retraction up to
-    the strike, or in the whole run if the wire does not strike, is kept. None is kept if the
-    retraction is larger at the start of this period or at its end. A largest retraction that stops
-    the run is kept in any case. The absence of a bar or workpart contact is added as an event at
-    the end of the run.
+    Several extremes of the retraction may have been recorded. The largest one up to the strike is
+    kept, or the largest one of the run if the wire does not strike. It is dropped if the retraction
+    is larger at the start or at the end of this period. An extreme that stops the run is kept in
+    any case. The absence of a contact with bar or workpart is added as an event at the end of the
+    run.
     """
     times, lag = lags
     end = float(times[-1])
@@ -126,7 +126,7 @@ def contacts_in_si(
     """Return a wire's contact records in SI units, with the angles and angular velocities of this
     wire only.
 
-    Each record states the index of the link in contact, and of the neighbouring bristle if it
+    Each record states the number of the link in contact, and of the neighbouring bristle if it
     touches one.
     """
     size = mechanism.wire_links

@@ -33,10 +33,10 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
     """Run a system from its present state to the plan's end, interval by interval.
 
     Yields:
-        Pairs of a motion and an event. The first pair is the motion with which the run starts, and
-            None. At the end of each interval, the pair is the motion, and the event that ended the
-            interval or None. After an event another pair follows: the new motion, and None. The
-            last pair is a motion without contacts, and None.
+        Pairs of a motion and the event that has ended its interval, or None. The first pair is the
+            motion with which the run starts, and None. Each interval yields one pair at its end.
+            Each event yields a second pair: the motion that follows the event, and None. The last
+            pair is a motion without contacts, and None.
     """
     plan = system.plan
     engine = system.scene.engine

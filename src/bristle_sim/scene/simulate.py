@@ -89,8 +89,8 @@ def simulate(
 
     Raises:
         ValueError: if the start is out of range or overlaps an obstacle; if no event has the name
-            ``stop_after``; if rounding errors exceed the requested accuracy; or if a contact cannot
-            be resolved in time.
+            ``stop_after``; if rounding errors exceed the requested accuracy; or if the contact law
+            cannot resolve the run's first contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     (run,) = run_in_si(tool, *prepare(tool, settings, begin, stop_after=stop_after))

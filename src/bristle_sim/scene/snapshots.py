@@ -29,7 +29,7 @@ class ContactState:
         obstacle: ``bar`` or ``workpart``.
         link: number of the link in contact, from 1 at the root.
         mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity),
-            ``at rest``, or ``frictionless``. For a contact resolved in time, the phase of its
+            ``at rest``, or ``frictionless``. For a compliant contact, the phase of its
             spring comes first: ``loading,``, ``unloading,`` or ``at rest,``.
         normal_force: normal force on the wire, N; None where a contact without a spring begins at
             this instant.
@@ -92,19 +92,19 @@ def snapshots(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Iterator[Snapshot]:
-    """Yield the state and contacts of one bristle interval by interval;
-    :func:`bristle_sim.simulate` computes the same intervals.
+    """Yield snapshots of the run of one bristle: state and contacts, interval by interval.
 
-    The first snapshot is the start of the run, the last one its end. Each snapshot is computed when
-    it is requested, so the caller may stop anywhere.
+    :func:`bristle_sim.simulate` computes the same intervals. The first snapshot is the start of the
+    run, the last one its end. Each snapshot is computed when it is requested, so the caller may
+    stop anywhere.
 
     Args:
         tool, settings, start_hub_angle, start_relative_angle, start_relative_rate, stop_after: as
             for ``simulate``.
 
     Raises:
-        ValueError: as for ``simulate``. Bad input raises it at once, a contact that cannot be
-            resolved during the run.
+        ValueError: as for ``simulate``. Bad input raises it at once. A first contact that the
+            contact law cannot resolve raises it during the run.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)

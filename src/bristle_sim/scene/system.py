@@ -50,8 +50,8 @@ class Plan:
         single_contact: whether the run is a study of a single contact, without events of the
             motion's extremes.
         instant: shortest time resolved; within it no force moves a link by more than the accuracy.
-        shortest: interval up to which a force that falls to zero within it counts as zero from its
-            start.
+        shortest: longest interval in which a force that falls to zero counts as zero from the
+            interval's start.
         first_interval: longest interval at the beginning of a contact, and lower bound of the limit
             on later intervals.
     """
@@ -89,8 +89,8 @@ class Recording:
         contacts: contact records, each with the indices of its links.
         summed: sum of the error estimates of all intervals.
         error: estimated error of the last state.
-        lost: time from which the error is unknown, because an impact does not let it grow linearly;
-            None before.
+        lost: time of the impact after which the error is unknown, because it does not grow linearly
+            there; None without such an impact.
         stop_reason: why the run has stopped; None while it goes on.
         stop_detail: the contact law's explanation of the stop; empty without one.
     """
@@ -172,8 +172,8 @@ class System:
     def follows_law(self, spring: Spring) -> bool:
         """Return whether a contact with a spring ends as the impact law predicts.
 
-        It does so in the rigid-body limit, and if it is the only contact of rigid links. In any
-        other contact the links may move noticeably while the spring acts.
+        It does so in the rigid-body limit, and in the study of a single contact of rigid links. In
+        any other contact the links may move noticeably while the spring acts.
         """
         single = self.plan.single_contact and not self.scene.effects.hinges
         return single or not spring.finite_duration
@@ -206,7 +206,7 @@ class System:
 
         Args:
             forces: normal force of each contact.
-            again: whether only the forces of the last sample are replaced.
+            again: whether to replace only the forces of the last sample.
             state: the state; by default the present one.
         """
         sums = [0.0] * self.mechanism.wires

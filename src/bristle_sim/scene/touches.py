@@ -101,8 +101,8 @@ def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
 
 
 def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for a touch of a pair that has just been released; its gap opens first, or the link
-    comes back at once.
+    """Search for a touch of a pair that has just been released, after its gap has opened or where
+    the link comes back at once.
     """
     soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     if interval.length > soon:
@@ -166,11 +166,11 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
 def find_touch(
     system: System, interval: Interval, pair: ContactPair, begin: float = 0.0
 ) -> Found | None:
-    """Return the interval shortened to its first touch, with the touch, or to a near miss, with
-    None.
+    """Return the interval shortened to its first touch, and the touch; or shortened to a near miss,
+    and None.
 
-    Return None alone if the gap stays open. The search begins at the fraction ``begin`` of the
-    interval, where the gap is open.
+    If the gap stays open, a single None is returned. The search begins at the fraction ``begin`` of
+    the interval, where the gap is open.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
@@ -292,7 +292,7 @@ def _least(
     """Return the position of the gap's minimum and the gap there, by bisection on the gap's rate.
 
     The gap falls at the left end and rises at the right end. A closed gap ends the search at once.
-    So does the function ``enough`` of the bracket's length and the gap, when it is true.
+    The search also ends when the function ``enough`` of the bracket's length and the gap is true.
     """
     value = at_right
     while not enough(right - left, value):

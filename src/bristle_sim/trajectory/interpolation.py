@@ -138,8 +138,8 @@ class Interpolation:
     def normal_force(self, time: Array, side: str) -> Array:
         """Return the normal force at instants within the run, N.
 
-        This takes a hundredth of the time of interpolating the whole motion. ``side`` is ``before``
-        or ``after`` an impact at the instant.
+        ``side`` selects the force ``before`` or ``after`` an event at the instant. This function
+        takes a hundredth of the time that the whole motion takes.
         """
         return self._scalars(time, side)[:, 0]
 
@@ -213,7 +213,8 @@ def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
     """Return the indices of the samples through which the polynomial for an instant passes.
 
-    They lie on both sides of the instant, as far as the smooth part, ``piece``, has samples at
+    ``piece`` is the smooth part of the run that contains the instant: its first and its last
+    sample. The samples lie on both sides of the instant, as far as ``piece`` has samples at
     suitable distances.
     """
     first, last = piece

@@ -1,4 +1,4 @@
-"""The recorded data of a run, and simple questions about them; base class of a trajectory."""
+"""The recorded data of a run, and properties derived from them; base class of a trajectory."""
 
 from __future__ import annotations
 
@@ -47,12 +47,13 @@ class RecordedRun(Motion):
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
     ) -> float | None:
-        """Return the time of an event, s; None if the event did not happen.
+        """Return the time of the first or the last event of a name, s; None if there is no such
+        event.
 
         Args:
             name: name of the event.
-            last: whether the last event of this name is meant instead of the first.
-            before: latest time to be considered, s.
+            last: whether to return the last event instead of the first.
+            before: latest time of the events considered, s.
 
         Raises:
             ValueError: if no event can have this name.

@@ -80,11 +80,11 @@ class Motion(WireMotion):
 
     Attributes:
         hub_angle: angle of the bristle's root from the direction of the workpart, rad; constant on
-        a hub at rest.
+            a hub at rest.
         kinetic_energy: kinetic energy of the links, J.
         potential_energy: potential energy of belt, hinges and gravity, J.
-        normal_force: sum of the normal forces of the lasting contacts, N; zero in flight and at the
-        instant of an impact.
+        normal_force: sum of the normal forces of the sustained contacts, N; zero in flight and at
+            the instant of an impact.
         hub_speed: angular velocity of the hub, rad/s.
     """
 
@@ -134,10 +134,11 @@ class Motion(WireMotion):
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table, by a title of the form "name (unit)".
+        """Return every quantity as a column of a table; the keys are titles of the form "name
+        (unit)".
 
-        The motion must have a one-dimensional array of instants; each column has one entry for
-        each.
+        The motion must have a one-dimensional array of instants. Each column has one entry for each
+        instant.
         """
         x_y = ("x", "y")
         links = range(self.angles.shape[1])
@@ -163,7 +164,7 @@ class Motion(WireMotion):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactHistory(EqualByValue):
-    """The time history of a contact resolved in time, as arrays of equal length.
+    """The history of a compliant contact, as arrays of equal length.
 
     Attributes:
         time: times on the run's clock, s, from the first touch on.
@@ -182,7 +183,9 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table, by a title of the form "name (unit)"."""
+        """Return every quantity as a column of a table; the keys are titles of the form "name
+        (unit)".
+        """
         units = ("s", "N", "N", "m", "m/s", "m/s")
         named = zip(dataclasses.fields(self), units, strict=True)
         return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
@@ -198,8 +201,8 @@ class ContactRecord:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
         law: ``energetic``, ``compliant`` or ``engine`` for an impact; ``sustained`` for a sustained
             contact.
-        outcome: outcome by the impact law; for a sustained contact, the event or obstacle that
-            ended it.
+        outcome: outcome by the impact law; for a sustained contact, the reason why it ended: a
+            release, another contact, or the stop of the run.
         time: start of the contact, s.
         duration: duration, s; 0 for an instantaneous impact.
         impulse: impulse on the wire, N s.
@@ -216,14 +219,14 @@ class ContactRecord:
         rates_after: absolute angular velocity of every link after the contact, rad/s.
         phases: names of the phases in order, for example
             ``("compression slip", "restitution slip")``.
-        history: time history of a contact resolved in time; None for any other contact.
+        history: forces and motion of a compliant contact over time; None for any other contact.
         link: number of the link in contact, from 1 at the root; None for a rigid bristle, and in
             the reference solution.
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
             any other obstacle.
         point: part of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
-            links), or ``flank``. It is empty for a contact of two wires, and for a single contact
-            that is not part of a pass.
+            links), or ``flank`` (between corners). It is empty for a contact of two wires, and for a
+            single contact that is not part of a pass.
         place: position of that point on the wire's centre line at the start, (x, y) from the hub's
             centre, m; None where ``point`` is empty.
     """
@@ -292,11 +295,11 @@ class ContactRecord:
         return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
-        """Return the quantities of the time history as columns of a table, by titles of the form
-        "name (unit)".
+        """Return the contact's history as columns of a table; the keys are titles of the form "name
+        (unit)".
 
         Raises:
-            ValueError: for a contact that was not resolved in time.
+            ValueError: for a contact without a history.
         """
         if self.history is None:
             raise ValueError(

@@ -74,9 +74,10 @@ def to_dataframe(run: RecordedRun) -> pd.DataFrame:
 def to_xarray(run: RecordedRun) -> xarray.Dataset:
     """Return all sampled quantities as an xarray Dataset with units as attributes.
 
-    The coordinate ``time`` increases strictly, so that the linear ``interp(time=...)`` works; the
-    order of ``Trajectory.at`` is higher. Where samples have the same instant, the later samples are
-    shifted by the smallest step of a double. The coordinate ``instant`` is the recorded time.
+    The coordinate ``time`` increases strictly, so that ``interp(time=...)`` works. It interpolates
+    linearly; ``Trajectory.at`` has a higher order. Where samples have the same instant, the later
+    samples are shifted by the smallest step of a double. The coordinate ``instant`` is the recorded
+    time.
 
     Raises:
         ImportError: if xarray is not installed.

@@ -48,8 +48,8 @@ class Trajectory(RecordedRun):
     """
 
     def with_places(self, tool: Tool) -> Trajectory:
-        """Return the trajectory after setting ``point`` and ``place`` in its contact records of bar
-        and workpart.
+        """Return the trajectory after setting ``point`` and ``place`` in the records of its
+        contacts with bar and workpart.
         """
         contacts = []
         for contact in self.contacts:
@@ -90,8 +90,14 @@ class Trajectory(RecordedRun):
         return Interpolation(self).course(until, points)
 
     def plot(self, *, until: float | None = None) -> Figure:
-        """Return a figure of tool, tip path, retraction, speed and energy up to the time ``until``,
-        s.
+        """Return a figure of tool, tip path, retraction, speed and energy.
+
+        ``until`` is the last time drawn, s; by default it is shortly after the tip has left the
+        workpart.
+
+        Raises:
+            ValueError: if ``until`` is not after the start of the run, or all samples have the same
+                instant.
         """
         figure: Figure = drawn_by().plot(self, until)
         return figure
@@ -146,8 +152,8 @@ class Trajectory(RecordedRun):
 
 
 def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
-    """Return the record of a contact after setting ``point`` and ``place``: the point of the wire
-    in contact.
+    """Return a contact's record after setting ``point`` and ``place``, the part of the wire in
+    contact and its position.
 
     For the workpart it is the corner of the centre line nearest to the workpart's surface. For the
     bar it is the point of the centre line nearest to the bar's centre.
