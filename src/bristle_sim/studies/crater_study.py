@@ -148,8 +148,8 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> SweptTip:
     """Return the crater as a three-dimensional body, the volume that the tip sweeps.
 
-    Its depth is that which the energy of the simulated contact cuts, with the surface inclined to
-    the tip's path.
+    It is as deep as the energy of the simulated contact cuts if the shear plane ends at the real
+    surface, inclined to the tip's path.
 
     Raises:
         ValueError: if the tip does not approach, the parameters leave a formula's range, or the
@@ -256,11 +256,10 @@ def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
 
 
 def merchant_depth_course(crater: Crater) -> Array:
-    """Return how the crater deepens by Merchant's relation (4.57): the depth after each ply of the
-    chip, m.
+    """Return the crater depth after each ply, m, by Merchant's relation (4.57), shape (plies + 1,).
 
-    The first depth is 0; the shape is (plies + 1,). The plies take equal times. The sine and cosine
-    arguments are in degrees as printed.
+    A ply is the layer of the chip that is cut in one of equal time steps. The first depth is 0. The
+    angles are in degrees, as printed.
     """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     steep = math.degrees(math.atan2(1.0, crater.friction))
@@ -278,11 +277,11 @@ def merchant_depth_course(crater: Crater) -> Array:
 
 
 def energy_depth_course(crater: Crater) -> Array:
-    """Return how the crater deepens by work and energy (4.58, 4.62-4.65): the depth after each ply
-    of the chip, m.
+    """Return the crater depth after each ply, m, by work and energy (4.58, 4.62-4.65), shape (plies
+    + 1,).
 
-    The first depth is 0; the shape is (plies + 1,). The bristle's motion is the printed one (4.6,
-    4.7).
+    A ply is the layer of the chip that is cut in one of equal time steps. The first depth is 0. The
+    bristle's motion is the printed one (4.6, 4.7).
     """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     wire = Bristle()

@@ -275,10 +275,11 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
     reference.
 
     The tolerances follow from the error of the rate. The speed is highest where the torques of belt
-    and damping balance; there alpha''' = -(K/I) alpha'. A relative error delta of the rate
-    therefore shifts the instant t of the highest speed by c delta/K, a fraction c delta/(K t) of
-    it. An error of the bar's direction changes each coordinate of the bar in proportion to the
-    other coordinate.
+    and damping balance. There alpha''' = -(K/I) alpha', with the angle alpha relative to the hub,
+    the stiffness K of belt and centrifugal field, and the bristle's inertia I. With the belt's
+    damping c, a relative error delta of the rate therefore shifts the instant t of the highest
+    speed by c delta/K, a fraction c delta/(K t) of it. An error of the bar's direction changes each
+    coordinate of the bar in proportion to the other coordinate.
     """
     tool = timing.tool
     cue = timing.reference

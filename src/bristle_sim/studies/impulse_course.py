@@ -1,9 +1,10 @@
 """The velocities of the contact point during an impact, as functions of the normal impulse.
 
 Let p be the normal impulse and p_t the tangential impulse. The velocities of the contact point are
-piecewise linear in p: v = v(0) + K (p, p_t). In slip p_t changes by -mu sign(v_t) dp (Zhang 2020,
-eqs. 2.34, 2.43, 2.74, 2.80, 2.98). A contact simulated over time passes the same points, whatever
-its stiffness, since time enters only through p = integral of the normal force.
+piecewise linear in p: v = v(0) + K (p, p_t), where K is the inverse mass matrix. In slip with the
+friction mu, p_t changes by -mu sign(v_t) dp (Zhang 2020, eqs. 2.34, 2.43, 2.74, 2.80, 2.98). A
+contact simulated over time passes through the same velocities, whatever its stiffness, since time
+enters only through p = integral of the normal force.
 """
 
 from dataclasses import dataclass

@@ -1,13 +1,13 @@
-"""The whole tool: forces of its bristles on the workpart, the drive and a load cell.
+"""The whole tool: forces of all its bristles on the workpart, the drive and a load cell.
 
-The bristles do not touch each other, so they are shifted copies of one. With N of them the mean of
-a force is N omega/(2 pi) times its integral over the turn that one bristle repeats. The drive's
-torque is the moment of the forces on the bristles; the energy that a turn dissipates, over its
-angle, confirms it.
+The bristles do not touch each other, so that their motions are shifted copies of one. With N
+bristles the mean of a force is N omega/(2 pi) times its integral over the revolution that one
+bristle repeats. The drive's torque is the moment of the forces on the bristles. The energy
+dissipated in a revolution, divided by 2 pi, must give the same torque.
 
-On an obstacle the bristle's angle follows from the hub's, whatever came before. Each turn after the
-first one with a sustained contact is therefore the same, with a damped belt and without. A bristle
-that rebounds from every obstacle need not repeat its motion.
+In sustained contact with an obstacle the bristle's angle follows from the hub's angle, whatever
+happened before. All revolutions after the first sustained contact are therefore the same, with or
+without damping of the belt. A bristle that rebounds from every obstacle need not repeat its motion.
 """
 
 import dataclasses
@@ -25,21 +25,24 @@ from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_respons
 from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
 from bristle_sim.trajectory import Trajectory
 
-# Largest number of turns until a motion repeats; a flight keeps exp(-2 pi zeta) of its swing in
-# each period.
+# Largest number of simulated revolutions. In flight the swing decays by exp(-2 pi zeta) in a period.
 MOST_TURNS = 24
-# Largest change of angle, and of rate over the belt's natural rate, between turns that repeat, rad.
+# Largest change of the state, rad, over a revolution that counts as repeating the one before. The state
+# is the angle, and the rate divided by the natural angular frequency.
 REPEATED = 1e-9
-# Error of a turn over the requested accuracy: that of some ten flights and contacts, each with ten
-# times the accuracy.
+# Ratio of the error of a revolution to the requested accuracy: some ten flights and contacts, each with
+# an error of ten times the accuracy
 MAGNIFIED = 100.0
-# Least relative tolerance. Splines through 150, 300 and 600 samples a period integrate the forces
-# to 1e-6, 6e-8 and
-# 4e-9, as measured.
+# Smallest relative tolerance. Splines through 150, 300 and 600 samples a period integrate the forces
+# with measured errors of 1e-6, 6e-8 and 4e-9.
 LEAST_TOLERANCE = 1e-6
-SAMPLES_PER_PERIOD = 400  # samples in a period of the bristle on its belt, for the splines
-INSTANTS = 2000  # number of instants in a period of the summed force, for the percentiles
-BAND = (5.0, 95.0)  # percentiles of the load cell's force, per cent of the time
+SAMPLES_PER_PERIOD = (
+    400  # number of samples in a period of the bristle on its belt, for the splines
+)
+INSTANTS = (
+    2000  # number of instants between two bristles at which the load cell's force is computed
+)
+BAND = (5.0, 95.0)  # percentiles over time of the load cell's force that are reported
 
 UNITS = {
     "impact_rate": ("strikes of all bristles", "1/s"),
@@ -54,7 +57,7 @@ UNITS = {
 
 
 class TurnNotCompleted(ValueError):
-    """Error: a bristle jams, or lies down on the hub, before it completes a turn.
+    """Raised if a bristle jams, or lies down on the hub, before it completes a revolution.
 
     The message states the instant and the reason.
     """
@@ -62,14 +65,15 @@ class TurnNotCompleted(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class PeriodicTurn:
-    """The turns that count.
+    """The revolutions over which forces are averaged.
 
     Attributes:
-        runs: the last turn, which repeats the turn before; or the later half of turns that do not
-            repeat. Each run starts in the state at the end of the run before.
-        changes: change of the state over each turn, rad, from the first on; the first starts radial
-            and at rest relative to the hub.
-        repeats: whether the last turn repeats the turn before.
+        runs: motion in the last revolution, if it repeats the revolution before; otherwise motions
+            in the later half of all revolutions. Each run starts in the state at the end of the run
+            before.
+        changes: change of the state over each simulated revolution, rad. The first revolution
+            starts with the bristle radial and at rest relative to the hub.
+        repeats: whether the last revolution repeats the revolution before.
     """
 
     runs: tuple[Trajectory, ...]
@@ -78,7 +82,9 @@ class PeriodicTurn:
 
 
 def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
-    """Simulate turns until a turn repeats the turn before; ``settings.hub_turn`` is ignored.
+    """Simulate revolutions of the hub until one repeats the revolution before.
+
+    ``settings.hub_turn`` is ignored.
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
@@ -118,8 +124,13 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
 
 @dataclass(frozen=True, slots=True)
 class WholeTool:
-    """The tool, its assembly, the turn that a bristle repeats, and the forces on it in each turn
-    that counts.
+    """Results of the study of the whole tool.
+
+    Attributes:
+        tool: the tool with one bristle.
+        assembly: number of bristles, and bandwidth of the load cell.
+        turn: the revolutions over which forces are averaged.
+        forces: forces on the bristle in each of these revolutions.
     """
 
     tool: Tool
@@ -129,17 +140,17 @@ class WholeTool:
 
     @property
     def period(self) -> float:
-        """Time from one bristle to the next, s."""
+        """Time after which the next bristle follows, s."""
         return 2.0 * math.pi / self.tool.hub.speed / self.assembly.bristles
 
 
 def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
-    """Sum the forces of all bristles, and compare torque and power with the energy that a turn
-    dissipates.
+    """Sum the forces of all bristles, and compare torque and power with the energy that is
+    dissipated in a revolution.
 
-    The forces act on the workpart: normal into it, tangential in the direction in which the tips
-    travel. The drive's torque includes the forces of the bar. The hand that holds hub and bar
-    together bears the moment of the workpart alone.
+    The forces act on the workpart: the normal force into it, the tangential force in the direction
+    in which the tips travel. The drive's torque includes the forces of the bar. The hand holds hub
+    and bar together, and bears the moment of the workpart's forces alone.
 
     Raises:
         ValueError: if the hub is at rest, there is no workpart, the wire bends, or a run exceeds
@@ -192,7 +203,7 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     two bristles.
 
     Raises:
-        ValueError: for a tool whose bristle completes no turn.
+        ValueError: for a tool whose bristle completes no revolution.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
