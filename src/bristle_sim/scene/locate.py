@@ -37,8 +37,8 @@ Extrapolation from the steps h/4, h/5, h/6 and h/7 leaves an error of h^4/840 ti
 fourth derivative, and no error estimate shows it."""
 
 BEFORE_ZERO = 0.95
-"""Fraction of the estimated time to a force's zero after which a shorter interval begins. The
-estimate is linear, in a longer interval."""
+"""Fraction of the time to a force's zero after which a shorter interval begins. The time is
+estimated linearly in a longer interval."""
 
 
 # least position of an extreme that counts, as a fraction of the interval: before it the function
@@ -213,8 +213,8 @@ MOST_GUESSES = 4
 
 MOST_SECANTS = 3  # largest number of secant steps from one guess
 ROUNDED_TOLERANCES = 10.0
-"""Largest value accepted at the last guess, over the tolerance: rounding error may keep every guess
-from the tolerance itself."""
+"""Largest value accepted at the last guess, over the tolerance: rounding error may keep all guesses
+outside the tolerance."""
 
 SLOPE_SPAN = 1e-4  # fraction of an interval over which the slope for the first secant step is taken
 # relative tolerance of a root of the interpolating polynomial, which is hardly more accurate

@@ -46,8 +46,8 @@ the interval. At these instants the motion follows from geometry alone."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the angular velocity on the quintic polynomial through an interval's ends and middle,
-over the fifth power of the interval in radians of the fastest motion. It is the largest slope of (s
-(s - 1/2) (s - 1))^2, 0.0174, over 6!."""
+over the fifth power of the interval in radians of the fastest motion. It is 0.0174/6!, where 0.0174
+is the largest slope of (s (s - 1/2) (s - 1))^2."""
 
 
 @dataclass(slots=True, eq=False)
@@ -173,8 +173,8 @@ def up_to_first_event(
     """Return an interval shortened to its first event, and this event; without an event, the whole
     interval and None.
     """
-    # Events of contacts come first: a contact that slides onto the neighbouring link is no touch of
-    # that link.
+    # Events of contacts come first: a contact that slides onto the neighbouring link is not a new
+    # touch of that link.
     changed, triggered = first_change(system, motion.monitors, interval)
     active = [contact.pair for contact in motion.contacts]
     interval, touch = first_touch_of_all(system, changed, active, motion.separating)

@@ -38,8 +38,8 @@ RETRACTION_LIMIT = (
     math.pi / 2.0
 )  # angle from the radial direction at which a bristle lies on the hub, rad
 OVERLAP_ROUNDING = 1e-11
-"""Largest overlap of bristle and obstacle accepted at the start, as a fraction of the bristle's
-length: rounding error."""
+"""Largest overlap of bristle and obstacle accepted at the start as rounding error, over the
+bristle's length."""
 
 PLACE_KEYS = {
     "bar": ("bar_horizontal", "bar_vertical"),

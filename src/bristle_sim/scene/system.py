@@ -27,9 +27,8 @@ SLOW_FRACTION = 1e-8
 Without this bound, infinitely many ever smaller rebounds would follow each other in a finite time.
 """
 
-LEAST_VALUE = (
-    1e-10  # smallest magnitude of a rate, acceleration or force that has a sign, in engine units
-)
+# smallest magnitude of a rate, acceleration or force that has a sign, in engine units
+LEAST_VALUE = 1e-10
 
 
 @dataclass(slots=True)
