@@ -1,6 +1,9 @@
 """Many passes of straight rigid bristles at once, by the equations of motion alone, in NumPy
 arrays.
 
+The passes under way form two groups: bristles in flight, and bristles that touch the bar. The
+larger group advances next, and a pass changes its group at a touch and at a release.
+
 Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``
 (their dimensionless numbers), ``motion`` (flight), ``bar`` (kinematics at the bar), ``crossing``
 (roots), ``flight`` (a step up to a touch), ``slide`` (motion on the bar), ``run`` (a step and its

@@ -1,10 +1,14 @@
-"""Contact of straight wires with the bar, a fixed circle: gap, levers, and the motion of a wire
+"""Contact of straight wires with the bar, a fixed circle: gap, velocities, and the motion of a wire
 that lies on it.
 
-Seen from the hub with the bar's direction downwards, the root is at the angle chi = psi - psi_b.
-The vector D leads from the root to the bar's centre, D^2 = S^2 + rho^2 - 2 S rho cos chi, in the
-direction delta. A wire that lies on the bar keeps its centre line, or its end, at the distance R
-from the bar's centre. Its angle is therefore delta - s eta, with s = 1 for a wire held back, and
+All lengths are over the bristle's length: the hub's radius rho, and the distance S of the bar's
+centre from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b. The vector
+from the root to the bar's centre has the length D, D^2 = S^2 + rho^2 - 2 S rho cos chi, and the
+angle delta from the bar's direction.
+
+A wire that lies on the bar keeps its centre line, or its end, at the distance R from the bar's
+centre. The angle between the wire and the vector to the bar's centre is eta. The wire's absolute
+angle from the bar's direction is delta - s eta, with s = 1 for a wire held back, and
 
     sin eta = R/D on its flank,    cos eta = (D^2 + 1 - R^2)/(2 D) at its end.
 """
@@ -21,13 +25,15 @@ from bristle_sim.passes.state import Chosen, Passes, Place
 
 
 def half_turn(angle: Array) -> Array:
-    """Return angles less whole turns, between -pi and pi, rad."""
+    """Return angles reduced by whole turns to the range from -pi to pi, rad."""
     return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
 
 
 def half_window(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the largest |chi| at which a wire reaches the bar, D = 1 + R, rad; -1 if it never
-    does.
+    """Return the largest hub angle |chi| from the bar's direction, rad, at which a wire reaches the
+    bar.
+
+    At this angle D = 1 + R. The value is -1 for a wire that never reaches the bar.
     """
     room = radius**2 + distance**2 - (1.0 + reach) ** 2
     double = 2.0 * radius * distance
@@ -36,7 +42,11 @@ def half_window(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 def flank_window(passes: Passes) -> Array:
-    """Return the largest |chi| at which the bar touches the flank, D^2 = 1 + R^2, rad."""
+    """Return the largest hub angle |chi| from the bar's direction, rad, at which the bar touches
+    the wire's flank rather than its end.
+
+    At this angle D^2 = 1 + R^2.
+    """
     room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
     double = 2.0 * passes.radius * passes.bar_distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
@@ -44,11 +54,11 @@ def flank_window(passes: Passes) -> Array:
 
 
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the chi at which an undeflected wire first touches the bar, rad; infinite if it passes
-    below the bar.
+    """Return the hub angle chi from the bar's direction, rad, at which an undeflected wire first
+    touches the bar.
 
     The wire touches with its flank where S sin chi = -R, and with its end where S^2 + (1 + rho)^2 -
-    2 S (1 + rho) cos chi = R^2.
+    2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is too short to reach the bar.
     """
     foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
     cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))
@@ -57,14 +67,14 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 class Closest(NamedTuple):
-    """The closest approach of wire and bar, with lengths over the bristle's.
+    """The closest approach of wire and bar; all lengths are over the bristle's length.
 
     Attributes:
-        gap: gap between wire and bar.
-        rate: rate of the gap.
-        x, y: position of the bar's centre from the wire's nearest point.
-        distance: distance of the two.
-        along: distance of the wire's nearest point from the root.
+        gap: gap between the surfaces of wire and bar.
+        rate: derivative of the gap with respect to the hub angle.
+        x, y: vector from the nearest point of the wire's centre line to the bar's centre.
+        distance: length of this vector.
+        along: distance of the nearest point from the root.
     """
 
     gap: Array
@@ -76,7 +86,9 @@ class Closest(NamedTuple):
 
 
 def closest(passes: Passes | Place, pose: Pose) -> Closest:
-    """Return the closest approach of wire and bar in poses of shape (..., passes)."""
+    """Return the closest approach of wire and bar; the arrays of the pose have the shape (...,
+    passes).
+    """
     moving_x = passes.radius * pose.hub_cosine
     moving_y = passes.radius * pose.hub_sine
     x = passes.bar_x - moving_y
@@ -91,12 +103,14 @@ def closest(passes: Passes | Place, pose: Pose) -> Closest:
 
 
 class Levers(NamedTuple):
-    """Velocities of the wire's surface on the bar, and their derivatives with respect to the wire's
-    rate.
+    """Velocity of the wire's surface where it touches the bar, and its derivative with respect to
+    the wire's rate.
+
+    Lengths are over the bristle's length, and the hub angle is the time.
 
     Attributes:
-        normal, tangential: derivatives of the two velocities.
-        normal_velocity, tangential_velocity: the velocities.
+        normal, tangential: derivatives of the normal and of the tangential velocity.
+        normal_velocity, tangential_velocity: the two components of the velocity.
         side: 1 for a wire behind the bar, which holds it back, and -1 for a wire ahead of it.
     """
 
@@ -108,7 +122,8 @@ class Levers(NamedTuple):
 
 
 def levers(passes: Passes, pose: Pose) -> Levers:
-    """Return the kinematics of a touch.
+    """Return the velocity of the wire's surface at its touch of the bar, and the derivative of this
+    velocity.
 
     The normal points from the bar to the wire; the tangent is the normal turned clockwise.
     """
@@ -132,9 +147,11 @@ class Lying(NamedTuple):
     """Motion of a wire that lies on the bar, and the force of the contact.
 
     Attributes:
-        angle, rate, acceleration: relative angle and its two derivatives.
-        pressure: moment of the contact over the inertia, positive for a pressing wire. It is the
-            acceleration without the bar less the actual acceleration, towards the bar.
+        angle, rate, acceleration: relative angle and its two derivatives with respect to the hub
+            angle.
+        pressure: moment of the contact force about the root, over the inertia; positive for a wire
+            that presses on the bar. It is the acceleration towards the bar that a free wire would
+            have, less the actual acceleration.
     """
 
     angle: Array
@@ -144,8 +161,13 @@ class Lying(NamedTuple):
 
 
 def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) -> Lying:
-    """Return the motion of wires that lie on the bar with flank or end, at hub angles of shape
-    (..., passes).
+    """Return the motion of wires that lie on the bar, at hub angles of shape (..., passes).
+
+    Args:
+        passes: passes of the wires.
+        hub_angle: hub angles psi, rad.
+        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        at_end: whether a wire touches with its end rather than its flank.
     """
     chi = hub_angle - passes.bar_angle
     sine, cosine = sine_and_cosine(chi)
@@ -171,14 +193,18 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) 
 
 
 LEAST_SQUARE = 1e-60
-"""Least square of a sine or a length, against a division by zero where the wire points at the bar's
-centre."""
+"""Lower bound of the square of a sine or a length; it prevents a division by zero where the wire
+points at the bar's centre."""
 
 Turns = tuple[Array, Array, Array]
 
 
 def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
-    """Return eta and its two derivatives with sin eta = R/D, from D^2 and its two derivatives."""
+    """Return the angle eta between a wire on its flank and the vector to the bar's centre, with its
+    two derivatives.
+
+    sin eta = R/D; ``square``, ``square_1`` and ``square_2`` are D^2 and its two derivatives.
+    """
     foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
     factor = -0.5 * passes.reach / (square * np.sqrt(foot))
     bent = square_2 - square_1**2 * (1.0 / square + 0.5 / foot)
@@ -186,7 +212,10 @@ def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Arr
 
 
 def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
-    """Return eta and its two derivatives with cos eta = (D^2 + 1 - R^2)/(2 D), from D^2 and its two
+    """Return the angle eta between a wire on its end and the vector to the bar's centre, with its
+    two derivatives.
+
+    cos eta = (D^2 + 1 - R^2)/(2 D); ``square``, ``square_1`` and ``square_2`` are D^2 and its two
     derivatives.
     """
     rest = 1.0 - passes.reach**2
@@ -201,8 +230,9 @@ def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array
 
 
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
-    """Return whether friction locks a wire on the bar: a normal force with its friction does not
-    push it away.
+    """Return whether friction locks each wire on the bar.
+
+    A wire is locked if a normal force together with its friction force does not push it off.
     """
     touch = levers(passes, pose_of(hub_angle, angle, rate))
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential

@@ -1,5 +1,5 @@
-"""Roots of many functions at once, within brackets: Newton's method, or the secant method where no
-slopes are known.
+"""Roots of many functions at once, each within a bracket, by Newton's method, or by the secant
+method where derivatives are unknown.
 """
 
 from __future__ import annotations
@@ -11,24 +11,27 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.passes.state import Chosen
 
-MOST_EVALUATIONS = 120  # largest number of evaluations for a root
+MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
 HALVING = 8
-"""Number of evaluations after which a bracket is halved, against steps that creep along it."""
+"""Every eighth evaluation is at the middle of the bracket, as steps may creep along the bracket."""
 
 LAST_STEP = 1e-7
-"""Step of Newton's method, rad, after which the error is its square: rounding."""
+"""Length of the last Newton step, rad: the remaining error is about its square, which is below
+rounding error."""
 
 LAST_SECANT = 1e-4
-"""Longest secant, rad, that is a tangent.
+"""Longest secant, rad, that may give the last step.
 
-The value at the end of a longer one may be so large that the step is nothing."""
+The value at the end of a longer secant may be so large that the step is tiny far from the root."""
 
 ROOT_ROUNDING = 5e-16
-"""Half-width of the last bracket of a root, rad: rounding of hub angles of some radians."""
+"""Half-width of the narrowest bracket of a root, rad: the rounding error of hub angles of some
+radians."""
 
 Function = Callable[[Array], tuple[Array, Array | None]]
-"""Function that returns values at places, and its slopes there where they are known."""
+"""Function that returns its values at given arguments, and its derivatives there, or None if it has
+no derivatives."""
 
 
 def root(
@@ -37,14 +40,16 @@ def root(
     high_value: Array,
     start: Array,
 ) -> Array:
-    """Return a root in each bracket, halving the bracket where a step leaves it.
+    """Return a root in each bracket.
+
+    A step that would leave its bracket is replaced by a halving of the bracket.
 
     Args:
-        function_of: function that returns, for the numbers of some brackets, the function whose
-            roots are in them.
+        function_of: takes the indices of some brackets, and returns the function whose roots lie in
+            these brackets.
         ends: lower and upper ends of the brackets.
-        high_value: values of the function at the upper ends; those at the lower ends have the
-            opposite sign.
+        high_value: values of the function at the upper ends. The values at the lower ends must have
+            the opposite sign.
         start: estimates of the roots.
     """
     found = start.copy()

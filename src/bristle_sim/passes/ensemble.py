@@ -1,4 +1,4 @@
-"""Passes of many tools at once, computed in blocks whose arrays fit the memory."""
+"""Passes of many tools at once, computed in blocks to limit the memory of the arrays."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ HUB_TURN = Settings().hub_turn
 BLOCK = 1 << 14
 """Number of passes that begin together.
 
-A call for fewer takes more time than its arithmetic; with more the arrays take more memory, and
-little time is saved."""
+With fewer passes the overhead of a call exceeds its arithmetic. With more passes the arrays take
+more memory, and little time is saved."""
 
-LEAST_FLYING = BLOCK // 4  # number of passes under way below which the next block begins
+LEAST_FLYING = BLOCK // 4  # the next block begins when fewer passes than this are under way
 
 UNCERTAIN = 1.0
-"""Error estimate of a pass whose course or outcome a change within the accuracy would alter."""
+"""Error estimate of a pass for which an error as small as the accuracy could alter the number of
+touches or the outcome."""
 
 REASONS = {
     MISSED: "its tip stays above the workpart",
@@ -57,7 +58,8 @@ def ensemble(
     progress: Callable[[float], None] | None = None,
     **values: Any,
 ) -> Ensemble:
-    """Compute passes of straight rigid bristles up to the strike, for arrays of keys.
+    """Compute passes of straight rigid bristles up to and including the strike, for arrays of
+    parameter values.
 
     The law of impact is the energetic one. Between contacts the equation of motion is I alpha'' + c
     alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. On the bar
@@ -75,16 +77,16 @@ def ensemble(
         hub_turn: turn of the hub after which a pass ends, rad.
         progress: function that is called with the fraction of finished passes.
         values: values of the tool's keys, such as ``friction=[0.2, 0.3]`` or ``bar_horizontal="50
-            mm"``: numbers in SI units, or texts with a unit, in arrays whose shapes broadcast
-            against each other.
+            mm"``. A value is a number in SI units or a text with a unit. The shapes of the arrays
+            must broadcast against each other.
 
     Returns:
         The passes, in arrays of the broadcast shape. A tool that is out of range, or not computable
-        by this method, has the outcome *refused*, the reason, and NaN for numbers.
+        by this method, has the outcome *refused*, a reason, and NaN in place of numbers.
 
     Raises:
-        ValueError: in one line, for an unknown key, a text that is no value of its key, or shapes
-            that do not broadcast.
+        ValueError: for an unknown key, a text that is no value of its key, or shapes that do not
+            broadcast.
     """
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)
@@ -116,9 +118,9 @@ def ensemble(
 
 
 class Results:
-    """The results of a request's passes.
+    """Collects the results of all passes of a request.
 
-    Passes that have ended are kept until many can be recorded at once.
+    Passes that have ended wait until many can be evaluated at once.
     """
 
     def __init__(self, request: Request, accuracy: float) -> None:
@@ -130,7 +132,7 @@ class Results:
         self.waiting = list[tuple[Passes, Chosen]]()
 
     def add(self, passes: Passes, ending: Chosen) -> None:
-        """Add passes that have ended, with the codes of their ends."""
+        """Add passes that have ended; ``ending`` holds the code of the cause of each end."""
         self.waiting.append((passes, ending))
         if sum(each.size for each, _ in self.waiting) >= LEAST_FLYING:
             self._record_waiting()
@@ -142,7 +144,7 @@ class Results:
             self.waiting.clear()
 
     def _record(self, passes: Passes, ending: Chosen) -> None:
-        """Record passes that have ended."""
+        """Evaluate passes that have ended, and store their results."""
         for code, reason in REASONS.items():
             over = passes.number[ending == code]
             self.reason[over] = reason
@@ -170,7 +172,7 @@ class Results:
             self.reason[numbers[open_question]] = reason
 
     def ensemble(self) -> Ensemble:
-        """Return the results in the shape of the request."""
+        """Return all results, in arrays of the request's shape."""
         self._record_waiting()
         shape = self.request.shape
         shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
@@ -181,8 +183,8 @@ class Results:
 
 
 def _bar_measures(passes: Passes, values: dict[str, Array]) -> dict[str, Array]:
-    """Return the quantities up to the last contact with the bar, in SI units, and the error
-    estimate.
+    """Return the quantities of release and retraction, in SI units, and the error estimate of each
+    pass.
     """
     return {
         "release_time": (passes.release - passes.start) / values["hub_speed"],

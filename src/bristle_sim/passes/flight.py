@@ -1,4 +1,6 @@
-"""One step of every flight, up to the first touch within it."""
+"""One step of the hub for all bristles in flight; each bristle stops at its first touch within the
+step.
+"""
 
 from __future__ import annotations
 
@@ -22,33 +24,38 @@ from bristle_sim.passes.motion import (
 from bristle_sim.passes.state import Chosen, Passes, Place
 
 NOTHING, BAR, WORKPART, HUB = range(4)
-"""Codes of touches at the end of a step; a wire that folds back by a quarter turn lies on the
-hub."""
-
-LEAST_BEND = 0.1
-"""Least reach of the bar, over the bristle's length, that shortens the parts of a step."""
+"""Codes of the obstacle that a wire touches at the end of a step; HUB is a wire folded by a quarter
+turn, which lies on the hub."""
 
 BEND = 0.5
-"""Longest path of the wire's end in a part of a step near the bar, over the bar's reach."""
+"""Longest path of the wire's end in a segment of a step near the bar, over the distance of the
+wire's centre line from the bar's centre at a touch."""
+
+LEAST_BEND = 0.1
+"""Lower bound of this distance, over the bristle's length: a thinner bar does not shorten the
+segments further."""
 
 FASTER = 1.5
-"""Bound of a gap's rate within a step, over the largest rate at the ends of the parts."""
+"""Assumed upper bound of a gap's rate within a step, over its largest rate at the ends of the
+segments."""
 
-EDGE = 1e-9  # largest distance of a hub angle outside the bar's window that is within it, rad
-# Least depth at which a wire that has just left the bar is on it again, over the bristle's length.
+EDGE = 1e-9  # tolerance, rad, within which a hub angle counts as inside the bar's window
+# Least overlap, over the bristle's length, at which a wire that has just left the bar touches again
 HOP_ROUNDING = 1e-14
 
 Gap = Callable[[Array], tuple[Array, Array]]
-"""Function that returns the gaps at steps, and their rates."""
+"""Function of the hub's turn since the start of the step, rad; it returns the gaps and their
+rates."""
 
 
 class Search(NamedTuple):
-    """The first closings of gaps within a step.
+    """The instant in a step at which each gap first closes, and the closest near miss before it.
 
     Attributes:
-        place: hub's turn up to the closing, rad; infinite where the gap stays open.
-        margin: least gap at a minimum before, over the bristle's length; infinite without a
-            minimum.
+        place: turn of the hub from the start of the step to the closing, rad; infinite if the gap
+            stays open.
+        margin: smallest minimum of the gap before the closing, over the bristle's length; infinite
+            if the gap has no minimum.
     """
 
     place: Array
@@ -56,11 +63,11 @@ class Search(NamedTuple):
 
 
 def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
-    """Advance every flight by one step.
+    """Advance every bristle in flight by one step, or to its first touch within the step.
 
     Returns:
-        Codes of the touches at the end of the step, and the least gap that each wire passed without
-        a touch.
+        The code of the touch at the end of the step, and the smallest gap at which each wire passed
+        an obstacle without a touch, over the bristle's length.
     """
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
@@ -98,10 +105,10 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
-    """Return the steps, and the numbers of the passes near the bar.
+    """Return the length of each pass's step, rad, and the indices of the passes near the bar.
 
-    A step ends at the end of the pass, or where the wire begins to reach the bar. Near the bar it
-    is so short that a gap has at most one minimum in each of its parts.
+    A step ends at the latest with the pass, or where the wire begins to reach the bar. Near the bar
+    a step is so short that the gap has at most one minimum in each segment of the step.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     outside = np.abs(chi) > passes.window + EDGE
@@ -118,12 +125,12 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
 
 
 def _gaps(obstacle: int, passes: Passes, course: Course, chosen: Chosen) -> Callable[[Chosen], Gap]:
-    """Return the function that returns, for the numbers of some of the chosen passes, their gap to
-    an obstacle over the step.
+    """Return a function that selects some of the chosen passes by index, and returns their gap to
+    an obstacle as a function of the hub's turn.
     """
 
     def gap_of(numbers: Chosen) -> Gap:
-        """Return the gap of the passes with some numbers over the step."""
+        """Return the gap of the selected passes as a function of the hub's turn."""
         place = passes.place(chosen[numbers])
         own = course.take(chosen[numbers])
         return lambda step: clearance(obstacle, place, own.pose_at(step))
@@ -132,8 +139,8 @@ def _gaps(obstacle: int, passes: Passes, course: Course, chosen: Chosen) -> Call
 
 
 def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array, Array]:
-    """Return the gap to an obstacle, over the bristle's length, and its rate, per radian of the
-    hub.
+    """Return the gap between wire and obstacle, over the bristle's length, and the derivative of
+    the gap with respect to the hub angle.
     """
     if obstacle == BAR:
         found = closest(passes, pose)
@@ -145,16 +152,17 @@ def clearance(obstacle: int, passes: Passes | Place, pose: Pose) -> tuple[Array,
 def first_closing(
     gap_of: Callable[[Chosen], Gap], gaps: Array, rates: Array, step: Array, leaving: Chosen
 ) -> Search:
-    """Find the first closing of each gap within a step.
+    """Find the instant in a step at which each gap first closes.
 
-    A part of the step has a closing if the gap is closed at its end, or if a minimum located in it
-    is not positive.
+    A gap closes in a segment of the step if it is closed at the segment's end, or if its minimum
+    within the segment is negative.
 
     Args:
-        gap_of: function that returns, for the numbers of some passes, their gap over the step.
-        gaps, rates: gaps and their rates at FRACTIONS of the step.
-        step: steps, rad.
-        leaving: whether the gap begins at zero.
+        gap_of: takes the indices of some passes, and returns their gap as a function of the hub's
+            turn.
+        gaps, rates: gaps and their rates at the ends of the segments, shape (segments + 1, passes).
+        step: lengths of the steps, rad.
+        leaving: whether the wire has just left the obstacle, so that the gap begins at zero.
     """
     width = step / INTERVALS
     with np.errstate(invalid="ignore"):  # without a workpart the gap is infinite
@@ -213,11 +221,10 @@ def _closing(
     slopes: tuple[Array, Array],
     leaves: Chosen,
 ) -> Array:
-    """Return the places where gaps close between two ends.
+    """Return the turn of the hub, rad, at which each gap closes between two ends of a bracket.
 
-    Newton's method begins at the root of the cubic through the inverse function's values and slopes
-    at the ends. A gap that begins at zero is divided by the step, so that only its next zero
-    remains.
+    Newton's method starts from inverse cubic interpolation of the gaps and their rates at the ends.
+    A gap that begins at zero is divided by the turn, so that only its next zero remains.
     """
 
     def value_of(numbers: Chosen) -> Function:
@@ -248,9 +255,10 @@ def _lowest(
     slopes: tuple[Array, Array],
     hop: Array,
 ) -> Array:
-    """Return the places where gaps are least between two ends.
+    """Return the turn of the hub, rad, at which each gap is smallest between two ends of a bracket.
 
-    The place is where the rate changes its sign, or the minimum of a hop's cubic.
+    At the minimum the gap's rate is zero. ``hop`` gives the minimum of a gap that begins at zero,
+    and is NaN for all other gaps.
     """
     turning = np.flatnonzero(np.isnan(hop))
     bottom = hop.copy()
@@ -274,10 +282,11 @@ def _lowest(
 
 
 def _hops(gaps: Array, rates: Array, width: Array) -> Array:
-    """Return the place of the minimum of a gap that begins at zero, in the first part of a step;
-    NaN if it opens.
+    """Return the turn of the hub, rad, at which a gap that begins at zero is smallest in the first
+    segment of a step.
 
-    The cubic through the part's ends gives it.
+    It is the minimum of the cubic through the gap and its rates at the segment's ends. The value is
+    NaN if this cubic has no minimum in the segment.
     """
     bend = 3.0 * gaps[1] / width**2 - (2.0 * rates[0] + rates[1]) / width
     twist = (rates[0] + rates[1]) / width**2 - 2.0 * gaps[1] / width**3
@@ -290,7 +299,9 @@ def _hops(gaps: Array, rates: Array, width: Array) -> Array:
 def _note_retraction(
     passes: Passes, course: Course, rates: Array, step: Array, place: Array
 ) -> None:
-    """Record the least angle up to the end of the step: at a minimum within it, or at its end."""
+    """Update the least relative angle of each pass, which lies at a minimum within the step or at
+    the end of the step.
+    """
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:

@@ -1,14 +1,15 @@
 """Flight of straight rigid bristles: Taylor series of their angles, in arrays.
 
-With the hub angle psi as time, lengths over the bristle's length, and alpha the angle from the
-radial direction,
+The hub angle psi is the time, and alpha is the wire's angle from the radial direction. The equation
+of motion is
 
   alpha'' = -d alpha' - k alpha - b sin alpha - g sin(psi + alpha),
 
-k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). The series of sin
-and cos follow from (sin u)' = u' cos u and (cos u)' = -u' sin u by Cauchy products. Step: A. Jorba
-and M. Zou, *A software package for the numerical integration of ODEs by means of high-order Taylor
-methods*, Experimental Mathematics 14 (2005) 99-117.
+with k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). For an angle u
+the series of sin u and cos u follow from their derivatives, u' cos u and -u' sin u, by Cauchy
+products. The step length follows A. Jorba and M. Zou, *A software package for the numerical
+integration of ODEs by means of high-order Taylor methods*, Experimental Mathematics 14 (2005)
+99-117.
 """
 
 from __future__ import annotations
@@ -21,32 +22,34 @@ from bristle_sim.arrays import Array
 from bristle_sim.passes.state import Chosen, Passes
 
 ORDER = 24
-"""Order of the series.
+"""Order of the Taylor series.
 
-The search for touches costs as much as 15 further terms, so a high order with fewer steps is
-cheaper."""
+The search for touches in a step costs as much as 15 further terms. A high order with few steps is
+therefore cheaper."""
 
 SAFETY = 0.9
-"""Length of a step over that at which the last terms of the series equal the tolerance."""
+"""Safety factor of the step: its length over the length at which the last terms of the series equal
+the tolerance."""
 
 LONGEST_STEP = 1.0
 """Longest step, rad of the hub.
 
-A bristle at rest has no other bound, and the height of its tip over the workpart is curved within a
-radian."""
+The series of a bristle at rest does not bound the step. In more than a radian the height of its tip
+could have more than one minimum in a segment of the step."""
 
 INTERVALS = 8
-"""Number of equal parts of a step; a gap has at most one minimum in a part, by assumption."""
+"""Number of equal segments of a step. A gap is assumed to have at most one minimum in a segment."""
 
 FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)[:, np.newaxis]
 FRACTION_POWERS = FRACTIONS ** np.arange(ORDER + 1)
+"""Ends of a step's segments, as fractions of the step, and the powers of these fractions."""
 
-ONE_THREAD = 1024  # columns of a product of matrices; with more, threads would wait for each other
+ONE_THREAD = 1024  # most columns of a matrix product; beyond, threads would wait for each other
 
 
 class Pose(NamedTuple):
-    """Sine and cosine of the hub angle and of the wire's absolute angle, and the rate
-    d(alpha)/d(psi).
+    """Position and rate of a wire: sine and cosine of the hub angle and of the wire's absolute
+    angle, and the relative rate d(alpha)/d(psi).
     """
 
     hub_sine: Array
@@ -57,9 +60,9 @@ class Pose(NamedTuple):
 
 
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
-    """Return sine and cosine, from the tangent of the half angle.
+    """Return sine and cosine of an angle, computed from the tangent of half the angle.
 
-    They are accurate to rounding, and take a fifth of the time of NumPy's sine and cosine.
+    They are accurate to rounding error, and take a fifth of the time of NumPy's sine and cosine.
     """
     half = np.tan(0.5 * angle)
     double = half + half
@@ -69,17 +72,18 @@ def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
 
 
 def pose_of(hub_angle: Array, angle: Array, rate: Array) -> Pose:
-    """Return the pose at a hub angle, alpha and alpha'."""
+    """Return the pose at a hub angle, a relative angle alpha and a rate d(alpha)/d(psi)."""
     return Pose(*sine_and_cosine(hub_angle), *sine_and_cosine(hub_angle + angle), rate)
 
 
 class Course(NamedTuple):
-    """A flight as series about the present hub angle.
+    """Taylor series of the motion of bristles in flight, about the present hub angle.
 
     Attributes:
-        hub_angle: present psi, rad.
-        angle: Taylor terms a_k of alpha, shape (ORDER + 1, passes).
-        rate: Taylor terms (k + 1) a_(k+1) of alpha', of the same shape, without the last.
+        hub_angle: present hub angle psi, rad.
+        angle: Taylor coefficients a_k of the relative angle alpha, shape (ORDER + 1, passes).
+        rate: Taylor coefficients (k + 1) a_(k+1) of the relative rate alpha', shape (ORDER,
+            passes).
     """
 
     hub_angle: Array
@@ -87,17 +91,17 @@ class Course(NamedTuple):
     rate: Array
 
     def take(self, chosen: Chosen) -> Course:
-        """Return the courses of the chosen passes."""
+        """Return the series of the chosen passes."""
         return Course(*(each.take(chosen, axis=-1) for each in self))
 
     def at(self, step: Array) -> tuple[Array, Array]:
-        """Return alpha and alpha' after the hub has turned by ``step``, rad."""
+        """Return the relative angle and rate after the hub has turned by ``step``, rad."""
         powers = powers_of(step)
         angle = np.einsum("kn,kn->n", self.angle, powers)
         return angle, np.einsum("kn,kn->n", self.rate, powers[:-1])
 
     def turning_at(self, step: Array) -> tuple[Array, Array]:
-        """Return alpha' and alpha'' after the hub has turned by ``step``, rad."""
+        """Return the relative rate and acceleration after the hub has turned by ``step``, rad."""
         powers = powers_of(step)[:-1]
         bend = np.einsum("kn,kn,k->n", self.rate[1:], powers[:-1], np.arange(1.0, ORDER))
         return np.einsum("kn,kn->n", self.rate, powers), bend
@@ -107,7 +111,9 @@ class Course(NamedTuple):
         return pose_of(self.hub_angle + step, *self.at(step))
 
     def sampled(self, step: Array) -> tuple[Array, Array]:
-        """Return alpha and alpha' at FRACTIONS of steps, shape (fractions, passes)."""
+        """Return the relative angles and rates at the ends of the steps' segments, shape (segments
+        + 1, passes).
+        """
         powers = powers_of(step)
         angles = np.empty((len(FRACTIONS), step.size))
         rates = np.empty_like(angles)
@@ -123,7 +129,7 @@ class Course(NamedTuple):
 
 
 def powers_of(step: Array) -> Array:
-    """Return the powers 0 to ORDER of steps, shape (ORDER + 1, passes)."""
+    """Return the powers of each step with the exponents 0 to ORDER, shape (ORDER + 1, passes)."""
     powers = np.empty((ORDER + 1, step.size))
     powers[0] = 1.0
     powers[1] = step
@@ -136,8 +142,10 @@ def powers_of(step: Array) -> Array:
 
 
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
-    """Return alpha'' of bristles without a contact; all angles and rates have the shape (...,
-    passes).
+    """Return the relative acceleration alpha'' of bristles without a contact.
+
+    All angles and rates have the shape (..., passes); derivatives are with respect to the hub
+    angle.
     """
     torque = passes.damping * rate + passes.stiffness * angle
     torque += passes.centrifugal * sine_and_cosine(angle)[0]
@@ -147,7 +155,7 @@ def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Arra
 
 
 def course_of(passes: Passes) -> Course:
-    """Return the flights as series about the present hub angles."""
+    """Return the Taylor series of the motion in flight, about the present hub angles."""
     arcs = [passes.angle]
     pulls = [-passes.stiffness, -passes.damping, -passes.centrifugal]
     if passes.heavy:
@@ -175,8 +183,8 @@ def course_of(passes: Passes) -> Course:
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
-    """Return the longest steps, rad, at which the last two terms of the rate are within the
-    tolerance.
+    """Return the length of each step, rad, such that the last two terms of the rate's series are
+    within the tolerance.
 
     The tolerance is relative to the scale of the bristle's rates.
     """

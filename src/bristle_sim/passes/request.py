@@ -1,4 +1,4 @@
-"""A tool with arrays of its keys, checked and turned into passes block by block."""
+"""Arrays of parameter values of a tool, checked and converted to passes block by block."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.units import Choice, Range, likely_key
 
-MOST_RADIANS = 1e5  # longest pass, times the fastest rate, rad; a step is some 2 rad
-OVERLAP_ROUNDING = 1e-11  # largest overlap at the start that is rounding, over the bristle's length
+MOST_RADIANS = 1e5  # upper bound of the phase of a pass's fastest motion, rad; a step covers some 2
+# Overlap at the start, over the bristle's length, up to which it counts as rounding error
+OVERLAP_ROUNDING = 1e-11
 
 Values = dict[str, Array]
 
 
 @dataclass(slots=True)
 class Request:
-    """Given arrays of a tool's keys, and the shape to which they broadcast.
+    """The arrays given for the keys of a tool, and the shape to which they broadcast.
 
     ``hub_turn`` is the turn of the hub after which a pass ends, rad. ``refused`` is the reason why
-    no such pass can be computed; it is empty if passes can.
+    all passes are refused; it is empty if the passes can be computed.
     """
 
     tool: Tool
@@ -47,7 +48,7 @@ class Request:
         return math.prod(self.shape)
 
     def at(self, numbers: Chosen) -> Values:
-        """Return the values of all keys of the passes with given numbers."""
+        """Return the values of all keys for the passes with the given indices."""
         values = {key: np.full(len(numbers), value) for key, value in key_values(self.tool).items()}
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
@@ -63,11 +64,11 @@ class Request:
 
 
 def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Request:
-    """Return the request after a check.
+    """Check the given keys, and return the request.
 
     Raises:
-        ValueError: for an unknown key, a text that is no number with a unit of the key, or shapes
-            that do not broadcast.
+        ValueError: for an unknown key, a text that is not a number with a unit of the key, or
+            shapes that do not broadcast.
     """
     tool = checked_tool(tool)
     places = {
@@ -115,8 +116,8 @@ def _array(declared: Range, value: Any) -> Array:
 
 
 def key_values(tool: Tool) -> dict[str, float]:
-    """Return the numbers of a tool by key; NaN for a number that is omitted or computed from
-    others.
+    """Return the numerical values of a tool's keys; NaN for a value that is omitted or computed
+    from other values.
     """
     found = {}
     for part, keys in tool_keys().items():
@@ -129,19 +130,21 @@ def key_values(tool: Tool) -> dict[str, float]:
 
 
 class Reasons:
-    """The reasons why passes of a block are refused; the first reason of each pass is kept."""
+    """Collects the reasons why passes of a block are refused, and keeps a pass's first reason."""
 
     def __init__(self, size: int) -> None:
         self.texts = np.full(size, "", dtype=object)
 
     def refuse(self, where: Chosen, text: str, values: Array | None = None) -> None:
-        """Refuse passes; ``text`` may have a place ``{}`` for their values."""
+        """Refuse the passes marked by ``where``; ``values`` fill the place ``{}`` in the text."""
         for number in np.flatnonzero(where & (self.texts == "")):
             self.texts[number] = text if values is None else text.format(f"{values[number]:g}")
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
-    """Return the computable passes with given numbers, and the reasons why the others are refused."""
+    """Return those passes with the given indices that can be computed, and the reasons why the
+    other passes are refused.
+    """
     values = request.at(numbers)
     reasons = Reasons(len(numbers))
     if request.refused:
@@ -176,7 +179,7 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
 
 
 def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
-    """Return passes at their starts, lengths over the bristle's, times as hub angles."""
+    """Return the passes at their starts, in dimensionless numbers."""
     tool = request.tool
     size = len(numbers)
     length = values["bristle_length"]
@@ -243,8 +246,8 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
 
 
 def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -> None:
-    """Refuse tools whose parts contradict each other, overlap an obstacle at the start, or move too
-    fast.
+    """Refuse tools with contradictory dimensions, with an overlap at the start, or with a motion
+    that takes too many steps.
     """
     if tool.workpart:
         low = ~(passes.depth > passes.radius)

@@ -41,11 +41,11 @@ DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported onl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ensemble(EqualByValue):
-    """The results of many passes in arrays of one shape; NaN where a pass lacks a number.
+    """The results of many passes, in arrays of one shape; NaN where a pass lacks a quantity.
 
     Attributes:
-        keys: given values of the tool's keys, in SI units, of shapes that broadcast to that of the
-        results.
+        keys: given values of the tool's keys, in SI units. Their shapes broadcast to the results'
+        shape.
         release_time: time of the last contact with the bar before the strike, from the start of the
         pass, s.
         release_retraction: retraction at that time, rad.
@@ -62,13 +62,14 @@ class Ensemble(EqualByValue):
         tangential_compressive_work: work of the tangential impulse up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
         final_bristle_rate: absolute rate of the wire after the strike, rad/s.
-        error_estimate: error of angle and rate at the strike, over the size of the motion. It is 1
-        if a change within the accuracy alters the course, by one touch more or less, or the
+        error_estimate: estimated error at the strike of the wire's angle, rad, and of its relative
+        rate over omega + sqrt(k_T/I). It includes the factor by which the impact magnifies an
+        error. It is 1 if an error as small as the accuracy could alter the number of touches or the
         outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
-        reason: why a pass was refused, has no strike, no release, or no valid error estimate; empty
-            otherwise.
+        reason: why a pass was refused, or why it has no strike, no release or no valid error
+            estimate; empty otherwise.
     """
 
     keys: dict[str, Array]
@@ -96,7 +97,7 @@ class Ensemble(EqualByValue):
         return self.outcome.shape
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return keys and results by name, all of the ensemble's shape."""
+        """Return the arrays of keys and results by name, all broadcast to the ensemble's shape."""
         results = {
             each.name: getattr(self, each.name)
             for each in dataclasses.fields(self)
@@ -160,8 +161,8 @@ class Ensemble(EqualByValue):
         return {key: key_unit(key) for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
-        """Return a name for each axis: that of the only key that varies along it, if this key
-        varies along no other.
+        """Return the name of each axis: a key that alone varies along this axis and varies along no
+        other axis, or ``axis_`` with the axis's index.
         """
         names = []
         for axis, size in enumerate(self.shape):

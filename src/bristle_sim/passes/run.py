@@ -1,4 +1,4 @@
-"""The loop over steps: flight, touches of the bar, motion on it, and release, until each pass ends."""
+"""A step of every pass: flight, or a touch of the bar with the motion on the bar up to release."""
 
 from __future__ import annotations
 
@@ -16,32 +16,35 @@ from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM
 
 LOCAL_FRACTION = 1e-3
-"""Local tolerance over the accuracy: the errors of a thousand steps may add up.
+"""Local tolerance of a step over the requested accuracy, as the errors of a thousand steps may add
+up.
 
-The length of a step depends weakly on it."""
+The length of a step depends only weakly on its tolerance."""
 
 MOST_TOLERANCE = 1e-9
-"""Largest local tolerance: taps magnify errors a thousandfold. At this order a larger tolerance
-saves little."""
+"""Largest local tolerance, as repeated impacts on the bar magnify errors a thousandfold.
 
-LEAST_TOLERANCE = 1e-14  # smallest local tolerance; rounding is of this size
+At the high order of the series a larger tolerance saves little time."""
+
+LEAST_TOLERANCE = 1e-14  # smallest local tolerance, the size of rounding error
 
 LOWEST_REBOUND = 1e-10
-"""Lowest hop, over the bristle's length; after a lower one the wire stays on the bar."""
+"""Height of a rebound from the bar, over the bristle's length, below which the wire stays on the
+bar."""
 
-MOST_TOUCHES = 3000  # most touches of the bar; a restitution near 1 gives endlessly many
+MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
 
-# least speed over the bristle's length, per radian, against a division by zero
+# Lower bound of a speed, over the bristle's length and per radian, against a division by zero
 LEAST_SPEED = 1e-300
-ROUNDING = 1e-15  # error of a state that follows from geometry, rad
+ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
 
 FLIES, STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS, TOUCHES = range(7)
-"""Codes of passes: in flight, ended by a strike, by the end of the hub's turn, by friction on the
-bar, by endless taps or by a fold, and those that touch the bar."""
+"""Codes of a pass's state: in flight; ended by a strike, by the end of the hub's turn, by friction
+on the bar, by endless touches, or by a fold of the wire; touching the bar."""
 
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
-    """Advance flights by one step, and return the codes of the passes."""
+    """Advance bristles in flight by one step, and return the code of each pass's new state."""
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     kind, margin = fly(passes, tolerance)
     passes.error = np.where(margin < accuracy, 1.0, passes.error)
@@ -54,13 +57,14 @@ def advance(passes: Passes, accuracy: float) -> Chosen:
 
 
 def _folds(passes: Passes) -> Chosen:
-    """Return whether wires fold back, or have folded back, by more than a quarter turn."""
+    """Return whether each wire is ahead by more than a quarter turn, or was ever behind by more."""
     return np.maximum(passes.angle, -passes.lowest) > 0.5 * math.pi
 
 
 def touch_bar(passes: Passes, accuracy: float) -> Chosen:
-    """Resolve impacts on the bar, follow the wires that stay on it to their release, and return the
-    codes of the passes.
+    """Resolve the impacts of wires on the bar, and return the code of each pass's new state.
+
+    A wire that stays on the bar is followed until it leaves the bar or the pass ends.
     """
     touch = levers(passes, pose_of(passes.hub_angle, passes.angle, passes.rate))
     rows = np.array([touch.normal, touch.tangential])
@@ -107,11 +111,21 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 def comes_to_rest(
     passes: Passes, sides: Array, at_end: Chosen, pressed: Array, parting: Array, returned: Array
 ) -> Chosen:
-    """Return whether hops come to rest while the wire is still pressed onto the bar.
+    """Return whether each wire's rebounds from the bar die out while the wire is still pressed onto
+    the bar.
 
-    The wire then lies on the bar as if it had never hopped. Hops with the initial speed v and the
-    restitution e last 2 v/(a (1 - e)) in all at an acceleration a. The pressure after twice that
-    time must be within a factor of two of the present one.
+    The wire then lies on the bar as if it had never rebounded. Rebounds that begin with the speed v
+    last 2 v/(a (1 - e)) in all, at an acceleration a towards the bar and a restitution e. After
+    twice that time the wire must touch with the same part, flank or end, and the pressure must have
+    changed by less than a factor of two.
+
+    Args:
+        passes: passes of the wires.
+        sides: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        at_end: whether a wire touches with its end rather than its flank.
+        pressed: acceleration a.
+        parting: speed v.
+        returned: restitution e.
     """
     lost = pressed * (1.0 - returned)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
@@ -124,8 +138,11 @@ def comes_to_rest(
 
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
-    """Return whether wires that lie on the bar at given hub angles touch it with their ends, D^2 >
-    1 + R^2.
+    """Return whether a wire that lies on the bar at a given hub angle touches it with its end
+    rather than its flank.
+
+    This is so where D^2 > 1 + R^2. D is the distance of the root from the bar's centre and R the
+    bar's radius plus the wire's, both over the bristle's length.
     """
     chi = hub_angle - passes.bar_angle
     square = (

@@ -1,4 +1,6 @@
-"""Motion of wires on the bar: geometry gives it, and it ends where the contact force falls to zero."""
+"""Motion of wires that lie on the bar. Geometry gives the motion, and the wire leaves the bar where
+the contact force falls to zero.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,14 @@ from bristle_sim.passes.motion import FRACTIONS, INTERVALS, pose_of
 from bristle_sim.passes.state import Chosen, Passes
 
 RELEASED, STRIKES, JAMMED, FOLDED = range(4)
-"""Codes of the ends of a contact: no force is left, the tip reaches the workpart, friction locks
-it, the wire folds back."""
+"""Codes of the cause that ends a contact with the bar: the force falls to zero, the tip reaches the
+workpart, friction locks the wire, or the wire folds by a quarter turn."""
 
 
 def slide(passes: Passes, side: Array) -> Chosen:
-    """Advance wires that lie on the bar to the end of the contact, and return the code of this end."""
+    """Advance wires that lie on the bar to the end of the contact, and return the code of the cause
+    of this end.
+    """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     flank = flank_window(passes)
     ending = np.full(passes.size, -1)
@@ -41,13 +45,20 @@ def slide(passes: Passes, side: Array) -> Chosen:
 
 
 def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
-    """Follow wires over a turn of the hub, up to the end of the contact.
+    """Follow wires on the bar over a turn of the hub in which they touch with their flanks alone or
+    with their ends alone.
 
-    In one part of the turn a pressure that falls to zero does not rise again, by assumption. The
-    contact of a ``fresh`` wire has just been found to press.
+    In one segment of the turn a pressure that falls to zero is assumed not to rise again.
+
+    Args:
+        passes: passes of the wires; their states advance.
+        length: turn of the hub, rad.
+        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        at_end: whether the wires touch with their ends.
+        fresh: whether a wire begins here, where its pressure is known to be positive.
 
     Returns:
-        Codes of the ends of the contacts; -1 for a contact that continues.
+        The code of the cause that ends each contact, or -1 for a contact that continues.
     """
     start = passes.hub_angle
     turns = FRACTIONS * length
@@ -114,7 +125,9 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
 def _note_retraction(
     passes: Passes, turns: Array, rates: Array, place: Array, side: Array, at_end: bool
 ) -> None:
-    """Record the least angle at a minimum on the bar before the contact ends."""
+    """Update the least relative angle of each pass by its minimum on the bar before the contact
+    ends.
+    """
     turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (turns[:-1] < place)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:

@@ -1,5 +1,5 @@
-"""Passes in dimensionless numbers: lengths over the bristle's, times as hub angles, moments over
-the bristle's inertia.
+"""Passes in dimensionless numbers: lengths are over the bristle's length, the hub angle is the
+time, and moments are over the bristle's moment of inertia.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 
 Chosen = NDArray[Any]
-"""Numbers of passes, a mask of passes, or codes by pass."""
+"""Indices of passes, a Boolean mask of passes, or an integer code for each pass."""
 
 
 class Place(NamedTuple):
-    """The columns of passes on which gaps depend."""
+    """Geometry that decides the gaps of wires to bar and workpart; the attributes are those of
+    ``Passes``.
+    """
 
     radius: Array
     bar_x: Array
@@ -29,30 +31,32 @@ class Place(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Passes:
-    """Bristles in flight; every attribute is an array of shape (passes,).
+    """State and constants of passes under way; every attribute is an array of shape (passes,).
 
     Attributes:
-        number: place of each pass in the request.
-        radius: r_h/L.
-        stiffness, damping, centrifugal, gravity: k, d, b and g of the module ``motion``.
+        number: index of each pass in the request.
+        radius: radius of the hub, r_h/L.
+        stiffness, damping, centrifugal, gravity: coefficients k, d, b and g of the equation of
+            motion in the module ``motion``.
         rate_scale: scale of the rates, 1 + sqrt(k).
-        bar_distance: distance of the bar's centre from the hub's, S/L.
-        bar_angle: direction of the bar's centre as a hub angle, rad.
+        bar_distance: distance of the bar's centre from the hub's axis, S/L.
+        bar_angle: hub angle at which the root is nearest to the bar's centre, rad.
         bar_x, bar_y: position of the bar's centre, over L.
-        reach: distance of the centre line from the bar's centre at a touch, (r_b + d/2)/L.
+        reach: distance of the wire's centre line from the bar's centre at a touch, (r_b + d/2)/L.
         wire_radius: radius of the wire, d/(2 L).
         bar_friction, bar_restitution: coefficients at the bar.
         window: half the turn of the hub in which the wire reaches the bar, rad; negative if it
         never does.
         depth: depth of the workpart below the hub's centre, over L; infinite without a workpart.
         start, end: hub angles at which the pass starts and ends, rad.
-        hub_angle, angle, rate: present psi, alpha and d(alpha)/d(psi).
+        hub_angle, angle, rate: present hub angle psi, relative angle alpha and rate
+            d(alpha)/d(psi).
         touching: whether the wire has just left the bar, so that the gap begins at zero.
-        touches: number of touches of the bar.
-        release, release_angle: psi and alpha at the last contact with the bar; NaN before the first
-        contact.
-        lowest: least alpha so far, rad.
-        error: estimated error of angle and of rate over ``rate_scale``.
+        touches: number of touches of the bar so far.
+        release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
+            NaN before the first contact.
+        lowest: least relative angle so far, rad.
+        error: estimated error of the relative angle, rad, and of the rate over ``rate_scale``.
     """
 
     number: Chosen
@@ -99,11 +103,11 @@ class Passes:
         return Passes(*(each[chosen] for each in self._columns()))
 
     def place(self, chosen: Chosen) -> Place:
-        """Return the columns of the chosen passes on which gaps depend."""
+        """Return the geometry that decides the gaps of the chosen passes."""
         return Place(*(getattr(self, name)[chosen] for name in Place._fields))
 
     def put(self, chosen: Chosen, some: Passes) -> None:
-        """Write the state of some passes back to the chosen places."""
+        """Copy the state of ``some`` passes to the chosen passes of this object."""
         for name in STATE:
             getattr(self, name)[chosen] = getattr(some, name)
 

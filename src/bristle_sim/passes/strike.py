@@ -24,16 +24,16 @@ OUTCOMES = (
 REBOUNDS, REVERSES, STICKS, STAYS, JAMS, MISSES, REFUSED = range(len(OUTCOMES))
 """Outcomes of a pass in words, and their codes."""
 
-LEAST_SPEED = 1e-300  # least normal speed, against a division by zero
+LEAST_SPEED = 1e-300  # lower bound of a speed or an impulse, against a division by zero
 
 
 class Blow(NamedTuple):
-    """The impact of a tip.
+    """The impact of each tip on the workpart.
 
     Attributes:
-        normal, tangential: velocity of the tip before the impact, m/s.
+        normal, tangential: velocity components of the tip before the impact, m/s.
         impact: result of the impact law.
-        gain: change of the wire's rate, rad/s.
+        gain: change of the wire's rate in the impact, rad/s.
         outcome: code of the outcome.
     """
 
@@ -45,15 +45,17 @@ class Blow(NamedTuple):
 
 
 def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[str, Array]:
-    """Return the state at the strike, the impulses, and rate and outcome after it, in SI units.
+    """Return the state at the strike, the impulses, the rate after the strike, and the outcome, in
+    SI units.
 
-    The law is evaluated a second time for a state that is off by the accuracy. The change of the
-    impulse shows how much the impact magnifies an error. If the outcome changes, the error estimate
-    is 1.
+    The impact law is evaluated a second time, for a state perturbed by the accuracy. The relative
+    change of the normal impulse shows how much the impact magnifies an error. The error estimate is
+    1 if the perturbation changes the outcome, or if the tip comes down so slowly that the accuracy
+    decides whether it touches.
 
     Args:
         passes: passes whose tips are at the workpart.
-        values: values of the tools' keys.
+        values: values of the tool's keys for each pass.
         accuracy: requested relative accuracy.
     """
     speed = values["hub_speed"]
@@ -97,8 +99,8 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
 
 
 def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
-    """Return the impact of a wire whose angle, and rate over its scale, are off by the number
-    ``off``.
+    """Return the impact of each wire, with its angle perturbed by ``off`` rad and its rate by
+    ``off`` times the scale of the rates.
     """
     length = values["bristle_length"]
     turn = passes.hub_angle + passes.angle + off
@@ -129,9 +131,10 @@ def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
 
 
 def outcome_codes(impact: Impact, tangential: Array) -> Chosen:
-    """Return the codes of the outcomes.
+    """Return the code of each pass's outcome.
 
-    A tip reverses its slip, or sticks, if it does so in a phase with an impulse.
+    A tip counts as reversing its slip, or as sticking, only if it does so in a phase with a
+    positive impulse.
     """
     active = impact.phase_impulse > 0.0
     sense = np.sign(tangential)[:, np.newaxis]
