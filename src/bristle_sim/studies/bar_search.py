@@ -96,7 +96,7 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
     """Return the direction of the bar for a radial strike, and that strike.
 
-    Of several directions it is the one nearest to the formula with centrifugal stiffening.
+    Of several directions it is the one nearest to the direction by ``stiffened_direction``.
 
     Raises:
         NotCuedError: if no direction gives a radial strike; the message has the range of the lags.

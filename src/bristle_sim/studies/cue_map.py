@@ -1,8 +1,10 @@
 """The best directions of the bar by simulation, compared with formulas and printed values; and maps
 over the bar's position.
 
-By the dissertation one direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), gives a strike that is
-both radial and fastest.
+By the dissertation a single direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), gives a strike
+that is both radial and fastest. A is the angle by which the tip lags the root, seen from the hub's
+centre, at the release; theta_1 is the angle that the hub turns until the bristle is fastest; gamma
+is the impact angle.
 """
 
 from __future__ import annotations
@@ -72,11 +74,13 @@ class CueMap:
 def cue_map(
     tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True
 ) -> Report:
-    """Find the directions of the bar for a radial strike and for the highest tip speed, and compare them.
+    """Find the directions of the bar for a radial strike and for the highest tip speed, and compare
+    them.
 
     Raises:
         NotCuedError: if no direction gives a radial strike.
-        ValueError: if the tool has no bar or workpart, a wire that bends, or a bar whose distance allows no retraction.
+        ValueError: if the tool has no bar or workpart, the wire bends, or the bar is at a distance
+            at which it does not retract the bristle.
     """
     require_rigid(tool)
     started = clock.perf_counter()

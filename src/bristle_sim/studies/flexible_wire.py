@@ -87,8 +87,9 @@ class FlexibleStrike:
     def stiffness(self) -> float:
         """Stiffness of the contact, N/m.
 
-        It follows from the contact's duration and the rigid bristle's normal inverse mass at the
-        tip, K_nn = L^2 sin^2(gamma)/I.
+        It follows from the contact's duration and the rigid bristle's inverse normal mass at the
+        tip, K_nn = L^2 sin^2(gamma)/I, with its length L, its inertia I about the root, and the
+        impact angle gamma.
         """
         bristle = self.tool.bristle
         part = self.tool.workpart
@@ -281,9 +282,9 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Simulate the strikes for the figure of the study.
 
-    At each of the contact ``stiffnesses``, in durations over the requested duration, wires of 2, 4
-    and 8 links strike. At the requested stiffness wires of every number of links up to the tool's
-    strike.
+    ``stiffnesses`` are contact stiffnesses, given as durations of the rigid bristle's contact over
+    the requested duration. On each of them wires of 2, 4 and 8 links strike. On the requested
+    stiffness wires of every number of links up to the tool's number strike.
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)

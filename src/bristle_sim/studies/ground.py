@@ -254,8 +254,10 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
 
 
 def _avrami(coverage: float) -> float:
-    """Return the areal ratio A = -ln(1 - coverage), the area of all craters over the ground's area,
-    at which randomly placed craters cover a fraction.
+    """Return the areal ratio at which randomly placed craters cover a fraction of the ground, A =
+    -ln(1 - coverage).
+
+    The areal ratio is the area of all craters over the area of the ground.
     """
     return -math.log1p(-coverage)
 

@@ -139,7 +139,8 @@ def least_pitch(
 
     Args:
         lone: motion of the lone bristle, which starts at rest relative to the hub.
-        wire_diameter: diameter of the wires, m; wires touch if their centre lines are as close.
+        wire_diameter: diameter of the wires, m; they touch where their centre lines are no farther
+            apart.
         until: instant up to which touches count, s.
         of_follower: whether ``until`` is an instant of the follower's own pass, which is later by
             the pitch, and not of the pass of the bristle in front.
@@ -178,10 +179,10 @@ def least_pitch(
 
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches up to the instants of a pass, in ascending order of the
-    pitch.
+    """Return three theoretical least pitches, in ascending order.
 
-    Their values are None if ``unsearched`` gives a reason.
+    Above them wires do not touch until the bristle in front strikes, until the follower strikes,
+    and in the whole pass. Their values are None if ``unsearched`` gives a reason.
     """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()

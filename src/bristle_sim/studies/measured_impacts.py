@@ -96,7 +96,8 @@ class Ellipse:
         return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
 
     def misfit(self, impulse: Array) -> Array:
-        """Return the relative error of the velocity after each impact that an impulse gives.
+        """Return the relative error of the velocities after each impact that an impulse, N s, shape
+        (n, 2), predicts.
 
         It is |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
         """
@@ -106,8 +107,11 @@ class Ellipse:
         return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
 
     def best_impulse(self) -> Array:
-        """Return the impulse at the contact point that comes nearest to the measured velocities
-        after each impact, in the norm of the kinetic energy.
+        """Return the impulse at the contact point whose predicted velocities after each impact are
+        nearest to the measured ones.
+
+        The distance is measured in the norm of the kinetic energy. The impulses are (normal,
+        tangential), N s, shape (n, 2).
         """
         change = np.einsum("kij,kj->ki", self.jacobian, self.after - self.before)
         return np.linalg.solve(self.inverse_mass, change[..., None])[..., 0]
@@ -168,10 +172,11 @@ It runs in a process of its own, since SciPy's reader may crash on a damaged fil
 def read_ellipse(path: str) -> Ellipse:
     """Read the measured impacts of the ellipse from a file, with their contact Jacobians.
 
-    Only impacts whose flags are all 0 are read. The ellipse's angle in the file is clockwise. An
-    ellipse of half axes a and b, turned by that angle, touches the floor at a height h = sqrt(a^2
-    sin^2 + b^2 cos^2) below its centre, and at x = (a^2 - b^2) sin cos/h from it. The velocity of
-    the contact point is v_n = v_y - x w and v_t = v_x - h w, with the angular velocity w.
+    Only impacts whose flags are all 0 are read. The ellipse's angle phi in the file is clockwise.
+    An ellipse of half axes a and b, turned by phi, touches the floor at the height h = sqrt(a^2
+    sin^2 phi + b^2 cos^2 phi) below its centre, and at x = (a^2 - b^2) sin phi cos phi/h from it.
+    The velocity of the contact point is v_n = v_y - x w and v_t = v_x - h w, with the angular
+    velocity w.
 
     Raises:
         ValueError: if the file does not exist or has fewer than four impacts of finite numbers.

@@ -141,7 +141,7 @@ def surface(
 
     Args:
         tool: the tool; the dissertation's by default. A pass of it gives the strike, unless
-            ``crater`` does.
+            ``crater`` is given.
         crater: speed and angle of the strike, and the cutting properties of tip and workpart. By
             default speed and angle are those of the pass, and the cutting properties those of the
             dissertation.
@@ -179,7 +179,8 @@ def first_crater(
 ) -> CraterBody:
     """Return the shape of the first crater.
 
-    It is a paraboloid if any of its sizes is given, else the volume that the tip sweeps.
+    It is the volume that the tip sweeps. If a size of the crater is given, it is a paraboloid
+    instead; sizes that are not given are those of the swept volume.
 
     Raises:
         ValueError: if the tool has no strike that cuts.

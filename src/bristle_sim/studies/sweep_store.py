@@ -33,7 +33,7 @@ BLOCK = 4096  # Largest number of points in a chunk, which is one file
 GROUP = "zarr.json"  # Name of the file that describes a group or an array, in its folder
 
 
-NOT_COMPUTED = "not computed"  # Reason of failure of points that are still to be computed
+NOT_COMPUTED = "not computed"  # Reason for failure of points that are still to be computed
 
 
 class Results:
@@ -65,7 +65,7 @@ class Results:
         return np.asarray(self.arrays[FAILURE] == NOT_COMPUTED)
 
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
-        """Write the results of some points, and then their reasons of failure.
+        """Write the results of some points, and then their reasons for failure.
 
         A point counts as not computed until its reason, which may be empty, is written.
 
@@ -167,7 +167,7 @@ class SweepStore(Results):
     def missing(self, again: str = "") -> NDArray[np.bool_]:
         """Return which points of the grid must be computed, as an array of booleans.
 
-        If ``again`` is not empty, points whose reason of failure begins with it are included.
+        If ``again`` is not empty, points whose reason for failure begins with it are included.
         Points that were damaged or lost are logged.
 
         Raises:

@@ -22,7 +22,7 @@ from bristle_sim.studies.sweep_point import Function, Outcome, Point, evaluate_p
 LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
 WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
 ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
-# First words of the reason of failure of points that the next call on a store computes again
+# First words of the reason for failure of points that the next call on a store computes again
 LOST = "lost with its worker"
 # Environment variables of the libraries that start threads of their own
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")

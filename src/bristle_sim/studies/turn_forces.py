@@ -63,15 +63,16 @@ def load_cell_response(
     """Return the normal force that a load cell shows at given times, N, if the forces repeat
     periodically.
 
-    An impact J at the time s before contributes J h(s + k T) for k = 0, 1, ... with the period T.
-    The sum is a geometric series in exp(p T), where p is the filter's pole. A sustained force is
-    divided into parts shorter than half a period and 1/|p|; each part is integrated with exp(p t).
+    An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where tau is the time since
+    its last repetition and T the period. The sum is a geometric series in exp(p T), where p is the
+    filter's pole. A sustained force is divided into parts shorter than half a period and 1/|p|;
+    each part is integrated with exp(p t).
 
     Args:
         forces: forces within one period.
         period: time after which the forces repeat, s.
         bandwidth: bandwidth of the load cell, Hz.
-        times: times at which the response is wanted, s.
+        times: times at which the response is computed, s.
     """
     pole = 2.0 * math.pi * bandwidth * complex(-1.0, 1.0) / math.sqrt(2.0)
     state = np.zeros(len(times), dtype=complex)

@@ -296,8 +296,8 @@ def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:
-    """Return the reason and the time, s, at which a run stopped, and the advice how to make it go
-    further, for the JSON.
+    """Return the fields for the JSON on the end of a run: its reason, its time, s, and advice on
+    how to make the run go on.
     """
     return {
         "reason": str(run.stop_reason),
