@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import re
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
+from bristle_sim.cli.options import Parser
 from bristle_sim.cli.output import print_error, print_line
 from bristle_sim.cli.scripts import load_scenario, main_scenario, script_paths
 from bristle_sim.units import likely_key
@@ -87,12 +87,10 @@ def _command(name: str, given: Sequence[str]) -> int:
     }[name]
     about = COMMANDS[name].partition(":")[0]
     program = f"{PROGRAM} {name}"
-    parser = argparse.ArgumentParser(
-        prog=program, description=f"{about.capitalize()}.", allow_abbrev=False, exit_on_error=False
-    )
+    parser = Parser(prog=program, description=f"{about.capitalize()}.", allow_abbrev=False)
     try:
         return run_command(main_scenario(), parser, given)
-    except (ValueError, OSError, argparse.ArgumentError) as error:
+    except (ValueError, OSError) as error:
         print_error(f"{program}: error: {error}")
         return BAD_INPUT
     except KeyboardInterrupt:

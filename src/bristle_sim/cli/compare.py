@@ -9,16 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.cli.output import csv_text, format_value, print_line, write_text
+from bristle_sim.cli.options import add_options, files_of, write_files
+from bristle_sim.cli.output import csv_text, format_value, print_line
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.files import checked_target
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.units import displayed
-
-SUFFIXES = {"report": (".html",), "plot": (".png", ".svg", ".pdf"), "csv": (".csv",)}
-"""File suffixes that each option accepts."""
 
 LEAST_PART = 1e-6  # a value that is a smaller fraction of the other one is rounding, without a relative difference
 
@@ -35,17 +32,9 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     """
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
-    parser.add_argument(
-        "--report", metavar="FILE.html", help="write a page with the numbers and the pictures"
-    )
-    parser.add_argument("--plot", metavar="FILE", help="draw the motions of both (PNG, SVG, PDF)")
-    parser.add_argument("--csv", metavar="FILE.csv", help="write the numbers of both, in SI units")
+    add_options(parser, "report", "plot", "csv")
     options = parser.parse_args(arguments)
-    targets = {
-        name: checked_target(given, suffixes, option=f"--{name}")
-        for name, suffixes in SUFFIXES.items()
-        if (given := getattr(options, name)) is not None
-    }
+    targets = files_of(options)
     names = (Path(options.first).stem, Path(options.second).stem)
     one, two = (
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
@@ -72,19 +61,19 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     keys = aligned([head, *(changed or [["no key differs", "", "", ""]])], 1)
     quantities = aligned([["quantity", "unit", *names, "difference"], *rows], 2)
     verdict = _verdict(names, reports)
-    print_line("\n".join([verdict, *answers, "", *keys, "", *quantities]))
-    for name, target in targets.items():
-        if name == "csv":
-            columns: dict[str, list[Any]] = {
-                "quantity": [each.name for each in shown],
-                "unit": [each.unit for each in shown],
-                names[0]: [each.simulated for each in shown],
-                names[1] + " (second)" * (names[0] == names[1]): [
-                    others[each.name].simulated for each in shown
-                ],
-            }
-            write_text(target, csv_text(columns).removesuffix("\n"))
-        elif name == "plot":
+    columns: dict[str, list[Any]] = {
+        "quantity": [each.name for each in shown],
+        "unit": [each.unit for each in shown],
+        names[0]: [each.simulated for each in shown],
+        names[1] + " (second)" * (names[0] == names[1]): [
+            others[each.name].simulated for each in shown
+        ],
+    }
+    numbers = csv_text(columns).removesuffix("\n")
+
+    def write(option: str, target: Path) -> None:
+        """Draw the picture or write the page."""
+        if option == "plot":
             from bristle_sim.render.pass_figure import pair_figure
             from bristle_sim.render.style import save_figure
 
@@ -93,7 +82,10 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
             from bristle_sim.render.report import write_comparison
 
             write_comparison(target, names, reports, changed, rows, verdict)
-        print_line(f"--{name}: wrote {target}")
+
+    write_files(targets, {"plot": write, "report": write, "csv": numbers})
+    text = "\n".join([verdict, *answers, "", *keys, "", *quantities])
+    print_line(numbers if options.csv == "-" else text)
     return 0
 
 

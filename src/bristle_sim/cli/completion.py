@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import argcomplete
 
-from bristle_sim.cli.main import parser_of
+from bristle_sim.cli.options import parser_of
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.units import Choice
 

@@ -7,12 +7,13 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from bristle_sim.cli.main import MISSED
-from bristle_sim.cli.output import json_of, print_error, print_line, write_text
+from bristle_sim.cli.options import add_options, files_of, write_files
+from bristle_sim.cli.output import json_of, print_error, print_line
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
-from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
@@ -22,11 +23,8 @@ OPTIONS = {
     "want": ("QUANTITY=VALUE", "a quantity of cue_and_impact that the pass must have"),
     "vary": ("KEY=FROM:TO", "a key of the tool and the range of its values"),
     "max": ("KEY=VALUE", "upper limit of a quantity, or of a key that is varied"),
-    "set": ("KEY=VALUE", "another key of the tool"),
 }
 """Metavariable and help of options that may be repeated."""
-
-FILES = {"json": (), "plot": (".png", ".svg", ".pdf"), "write_tool": (".toml",)}
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -41,45 +39,39 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         parser.add_argument(f"--{name}", metavar=metavar, action="append", default=[], help=words)
     parser.add_argument("--minimize", metavar="QUANTITY", default="")
     parser.add_argument("--maximize", metavar="QUANTITY", default="")
-    parser.add_argument("--parameters", metavar="FILE.toml", help="read the tool from a file")
-    parser.add_argument("--write-tool", metavar="FILE.toml", help="write the tool that was found")
-    parser.add_argument("--json", metavar="FILE|-", help="write the answer as JSON")
-    parser.add_argument("--plot", metavar="FILE", help="draw the trade-off of conflicting wants")
+    add_options(parser, "set", "parameters", "write_tool", "json", "plot")
     options = parser.parse_args(arguments)
-    targets = {
-        name: checked_target(path, kinds, option=f"--{name.replace('_', '-')}")
-        for name, kinds in FILES.items()
-        if (path := getattr(options, name)) not in (None, "-")
-    }
+    targets = files_of(options)
     given = [] if options.parameters is None else pass_of.assignments_from(options.parameters)[0]
     values = pass_of.values_of([*given, *options.set])
     found = design(
         build_parameters(Tool, values),
         want=_pairs("--want", options.want),
-        vary={key: text.split(":") for key, text in _pairs("--vary", options.vary).items()},
+        vary={key: _ends(key, text) for key, text in _pairs("--vary", options.vary).items()},
         at_most=_pairs("--max", options.max),
         minimize=options.minimize,
         maximize=options.maximize,
     )
     text = json_of("design", found.answer, values, **_fields(found, values))
-    if "write_tool" in targets:
-        write_tool(found.tool, targets["write_tool"])
-    if "json" in targets:
-        write_text(targets["json"], text)
-    if "plot" in targets and not found.trade_off:
-        print_error("--plot: left out, as no two wants conflict")
+    if not found.trade_off and "plot" in targets:
         del targets["plot"]
-    if "plot" in targets:
-        from bristle_sim.render.style import save_figure
+        print_error("--plot: left out, as no two wants conflict")
 
-        save_figure(found.plot(), targets["plot"])
+    def write(option: str, target: Path) -> None:
+        """Draw the trade-off or write the tool."""
+        if option == "plot":
+            from bristle_sim.render.style import save_figure
+
+            save_figure(found.plot(), target)
+        else:
+            write_tool(found.tool, target)
+
+    write_files(targets, {"plot": write, "write_tool": write, "json": text})
     print_line(
         text
         if options.json == "-"
         else "\n".join([found.answer, *found.remarks, "", *_tables(found)])
     )
-    for name, target in targets.items():
-        print_error(f"--{name.replace('_', '-')}: wrote {target}")
     return MISSED if found.conflict else 0
 
 
@@ -92,6 +84,16 @@ def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
             raise ValueError(f"{option} {assignment!r}: must be NAME=VALUE, each name once")
         found[name] = text
     return found
+
+
+def _ends(key: str, text: str) -> list[str]:
+    """Return the two ends of the range in which a key may vary."""
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise ValueError(
+            f"--vary '{key}={text}': must be KEY=FROM:TO, such as hub_speed=2000rpm:3000rpm"
+        )
+    return ends
 
 
 def _fields(found: Design, values: Values) -> dict[str, Any]:

@@ -6,9 +6,9 @@ import argparse
 import dataclasses
 from collections.abc import Sequence
 
-from bristle_sim.cli.output import json_of, print_line, write_text
+from bristle_sim.cli.options import add_options, files_of, write_files
+from bristle_sim.cli.output import json_of, print_line
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.files import checked_target
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import aligned
 from bristle_sim.studies.limits import Change, limits
@@ -25,25 +25,20 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument(
         "range", metavar="KEY=FROM:TO", help="a key of the tool and the range of its values"
     )
-    parser.add_argument(
-        "--set", metavar="KEY=VALUE", action="append", default=[], help="another key of the tool"
-    )
-    parser.add_argument("--json", metavar="FILE|-", help="write the limits as JSON")
+    add_options(parser, "set", "json")
     options = parser.parse_args(arguments)
     key, _, ends = options.range.partition("=")
     keys = pass_of.keys()
     if key not in keys:
         raise ValueError(f"{options.range!r}: unknown key {key!r}; {likely_key(key, keys)}")
     declared = keys[key][0]
-    if ends.count(":") != 1 or not isinstance(declared, Range):
+    if not isinstance(declared, Range) or declared.whole:
         raise ValueError(
-            f"{options.range!r}: must be KEY=FROM:TO with two numbers, such as friction=0.1:0.6"
+            f"{options.range!r}: {key} must be a key of real numbers, such as friction=0.1:0.6"
         )
-    target = (
-        None
-        if options.json in (None, "-")
-        else checked_target(options.json, (".json",), option="--json")
-    )
+    if ends.count(":") != 1:
+        raise ValueError(f"{options.range!r}: must be KEY=FROM:TO, such as friction=0.1:0.6")
+    targets = files_of(options)
     values = pass_of.values_of(options.set)
     tool = build_parameters(Tool, values)
     low, high = (float(declared.parse(end)) for end in ends.split(":"))
@@ -52,8 +47,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     answer = limits_in_words(declared, low, high, changes)
     found = [dataclasses.asdict(each) for each in changes]
     text = json_of("limits", answer, values, changes=found)
-    if target is not None:
-        write_text(target, text)
+    write_files(targets, {"json": text})
     rows = [[f"{key}{unit and f' ({declared.unit})'}", "below", "above"]]
     rows += [[f"{each.at:.9g}", each.below, each.above] for each in changes]
     table = ["", *aligned(rows, 0)] if changes else []

@@ -13,7 +13,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.cli.output import csv_text, json_of, print_error, print_line, write_text
+from bristle_sim.cli.options import write_files
+from bristle_sim.cli.output import csv_text, json_of, print_line
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import Report
 from bristle_sim.conversion import display_unit
@@ -60,17 +61,19 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     fixed = {
         key: value for key, value in scenario.values_of(options.set).items() if key not in axes
     }
-    json_text = json_of(scenario.name, answer, fixed, columns=columns)
-    texts = {"csv": csv_text(columns).removesuffix("\n"), "json": json_text}
-    for name, target in targets.items():
-        if name == "plot":
-            from bristle_sim.render.style import save_figure
-            from bristle_sim.render.sweep_figures import sweep_figure
+    texts = {
+        "csv": csv_text(columns).removesuffix("\n"),
+        "json": json_of(scenario.name, answer, fixed, columns=columns),
+    }
 
-            save_figure(sweep_figure(found, chosen), target)
-        else:
-            write_text(target, texts[name])
-        print_error(f"--{name}: wrote {target}")
+    def plot(_: str, target: Path) -> None:
+        """Draw the chosen quantities."""
+        from bristle_sim.render.style import save_figure
+        from bristle_sim.render.sweep_figures import sweep_figure
+
+        save_figure(sweep_figure(found, chosen), target)
+
+    write_files(targets, {**texts, "plot": plot})
     shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
     print_line(
         shown

@@ -1,0 +1,206 @@
+"""The options of scenarios and commands: their parser, and the files that they name."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from bristle_sim.cli.output import print_error, write_text
+from bristle_sim.cli.scenario import Scenario, Values
+from bristle_sim.files import checked_target, is_special
+
+KINDS = {
+    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
+    "report": (".html",),
+}  # fmt: skip
+"""File suffixes that each option accepts; an empty tuple accepts any."""
+
+ON_STANDARD_OUTPUT = ("json", "csv")  # options whose value - stands for standard output
+
+
+def flag(option: str) -> str:
+    """Return an option as it is typed."""
+    return f"--{option.replace('_', '-')}"
+
+
+def files_of(
+    options: argparse.Namespace, formats: Sequence[str] = (), *, folder: bool = False
+) -> dict[str, Path]:
+    """Return the files that the options name, after a check that each can be written.
+
+    Args:
+        options: the parsed options, some of which are absent or None.
+        formats: further suffixes of --csv.
+        folder: whether --plot names a folder, or a PDF.
+
+    Raises:
+        ValueError: in one line, for a file that cannot be written or has another suffix.
+    """
+    found = dict[str, Path]()
+    for name, suffixes in KINDS.items():
+        path = getattr(options, name, None)
+        if path is None or (path == "-" and name in ON_STANDARD_OUTPUT):
+            continue
+        suffix = Path(path).suffix.lower()
+        into_folder = folder and name == "plot" and suffix != ".pdf"
+        if into_folder and suffix in suffixes:
+            raise ValueError(
+                f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf"
+            )
+        kinds = (*suffixes, *formats) if name == "csv" else suffixes
+        kinds = () if name == "csv" and is_special(Path(path)) else kinds
+        found[name] = checked_target(path, kinds, option=flag(name), folder=into_folder)
+    return found
+
+
+Content = str | Callable[[str, Path], None]
+"""Content of a file: a text, or the function that writes it for an option to a path."""
+
+
+def write_files(targets: Mapping[str, Path], contents: Mapping[str, Content]) -> None:
+    """Write the content of each option to its file, if it has one.
+
+    Texts are written last. Standard error names the files other than the JSON.
+
+    Raises:
+        OSError: if a file cannot be written; the message names option and file.
+    """
+    for option, made in sorted(contents.items(), key=lambda each: isinstance(each[1], str)):
+        target = targets.get(option)
+        if target is None:
+            continue
+        try:
+            if isinstance(made, str):
+                write_text(target, made)
+            else:
+                made(option, target)
+        except OSError as error:
+            raise OSError(f"{flag(option)} = {str(target)!r}: {error.strerror or error}") from error
+        if option != "json":
+            print_error(f"{flag(option)}: wrote {target}")
+
+
+def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
+    """Return the files that the options of a scenario name, after checks that each can be written
+    and none is named twice.
+
+    Several options may name a device such as /dev/null.
+    """
+    of_sweep = (options.workers is not None, options.store is not None, bool(options.quantity))
+    if not options.sweep and any(of_sweep):
+        raise ValueError("--workers, --store, --quantity: must be given with --sweep")
+    if options.json == options.csv == "-":
+        raise ValueError("--csv = '-': must be a file where --json is on standard output")
+    if options.video is None and (options.size or options.fps):
+        raise ValueError("--size, --fps: must be given with --video")
+    if options.interval is not None and (options.csv is None or options.sweep):
+        raise ValueError("--interval: must be given with --csv, and without --sweep")
+    found = files_of(options, [*scenario.formats], folder=scenario.plots is not None)
+    for name in ("video", "report", "write_tool"):
+        if options.sweep and name in found:
+            raise ValueError(f"{flag(name)}: must be left out with --sweep")
+    named = [("--parameters", options.parameters)]
+    for key, (declared, _) in scenario.keys().items():
+        if declared.unit == "file":
+            named.append((key, values[key]))
+    seen = dict[str, str]()
+    for option, path in [*named, *((flag(name), path) for name, path in found.items())]:
+        if path is not None and not is_special(Path(path)):
+            place = os.path.realpath(path)
+            if place in seen:
+                raise ValueError(
+                    f"{option} = {str(path)!r}: must differ from the file of {seen[place]}"
+                )
+            seen[place] = option
+    return found
+
+
+class Parser(argparse.ArgumentParser):
+    """Parser that refuses bad input in one line, by ValueError."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise ValueError, which ``main`` reports in one line."""
+        unknown = message.removeprefix("unrecognized arguments: ")
+        if unknown != message:
+            setting = "=" in unknown and not unknown.startswith("-")
+            advice = (
+                f"did you mean --set {unknown}?"
+                if setting
+                else f"{self.prog} --help lists the options"
+            )
+            raise ValueError(f"{message}; {advice}")
+        raise ValueError(message)
+
+
+def _size(text: str) -> dict[str, int]:
+    """Return width and height of a picture."""
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)"
+        )
+    return {"width": int(found[1]), "height": int(found[2])}
+
+
+APPENDED: dict[str, Any] = {"action": "append", "default": []}
+
+OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
+    "set": ("KEY=VALUE", "set a key, in SI units or with a unit (27mm); the last value of a key counts", APPENDED),
+    "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
+    "json": ("FILE", "write the results as JSON; - for standard output", {}),
+    "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
+    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {}),
+    "plot": ("FILE", "draw a figure (PNG, SVG, PDF)", {}),
+    "video": ("FILE", "render a video (MP4, GIF)", {}),
+    "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
+    "fps": ("NUMBER", "frames per second of the video", {"type": float}),
+    "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
+    "write_tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
+    "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
+    "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
+    "quantity": ("NAME", "a quantity that a sweep shows, in place of all that change; repeatable", APPENDED),
+    "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
+              " show all points", APPENDED),
+}  # fmt: skip
+"""Metavariable, help and further settings of each option."""
+
+
+def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
+    """Add options of OPTIONS to a parser."""
+    for name in names:
+        metavar, words, how = OPTIONS[name]
+        parser.add_argument(flag(name), metavar=metavar, help=words, **how)
+
+
+def parser_of(
+    scenario: Scenario, program: str, *, sweeping: bool = False
+) -> argparse.ArgumentParser:
+    """Return a parser of the options of a scenario, or of a sweep of it.
+
+    The other options have the value None.
+    """
+    parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
+    left_out = set[str]()
+    if "hub_speed" not in scenario.keys():  # noqa: SIM118
+        left_out |= {"parameters", "write_tool"}
+    if scenario.film is None:
+        left_out |= {"video", "size", "fps"}
+    if scenario.series is None and not sweeping:
+        left_out |= {"csv", "interval"}
+    if not (scenario.plot or scenario.plots or sweeping):
+        left_out.add("plot")
+    for name, (metavar, words, how) in OPTIONS.items():
+        if name in left_out:
+            parser.set_defaults(**{name: None})
+        else:
+            place = "FOLDER|FILE.pdf" if name == "plot" and scenario.plots else metavar
+            parser.add_argument(flag(name), metavar=place, help=words, **how)
+    parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
+    for key in scenario.options:
+        setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}
+        parser.add_argument(f"--{key}", metavar="VALUE", help=f"--set {key}=VALUE", **setting)
+    return parser
