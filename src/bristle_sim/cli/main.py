@@ -160,7 +160,7 @@ class Work:
             texts["json"] = document(self.scenario.name, self.values, report, finished=finished)
         # In order: the page shows the film.
         drawn = [name for name in self.targets if finished and name not in ("json", "csv")]
-        contents: dict[str, Content] = dict.fromkeys(drawn, partial(self._write, report))
+        contents: dict[str, Content] = dict.fromkeys(drawn, partial(_write, self, report))
         write_files(self.targets, contents | texts)
         shown = next((text for name, text in texts.items() if getattr(options, name) == "-"), "")
         print_line(shown or in_words(report))
@@ -174,36 +174,35 @@ class Work:
             return csv_text(_even_columns(report.subject, self.options.interval))
         return csv_text(scenario.series(report)) if write is None else write(report)
 
-    def _write(self, report: Report, option: str, target: Path) -> None:
-        """Write the picture, film, tool or page that an option requests."""
-        scenario = self.scenario
-        options = self.options
-        if option == "plot":
-            draw(scenario, report, target)
-        elif option == "video" and scenario.film is not None:
-            rate = {"fps": options.fps} if options.fps else {}
-            scenario.film(report, **(options.size or {})).write(target, **rate)
-        elif option == "write_tool":
-            found = (
-                build_parameters(Tool, self.values)
-                if scenario.tool is None
-                else scenario.tool(report)
-            )
-            write_tool(found, target)
-        else:
-            from bristle_sim.render.report import write_report
 
-            write_report(
-                target,
-                report,
-                name=scenario.name,
-                question=scenario.question,
-                command=self.command,
-                parameters=scenario.parameter_rows(self.values),
-                plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
-                plot_is_folder=scenario.plots is not None,
-                video=self.targets.get("video"),
-            )
+def _write(work: Work, report: Report, option: str, target: Path) -> None:
+    """Write the picture, film, tool or page that an option requests."""
+    scenario = work.scenario
+    options = work.options
+    if option == "plot":
+        draw(scenario, report, target)
+    elif option == "video" and scenario.film is not None:
+        rate = {"fps": options.fps} if options.fps else {}
+        scenario.film(report, **(options.size or {})).write(target, **rate)
+    elif option == "write_tool":
+        found = (
+            build_parameters(Tool, work.values) if scenario.tool is None else scenario.tool(report)
+        )
+        write_tool(found, target)
+    else:
+        from bristle_sim.render.report import write_report
+
+        write_report(
+            target,
+            report,
+            name=scenario.name,
+            question=scenario.question,
+            command=work.command,
+            parameters=scenario.parameter_rows(work.values),
+            plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
+            plot_is_folder=scenario.plots is not None,
+            video=work.targets.get("video"),
+        )
 
 
 def draw(scenario: Scenario, report: Report, path: Path) -> None:
