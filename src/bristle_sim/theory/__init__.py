@@ -1,4 +1,4 @@
-"""Closed forms as short pure functions that broadcast, and the impact law.
+"""Formulas in closed form, as short functions of numbers or arrays, and the impact laws.
 
 Public: ``impact`` (``energetic_impact``, ``poisson_impact``, ``newton_impact``), ``monofilament``,
 ``pendulums``, ``cueing``, ``force_history``, ``force_fit``, ``merchant``, ``crater`` and the

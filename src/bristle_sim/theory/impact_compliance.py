@@ -2,24 +2,28 @@
 normal one.
 
 The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
-work it took; the tangential one has k/eta^2, and its foot slides where its force T would leave the
-cone |T| <= mu N. With dv = K (N, T) dt the outcome depends on K, v, mu, e* and eta^2. The stiffness
-k sets the time alone, and is 1 here. An impact is a sequence of phases:
+work it took. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
+would leave the friction cone |T| <= mu N. With the inverse mass matrix K, dv = K (N, T) dt. The
+outcome depends on K, v, mu, e* and eta^2. The stiffness k sets the time alone, and is 1 here. An
+impact is a sequence of phases:
 
-* stick (``impact_stick``): two oscillators, ended by the cone or by the end of the line;
-* slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s eta^2 kappa v_n are linear in the normal impulse p,
-  and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p) p^2/2): it ends where the foot stops, the line ends or N = 0, each a root of a polynomial.
+* stick (``impact_stick``): the motion of two oscillators. It ends where the force reaches the cone
+  or where loading or unloading ends;
+* slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s
+  eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p)
+  p^2/2). It ends where the foot stops, where loading or unloading ends, or where N = 0. Each of
+  these is a root of a polynomial.
 
-Loading ends where v_n = 0, and the contact with it if e* = 0: the energy of both springs is then
-lost. In unloading mu_2 holds. A tangential force T beyond the cone jumps onto the cone. A point
-that is pressed beyond its deepest point loads further, with mu_1. The works are those on the
-bodies, -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2 in stick. Springs begin and end without force,
-or lose their force, so energy never grows.
+Loading ends where v_n = 0. With e* = 0 the contact ends there too, and the energy of both springs
+is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the cone
+jumps onto the cone. A point that is pressed deeper than before loads again, with mu_1. The works
+are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
+begin and end without force, or lose their force, so energy never grows.
 
-As eta^2 falls the result tends to that of the rigid point. If the rigid point sticks, the impulse
-differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
+As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
+impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
 reverses, since T takes a time of that order from one edge of the cone to the other; the impulse
-where slip and approach stop together, as on a radial bristle; and the slip that is left where e* =
+where slip and approach stop together, as on a radial bristle; and the slip that remains where e* =
 0.
 
 Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N.
@@ -54,46 +58,49 @@ from bristle_sim.theory.impact_phases import (
 from bristle_sim.theory.impact_slip import begun_slip, slide
 from bristle_sim.theory.impact_stick import Contact, stick
 
-# Smallest e* other than 0: below it the returned work is less than the rounding of the work taken.
+# Energetic coefficient of restitution below which 0 is used: the work that the spring returns would
+# be less than the rounding error of the work that it took.
 LEAST_RESTITUTION = 1e-8
 
-WIDEST_CONE = 1e12  # largest friction used: its cone is a half-plane to parts in 1e12
+# Largest coefficient of friction used; its cone differs from a half-plane by parts in 1e12.
+WIDEST_CONE = 1e12
 
 
 MOST_IN_STICK = 10_000
-"""Largest number of consecutive phases of stick with the fast oscillation; later phases begin
-without it, as if it were lost.
+"""Largest number of consecutive phases of stick in which the fast oscillation is followed.
 
-It bounds the cost, which is linear in the number. The modes of a nearly singular K, whose rates
-differ a thousandfold, bounce between loading and unloading: 198 times at det K = 1e-4 K_nn K_tt,
-2,690 times at 2e-5 K_nn K_tt."""
+Later phases begin without it, as if it were lost. The number bounds the cost, which is proportional
+to it. With a nearly singular inverse mass matrix K the two natural rates differ a thousandfold, and
+the contact alternates between loading and unloading: 198 times at det K = 1e-4 K_nn K_tt, 2,690
+times at 2e-5 K_nn K_tt."""
 
 SETTLING = 120
 LEAST_RESOLVED = 2e-3
-"""Largest number of phases of stick, as ``MOST_IN_STICK``, in two cases, and the e* below which the
-second one applies.
+"""Largest number of phases of stick in two special cases, instead of ``MOST_IN_STICK``.
 
-The first is a jam of one degree of freedom, which further phases do not change. The second is an e*
-below ``LEAST_RESOLVED``: the point bounces on the steep unloading line some 1/e* times. The lost
-oscillation then changes its velocity by up to an eighth in one impact of fifty."""
+The first case is a jam of one degree of freedom, which further phases do not change. The second
+case is a coefficient of restitution e* below ``LEAST_RESOLVED``: the steep unloading spring makes
+the point bounce some 1/e* times. There the lost oscillation changes the velocity by up to an
+eighth, in one impact of fifty."""
 
 CHATTER = 500
 FURTHER = 20
-"""Number of times that a point is pressed on again before its slip is halved at rest, and before
-each further halving.
+"""Number of returns from unloading to loading before the slip is halved, and number of further
+returns before each further halving.
 
-With mu_2 > mu_1 slip can press the point on as soon as it begins to part. In one of some thousand
-impacts this happens a million times, and each time changes the slip by less than a millionth."""
+With more friction in unloading than in loading, slip can press the point back as soon as it begins
+to separate. In one of some thousand impacts this happens a million times, and each return changes
+the slip by less than a millionth."""
 
-# The e* below which phases of slip are counted too: the point bounces on the steep line some 1/e*
-# times.
+# Coefficient of restitution e* below which phases of slip are counted like phases of stick: the
+# steep unloading spring makes the point bounce some 1/e* times.
 LEAST_EXACT = 0.01
 
-MOTION = Contact._fields.index("normal")  # index of the first row of a contact that changes
+MOTION = Contact._fields.index("normal")  # index of the first entry of ``Contact`` that changes
 
 
 def _turned(contact: Contact, event: Number) -> Contact:
-    """Return the contact after an event, with its new loading or unloading line and slip."""
+    """Return the contacts after the events that ended a phase, ready for the next phase."""
     line = event == LINE
     loading = contact.loading > 0.0
     deepest = line & loading
@@ -120,12 +127,13 @@ def _turned(contact: Contact, event: Number) -> Contact:
 
 
 class _Contacts:
-    """The present state of an array of contacts, in columns of ``rows``.
+    """The present state of an array of contacts, and their impulses and works so far.
 
-    ``totals`` holds impulses and works in the four rows of ``impact_phases.PHASES``, ``slips`` the
-    slip in these rows. The second row of compression collects everything after its first stick or
-    slip, and so does that of restitution. A point that is pressed beyond its deepest point was in
-    compression until then.
+    ``rows`` has one row per entry of ``Contact`` and one column per contact. ``totals`` holds the
+    impulses and works by the four phases of ``impact_phases.PHASES``; ``slips`` holds the slip in
+    these phases. The second phase of compression collects everything after the first stick or slip;
+    the second phase of restitution does the same. When a point is pressed deeper than before,
+    everything up to then counts as compression.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -143,11 +151,14 @@ class _Contacts:
 
     @property
     def by_row(self) -> Number:
-        """Totals by quantity, contact and row."""
+        """Return impulses and works so far by quantity, contact and phase, shape (4, n, 4)."""
         return self.totals.reshape(4, -1, 4)
 
     def advance(self, active: Number) -> Number:
-        """Advance the active contacts by one phase, and return the contacts that have not ended."""
+        """Advance contacts by one phase; return the indices of those that have not ended.
+
+        ``active`` holds the indices of the contacts to be advanced.
+        """
         slips = self.rows[-1, active] != 0.0
         going = [active[:0]]
         for at, slides in ((active[slips], True), (active[~slips], False)):
@@ -175,10 +186,17 @@ class _Contacts:
     def note(
         self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]
     ) -> Number:
-        """Add a phase, or a part of a phase, of the contacts with indices ``at``.
+        """Add the impulses and works of a phase, or of a part of one, to the totals.
+
+        Args:
+            at: indices of the contacts.
+            before: contacts before the phase.
+            after: contacts after the phase.
+            event: events that ended the phase.
+            done: normal and tangential impulse, normal and tangential work.
 
         Returns:
-            Whether each of these contacts ends.
+            Whether each of these contacts has ended.
         """
         place = 4 * at + self.row[at]
         loading = before.loading > 0.0
@@ -206,7 +224,10 @@ class _Contacts:
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
     ) -> None:
-        """Set the contacts to the state after an event, and to the row of the next phase."""
+        """Set the contacts to their states after the events, and choose the phases of their totals.
+
+        ``at`` holds the indices of the contacts. ``over`` tells which of them have ended.
+        """
         for row, value in zip(self.rows[MOTION:], after[MOTION:], strict=True):
             row[at] = value
         line = event == LINE
@@ -225,7 +246,11 @@ class _Contacts:
         self.slip_stop[stops] = self.by_row[0, stops].sum(axis=-1)
 
     def rest(self, at: Number) -> None:
-        """Halve the slip of points that chatter, under the mean friction that keeps v_n unchanged."""
+        """Halve the slip of contacts that alternate too often between loading and unloading.
+
+        The mean friction force over the alternation keeps the normal velocity unchanged. ``at``
+        holds the indices of the contacts.
+        """
         contact = Contact(*self.rows.take(at, axis=1))
         speed = contact.tangential
         ratio = -contact.k_nn / contact.k_nt
@@ -238,12 +263,14 @@ class _Contacts:
 
 
 def compliant_impact(values: list[Number], squared: Number) -> Impact:
-    """Resolve energetic impacts of approaching points with a tangential compliance eta^2.
+    """Resolve impacts on a normal spring with energetic restitution and a tangential spring.
 
     Args:
-        values: arrays of shape (n,): K_nn > 0, K_nt, K_tt, v_n < 0, v_t, mu_1, e*, mu_2, and the
-            compliance in stick if it is known more accurately than from K.
-        squared: eta^2 > 0, shape (n,).
+        values: arrays of shape (n,): the entries K_nn > 0, K_nt and K_tt of the inverse mass, the
+            velocity v_n < 0 and v_t, friction in loading, restitution e* and friction in unloading.
+            The change of v_n per unit normal impulse in stick may follow, if it is known more
+            accurately than from K.
+        squared: ratio eta^2 > 0 of the normal to the tangential stiffness, shape (n,).
     """
     k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
     # Scaling by powers of two keeps squares in the range of floats, and loses no digit.

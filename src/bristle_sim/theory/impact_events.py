@@ -1,15 +1,15 @@
 """The end of stick on two springs: the first event of two oscillators, for arrays of contacts.
 
 Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
-v_n = 0, and unloading where N returns to its largest value. Each of these functions f is a constant
-plus two harmonics, so |f''| <= M and |f'''| <= M_3, with bounds from the amplitudes of the modes.
-Two parabolas bound f from below: f + f' h - M h^2/2, and up to h = r also f + f' h + (f'' - M_3
-r/3) h^2/2. The larger of their roots is a step that passes no root of f. Such steps converge on the
-first root faster than Newton's method, and step past a near miss.
+v_n = 0, and unloading ends where N returns to its largest value. These three event functions f are
+each a constant plus two harmonics, so |f''| <= M and |f'''| <= M_3, with bounds from the amplitudes
+of the modes. Two parabolas bound f from below after a step h: f + f' h - M h^2/2, and up to h = r
+also f + f' h + (f'' - M_3 r/3) h^2/2. The larger of their roots is a step that passes no root of f.
+Such steps converge on the first root faster than Newton's method, and pass a near miss.
 
-Where the rates differ much, longer steps are found from the parabola of the slow mode less the
-amplitude of the fast one. The last step goes to the root of the cubic of f itself. An infinite step
-means that nothing ends the contact: a jam, or stiction.
+Where the rates of the modes differ much, longer steps are found from the parabola of the slow mode
+less the amplitude of the fast mode. The last step goes to the root of the third-order Taylor
+polynomial of f. An infinite step means that nothing ends the contact: a jam, or stiction.
 """
 
 from __future__ import annotations
@@ -25,76 +25,82 @@ from bristle_sim.theory.impact_phases import INFINITE
 NONE, LINE, FORWARD, BACKWARD, STOP, APART, NEVER, SETTLED = range(8)
 """Events at the end of a step.
 
-``NONE``: still in stick. ``LINE``: the end of loading, or the return to it. ``FORWARD``,
-``BACKWARD``: an edge of the cone, from which the spring's foot slips that way. ``STOP``: the foot
-stops. ``APART``: the force ends. ``NEVER``: no event will come. ``SETTLED``: the fast mode is taken
-from the motion."""
+``NONE``: the contact is still in stick. ``LINE``: loading ends, or begins again. ``FORWARD``,
+``BACKWARD``: the force reaches an edge of the friction cone, and the spring's foot slips in this
+sense. ``STOP``: the foot stops. ``APART``: the force ends. ``NEVER``: no event will come.
+``SETTLED``: the fast mode is removed from the motion."""
 
 NAMES = np.array([BACKWARD, FORWARD, LINE])
 """Event at a zero of each event function."""
 
 NOISE = 64.0 * sys.float_info.epsilon
-"""Rounding of an event function as a fraction of its largest term; a smaller value counts as
+"""Rounding error of an event function as a fraction of its largest term; a smaller value counts as
 zero."""
 
 LEAST_STEP = 1e-6
-"""Step away from an edge where a function and its slope are zero, over the fast mode's time scale.
+"""Step away from a point where an event function and its slope are zero, over the time scale of the
+fast mode.
 
-The function then changes by 1e-18 of its amplitude."""
+In this step the function changes by 1e-18 of its amplitude."""
 
-# Second derivative over its bound below which such a step cannot take the function past zero.
+# Second derivative, as a fraction of its bound, below which a step of ``LEAST_STEP`` cannot take
+# the event function past zero.
 STRAIGHT = 1e-8
 
-FEW = 8  # 1/FEW is the least fraction of contacts worth gathering or leaving to the next round
+FEW = 8  # 1/FEW is the smallest fraction of contacts worth gathering or leaving to the next round
 
-STEPS = 12  # largest number of steps in a round; contacts without an event wait for the next
+STEPS = 12  # largest number of steps in a round; contacts without an event wait for the next round
 
-# Distance of a root, over the fast mode's time scale, at which the cubic gives it: NEAR^4/24 =
-# 3e-15.
+# Distance, over the time scale of the fast mode, from which the third-order Taylor polynomial gives
+# a root: its error is NEAR^4/24 = 3e-15.
 NEAR = 5e-4
 
 REACH = 2.0
 TANGENT = 1.2
-"""Longest step by the bound of f''': over the fast mode's time scale, and over the distance of the
-tangent's root."""
+"""Longest steps that the bound of f''' may give: over the time scale of the fast mode, and over the
+distance of the tangent's root."""
 
-# fraction of the step on which, by the bound of f''', a rising convex function stays convex
+# Fraction used of the step over which, by the bound of f''', a rising convex function stays convex.
 CONVEX = 0.9
 
-# Fraction of the fast oscillation's amplitude that counts; a zero reached by the rest is not
-# reached.
+# Fraction of the fast oscillation's amplitude that is assumed reached; a function that comes to
+# zero only by the remainder counts as a near miss.
 GRAZE = 1.0 - 1e-13
 
-FLAT = 1e-10  # third derivative over its bound below which a function with slopes of rounding is 0
+# Third derivative, as a fraction of its bound, below which a function counts as zero throughout if
+# its lower derivatives are rounding error.
+FLAT = 1e-10
 
-WIDE = 1e3  # rounding of a function that stays zero, over the rounding of its terms
+WIDE = 1e3  # rounding error of a function that stays zero, over the rounding error of its terms
 
-TINY = 1e-290  # divided by zero it is infinite; added to any other number it changes nothing
+TINY = 1e-290  # added to a dividend so that 0/0 becomes infinite; other values do not change
 
-LEAST_RATE = 1e-300  # squared rate that stands for zero, against division by zero
+LEAST_RATE = 1e-300  # squared rate used in place of zero, against division by zero
 
 
 class Modes(NamedTuple):
-    """Constants of a phase of stick, by mode (fast, slow) and by event function (edge, edge, line).
+    """Constants of a phase of stick for its two modes and its three event functions.
 
-    An event function is ``constant`` plus ``parts`` times the modes' G, or times the modes' w at
-    the end of loading.
+    The modes are the fast and the slow oscillator; each has a velocity w and a force G. The event
+    functions are zero at the two edges of the friction cone and at the end of loading or unloading.
+    Each is a constant plus ``parts`` times the G of the modes; at the end of loading it is
+    ``parts`` times their w.
 
     Attributes:
-        speeds: w of the oscillators at the beginning of the phase.
-        forces: G of the oscillators at the beginning of the phase.
-        squares: squared rates of the modes.
-        rates: rates of the modes, never zero.
+        speeds: velocities w of the modes at the beginning of the phase.
+        forces: forces G of the modes at the beginning of the phase.
+        squares: squared natural rates of the modes.
+        rates: natural rates of the modes, never zero.
         parts: coefficients of the modes in the event functions.
-        terms: bounds of the terms of which the coefficients of the edges are sums.
-        constant: constant of the line's function.
-        line_noise: rounding of the line's function.
+        terms: bounds of the terms whose sums are the coefficients of the two edges.
+        constant: constant of the third event function.
+        line_noise: rounding error of the third event function.
         loading: whether the contact loads.
-        close: value of an event function below which its rounding matters.
-        bend: bound of the second derivative.
-        jerk: a third of the bound of the third derivative.
-        swing: bound of the fast part.
-        slow_bend: bound of the second derivative of the slow part.
+        close: value of an event function below which its rounding error matters.
+        bend: bound of the second derivative of each event function.
+        jerk: a third of the bound of the third derivative of each event function.
+        swing: bound of the fast mode's part of each event function.
+        slow_bend: bound of the second derivative of the slow mode's part of each event function.
         drifts: 0 where the slow mode is at rest, otherwise 1.
     """
 
@@ -120,15 +126,20 @@ class Modes(NamedTuple):
 
 
 def both(pair: Number) -> Number:
-    """Return the sum over the two modes; NumPy's own sum is slow along so short an axis."""
+    """Return the sum over the two modes.
+
+    It is faster than NumPy's own sum along so short an axis.
+    """
     return pair[0] + pair[1]
 
 
 def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Number, ...]:
-    """Return w and G of the oscillators at times since the phase began, and the integral of G if
-    ``sums``.
+    """Return velocities and forces of the two modes at times since the phase of stick began.
 
-    Rates of zero are permitted.
+    Natural rates of zero are permitted.
+
+    Returns:
+        The velocities w, the forces G, and with ``sums`` the time integrals of G.
     """
     # Sine and cosine by the tangent of the half angle, at a tenth of their cost.
     half = np.tan(0.5 * modes.rates * time)
@@ -144,7 +155,9 @@ def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Numb
 
 
 def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
-    """Step until few contacts are left without an event.
+    """Advance contacts in stick to their next events, until few are left without an event.
+
+    Where ``settles`` is set, the contact does not advance, and its event is ``SETTLED``.
 
     Returns:
         The times since the phase began, and the events.
@@ -172,8 +185,9 @@ def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
 
 
 def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
-    """Return a step that passes no event, and the event at its end; a contact at an event stays
-    there.
+    """Return, for each contact, a time step that passes no event, and the event at its end.
+
+    A contact that is at an event has a step of 0.
     """
     speeds, forces = oscillators(modes, time)
     loading = modes.loading
@@ -222,10 +236,10 @@ def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
 
 
 class _Functions(NamedTuple):
-    """The event functions at the beginning of a step.
+    """Values of the event functions at the beginning of a time step.
 
-    ``value``, ``slope`` and ``bend`` are the functions and their two derivatives. A step of
-    ``steps`` passes no zero of its function.
+    ``value``, ``slope`` and ``bend`` are the functions and their first and second derivatives.
+    ``steps`` holds, for each function, a time step that passes none of its zeros.
     """
 
     modes: Modes
@@ -237,8 +251,9 @@ class _Functions(NamedTuple):
     steps: Number
 
     def third(self, of: Number, at: Number) -> Number:
-        """Return the third derivatives of the functions with indices ``of`` for the contacts
-        ``at``.
+        """Return third derivatives of event functions.
+
+        ``of`` holds the indices of the functions, ``at`` the indices of the contacts.
         """
         fast, slow = (each.ravel()[of * self.value.shape[1] + at] for each in self.modes.parts)
         ends = self.modes.loading[at] & (of == 2)
@@ -251,9 +266,10 @@ class _Functions(NamedTuple):
         return fast * first + slow * second
 
     def leave(self, event: Number) -> None:
-        """Step away from zeros of rising functions, and note the events of falling ones.
+        """Treat event functions that are zero at the beginning of the step.
 
-        A function falls if it does so by more than rounding.
+        If a function rises, its step is lengthened away from the zero. If a function falls by more
+        than rounding error, its event is entered in ``event``.
         """
         flat = np.flatnonzero(self.value <= self.modes.close)
         if not flat.size:
@@ -291,7 +307,10 @@ class _Functions(NamedTuple):
         event[at[falls]] = NAMES[of[falls]]
 
     def arrive(self, step: Number, event: Number) -> None:
-        """Step to the first zero if it is near and no other function can have an earlier one."""
+        """Set the step to the first zero of the event functions if this zero is near.
+
+        No other function may have an earlier zero. The event is entered in ``event``.
+        """
         at = np.flatnonzero((event == NONE) & (step * self.modes.rates[0] < NEAR))
         if not at.size:
             return
@@ -318,10 +337,9 @@ class _Functions(NamedTuple):
 
 
 def _root(value: Number, slope: Number, most: Number) -> Number:
-    """Return the first positive root of value + slope h - most h^2/2 with value >= 0; infinite if
-    there is none.
+    """Return the first positive root h of value + slope h - most h^2/2, or infinity without a root.
 
-    The form of the root avoids cancellation.
+    The value must be >= 0. The root is computed without cancellation.
     """
     square = slope * slope + 2.0 * most * value
     root = np.sqrt(np.maximum(square, 0.0))

@@ -1,10 +1,10 @@
-"""The result of an impact at one point, and its phases in order, for every coefficient of
+"""The result of an impact at one point, and the computation of its phases, for every coefficient of
 restitution.
 
-Within a phase of constant slip direction (or stick) the velocities are linear and the works
-quadratic in the normal impulse, so that each phase ends in closed form: slip where v_t = 0,
-compression where v_n = 0, restitution at its target, which is a normal work, impulse or velocity.
-The same code serves floats, for speed in a scene, and arrays.
+Within a phase of constant slip direction (or stick) the velocities are linear in the normal impulse
+and the works quadratic, so that each phase ends in closed form. Slip ends where v_t = 0,
+compression where v_n = 0. Restitution ends at its target, which is a normal work, impulse or
+velocity. The same code serves floats, for speed in a scene, and arrays.
 """
 
 from __future__ import annotations
@@ -24,45 +24,51 @@ INFINITE = math.inf
 
 NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
 OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
-"""The outcomes, by their codes.
+"""Names of the outcomes of an impact, by their codes.
 
-``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0, or
-restitution reaches its target with v_n = 0, in slip at rest (Poisson's impulse) or below the smallest float. ``stiction``:
-compression ends, but no impulse can part the point from the surface again (the jam of one degree of freedom, mu >= tan
-gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body law has no solution.
+``no contact``: the point does not approach. ``rebound``: restitution ends with a normal velocity
+v_n > 0. ``no rebound``: the coefficient of restitution is 0, or restitution ends with v_n = 0. This
+happens when Poisson's impulse is reached while the point slips without separating, or when v_n is
+below the smallest float. ``stiction``: compression ends, but no impulse can separate the point from
+the surface again (the jam of one degree of freedom, mu >= tan gamma). ``jam``: the point sticks
+before compression ends, and no impulse can end compression; the rigid-body law has no solution.
 """
 
 PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
 """The four phases of an impact; a phase that does not occur has a normal impulse of zero."""
 
 KNIFE_EDGE = 1e-6
-"""Largest normal speed at which a sticking point of one degree of freedom is at rest, over its
-speed of approach.
+"""Normal speed, as a fraction of the speed of approach, up to which a sticking point with one
+degree of freedom counts as being at rest.
 
-An example is the tip of a radial bristle, up to rounding and the error of the strike's location.
-The point neither jams nor rebounds: a rebound by the work rule would require an unbounded impulse
-W/v_n."""
+An example is the tip of a radial bristle, up to rounding error and the error of the time of the
+strike. Such a point neither jams nor rebounds: a rebound with the normal work W would require an
+unbounded impulse W/v_n."""
 
-SINGULAR = (
-    64.0 * sys.float_info.epsilon
-)  # normal compliance in stick over K_nn below which it is rounding: one degree of freedom
+SINGULAR = 64.0 * sys.float_info.epsilon
+"""Normal compliance in stick, as a fraction of K_nn, below which it is rounding error; the point
+then has one degree of freedom."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """Result of an impact; each entry is a float, or an array of the broadcast shape.
+    """Result of an impact, or of an array of impacts.
 
-    Impulses act on the moving point; normal ones are positive, works are those of the impulse on the bodies.
+    Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses act
+    on the contact point of the moving body; normal impulses are positive. Works are done by the
+    impulse on the bodies.
 
     Attributes:
-        impulse_normal, impulse_tangential: p_f, N s.
-        velocity_normal, velocity_tangential: after the impact, m/s.
-        compressive_impulse_normal, compressive_impulse_tangential: p_c, at the end of compression, N s.
-        slip_stop_impulse: p_s, normal impulse at which the initial slip stops, N s; inf if it does not.
-        phase_impulse: normal impulse of each of PHASES, shape (..., 4), N s.
-        phase_slip: direction of slip in each of PHASES, -1, 0 (stick) or 1, shape (..., 4).
-        phase_work_normal, phase_work_tangential: works in each of PHASES, shape (..., 4), J.
-        outcome: index into OUTCOMES.
+        impulse_normal, impulse_tangential: total impulse, N s.
+        velocity_normal, velocity_tangential: velocity after the impact, m/s.
+        compressive_impulse_normal, compressive_impulse_tangential: impulse of compression, N s.
+        slip_stop_impulse: normal impulse at which the initial slip stops, N s; inf if the slip does
+            not stop.
+        phase_impulse: normal impulse of each of the four ``PHASES``, shape (..., 4), N s.
+        phase_slip: direction of slip in each of the ``PHASES``, -1, 0 (stick) or 1, shape (..., 4).
+        phase_work_normal, phase_work_tangential: works in each of the ``PHASES``, shape (..., 4),
+            J.
+        outcome: index into ``OUTCOMES``.
     """
 
     impulse_normal: Number
@@ -80,14 +86,14 @@ class Impact:
 
     @property
     def compressive_work(self) -> tuple[Number, Number]:
-        """Return normal (W_c, negative) and tangential work of compression, J."""
+        """Return the normal work, which is negative, and the tangential work of compression, J."""
         return self.phase_work_normal[..., :2].sum(axis=-1), self.phase_work_tangential[
             ..., :2
         ].sum(axis=-1)
 
     @property
     def restitutive_work(self) -> tuple[Number, Number]:
-        """Return normal (W_r, positive) and tangential work of restitution, J."""
+        """Return the normal work, which is positive, and the tangential work of restitution, J."""
         return self.phase_work_normal[..., 2:].sum(axis=-1), self.phase_work_tangential[
             ..., 2:
         ].sum(axis=-1)
@@ -99,12 +105,15 @@ class Impact:
 
     @property
     def outcome_name(self) -> str:
-        """Return the outcome of a single impact in words."""
+        """Return the name of the outcome of a single impact."""
         return OUTCOMES[int(self.outcome)]
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Return the phases of a single impact in order, e.g. ``("compression slip", "restitution reverse slip")``."""
+        """Return the names of the phases of a single impact in order.
+
+        An example is ``("compression slip", "restitution reverse slip")``.
+        """
         slips = self.phase_slip.tolist()
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):
@@ -116,7 +125,7 @@ class Impact:
 
 @dataclass(slots=True)
 class _State:
-    """Running state of an impact: velocities and accumulated impulses."""
+    """Present state of an impact: the velocities and the impulses so far."""
 
     normal: Number
     tangential: Number
@@ -125,10 +134,11 @@ class _State:
 
 
 class InverseMass(NamedTuple):
-    """K by its entries, with quantities of stick.
+    """The inverse mass matrix of the contact point by its entries, and its response in stick.
 
-    ``stick`` is the normal compliance in stick without rounding, ``stick_ratio`` the tangential
-    impulse of stick over the normal one.
+    ``stick`` is the change of the normal velocity per unit normal impulse while the point does not
+    slip; it is exactly 0 for one degree of freedom. ``stick_ratio`` is the ratio of the tangential
+    to the normal impulse in stick.
     """
 
     normal: Number
@@ -139,10 +149,11 @@ class InverseMass(NamedTuple):
 
 
 class Target(NamedTuple):
-    """The normal work, normal impulse or (Newton) normal velocity that restitution must still
-    reach.
+    """What restitution must still reach, by each of the three laws.
 
-    A point without compliance in stick that moves no faster than ``least`` is at rest.
+    ``work`` is the normal work left (Stronge), ``impulse`` the normal impulse left (Poisson), and
+    ``velocity`` the final normal velocity (Newton). A sticking point with one degree of freedom
+    that moves no faster than ``least`` counts as being at rest.
     """
 
     work: Number
@@ -152,9 +163,10 @@ class Target(NamedTuple):
 
 
 class _Phase(NamedTuple):
-    """Result of one phase.
+    """Result of one phase: its normal impulse, its slip direction and its works.
 
-    ``stopped``: slip ended in it. ``unfinished``: compression or restitution is not over.
+    ``stopped`` tells whether slip stopped in the phase. ``unfinished`` tells whether compression or
+    restitution must continue after it.
     """
 
     impulse: Number
@@ -184,11 +196,20 @@ def resolve_phases(
     mu_2: Number,
     stick: Number | None = None,
 ) -> Impact:
-    """Resolve rigid impacts phase by phase; ``end`` returns the normal impulse at which restitution
-    ends.
+    """Resolve rigid impacts phase by phase.
 
-    The other arguments are the entries of K, the velocity, mu in compression, e, mu in restitution
-    and the normal compliance in stick.
+    Args:
+        end: function that returns the normal impulse at which restitution ends.
+        k_nn: normal entry of the inverse mass matrix, 1/kg.
+        k_nt: coupling entry of the inverse mass matrix, 1/kg.
+        k_tt: tangential entry of the inverse mass matrix, 1/kg.
+        normal: normal velocity before the impact, m/s.
+        tangential: tangential velocity before the impact, m/s.
+        mu_1: coefficient of friction in compression.
+        e: coefficient of restitution.
+        mu_2: coefficient of friction in restitution.
+        stick: change of the normal velocity per unit normal impulse in stick, 1/kg; by default
+            computed from the matrix.
     """
     mass = inverse_mass_of(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
@@ -231,7 +252,11 @@ def resolve_phases(
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
-    """Return K with its normal compliance in stick, which is computed from K unless given."""
+    """Return the inverse mass matrix with its response in stick.
+
+    ``stick`` is the change of the normal velocity per unit normal impulse in stick; with None it is
+    computed from the matrix.
+    """
     ratio = select(k_tt > 0.0, k_nt * inverse(k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
@@ -240,8 +265,10 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 
 
 def _settled(mass: InverseMass, mu: Number) -> Number:
-    """Return the direction of slip after slip has stopped: 0 if friction holds the point, otherwise
-    the sign of K_nt.
+    """Return the direction in which the point slips after its initial slip has stopped.
+
+    It is 0 if friction holds the point, otherwise the sign of the coupling K_nt of the inverse
+    mass.
     """
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))
@@ -258,8 +285,9 @@ def _phase(
 ) -> _Phase:
     """Advance to the end of slip, of compression or of restitution, whichever is first.
 
-    Both ends may be at an infinite impulse. Slip that would turn v_n back in restitution keeps the
-    point at rest instead.
+    With a target the phase belongs to restitution, otherwise to compression. If no finite impulse
+    ends it, the state does not change. Slip that in restitution would drive the point back into the
+    surface keeps its normal velocity constant instead.
     """
     if active is False:
         return _NOTHING

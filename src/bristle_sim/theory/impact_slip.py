@@ -1,7 +1,8 @@
-"""Slip on two springs: a phase in closed form, and the sense in which the foot begins to slide.
+"""Slip on two springs: a phase in closed form, and the sense in which the tangential spring's foot
+begins to slide.
 
-The foot is that of the tangential spring. The equations are those of ``impact_compliance``, in
-units in which the loading stiffness of the normal spring is 1.
+The equations are those of ``impact_compliance``, in units in which the loading stiffness of the
+normal spring is 1.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from bristle_sim.theory.numbers import quotient
 
 
 def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
-    """Advance by one phase of slip.
+    """Advance contacts to the end of a phase of slip.
 
     Returns:
-        The contact after the phase, the event that ends it, and the normal impulse, tangential
-        impulse, normal work and tangential work.
+        The contacts after the phase; the events that end it; and the normal impulse, tangential
+        impulse, normal work and tangential work of the phase.
     """
     loading = contact.loading > 0.0
     mu = contact.friction
@@ -64,12 +65,14 @@ def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
 
 
 def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
-    """Return the rates of change of the point and of the foot in slip.
+    """Return the motion of the contact point and of the tangential spring's foot in slip.
 
     Returns:
-        Gains of v_n and of v_t per normal impulse; velocity of the foot in the sense of slip; gain
-        of that velocity. The last two are divided by 1 + mu eta^2 kappa, so that no friction makes
-        them overflow.
+        The changes of the normal and of the tangential velocity of the point per unit normal
+        impulse; the velocity of the foot in the sense of slip; and its change per unit normal
+        impulse. The last two are divided by 1 + mu eta^2 kappa, so that they do not overflow for
+        any friction mu. eta^2 is the ratio of the normal to the tangential stiffness; kappa is 1 in
+        loading and 1/e*^2 in unloading.
     """
     along = contact.k_nt - contact.friction * slip * contact.k_tt
     gain = contact.stick + contact.tie * along
@@ -80,10 +83,10 @@ def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Num
 
 
 def begun_slip(contact: Contact) -> Number:
-    """Return the sense in which the foot begins to slip, or 0 for stick.
+    """Return the sense in which the tangential spring's foot begins to slip, or 0 for stick.
 
-    The foot slips if the force is at an edge of the cone and would leave it. Without friction the
-    foot always slips.
+    The foot slips if the force is at an edge of the friction cone and would leave the cone. Without
+    friction the foot always slips.
     """
     smooth = contact.friction == 0.0
     free = np.where(

@@ -5,11 +5,12 @@ In units in which the normal spring's loading stiffness is 1, a point in stick o
 
     N' = -kappa v_n,    T' = -v_t/eta^2,    (v_n, v_t)' = K (N, T),
 
-kappa = 1 in loading and 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G =
-D^(-1/2) (N, T) this is w' = S G, G' = -w with the symmetric S = D^(1/2) K D^(1/2). In the axes of
-its eigenvectors the motion is that of two oscillators with squared rates lambda_1 >= lambda_2 >= 0.
-Their product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The last factor, the compliance in
-stick, may be given to more digits than K holds. ``impact_events`` finds the end of stick.
+with the velocity v, the normal and tangential force N and T, the inverse mass matrix K, and kappa =
+1 in loading, 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G = D^(-1/2) (N,
+T) this is w' = S G, G' = -w, with the symmetric S = D^(1/2) K D^(1/2). In the axes of the eigenvectors
+of S the motion is that of two oscillators with squared rates lambda_1 >= lambda_2 >= 0. Their
+product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The last factor, the compliance in stick,
+may be given to more digits than K holds. ``impact_events`` finds the end of stick.
 """
 
 from __future__ import annotations
@@ -33,27 +34,29 @@ from bristle_sim.theory.impact_events import (
 from bristle_sim.theory.impact_phases import KNIFE_EDGE
 
 STEEPEST_CONE = 1e150
-"""Largest tangent of the cone's angle in the modes' units; a steeper cone is a half-plane."""
+"""Largest tangent of the friction cone's angle, in the units of the modes; a steeper cone counts as
+a half-plane."""
 
 
 class Contact(NamedTuple):
-    """The present state of contacts: constants up to ``approach``, motion and forces from
-    ``normal`` on.
+    """The constants and the present state of contacts on two springs.
+
+    The attributes up to ``approach`` are constant in an impact; those from ``normal`` on change.
 
     Attributes:
-        k_nn, k_nt, k_tt: entries of K.
-        stick: normal compliance in stick.
-        tie: K_nt/K_tt.
-        mu_1, mu_2: friction in loading and in unloading.
-        restitution: e*.
-        eta: root of the tangential compliance.
+        k_nn, k_nt, k_tt: entries of the inverse mass matrix of the contact point.
+        stick: change of the normal velocity per unit normal impulse in stick.
+        tie: ratio k_nt/k_tt.
+        mu_1, mu_2: coefficients of friction in loading and in unloading.
+        restitution: energetic coefficient of restitution e*.
+        eta: square root of the ratio of the normal to the tangential stiffness.
         approach: normal speed before the impact.
         normal, tangential: velocity of the contact point.
         push, rub: normal and tangential force.
-        peak: largest normal force.
+        peak: largest normal force so far.
         loading: 1 in loading, 0 in unloading.
-        steep: root of kappa.
-        friction: friction in this phase.
+        steep: square root of the normal stiffness: 1 in loading, 1/e* in unloading.
+        friction: coefficient of friction in this phase.
         slip: sense in which the tangential spring's foot slides; 0 in stick.
     """
 
@@ -81,15 +84,16 @@ class Contact(NamedTuple):
 def stick(
     contact: Contact, jams: Number, settles: Number
 ) -> tuple[Contact, Number, tuple[Number, ...]]:
-    """Advance to the end of a phase of stick.
+    """Advance contacts to the end of a phase of stick.
 
-    Where ``settles`` is set, the fast mode and its energy are taken from the motion instead. Where
-    ``jams`` is set, this is done only if one degree of freedom is pressed across its line, which
-    has no end. A few contacts may be left without an event.
+    Where ``settles`` is set, the contact does not advance; its fast mode and the energy of this
+    mode are removed from the motion. Where ``jams`` is set, this happens only if the point has one
+    degree of freedom and is pressed into the surface without end. A few contacts may be left
+    without an event.
 
     Returns:
-        The contact after the phase, the event, and the normal impulse, tangential impulse, normal
-        work and tangential work.
+        The contacts after the phase; the events that end it; and the normal impulse, tangential
+        impulse, normal work and tangential work of the phase.
     """
     steep = contact.steep
     eta = contact.eta
@@ -103,7 +107,7 @@ def stick(
     moved = still | (time > 0.0)  # no rounding where nothing happens
 
     def seen(w_1: Number, g_1: Number) -> Contact:
-        """Return the contact whose fast mode has the given w and G."""
+        """Return the contacts whose fast mode has the velocity w_1 and the force g_1."""
         ends = (
             np.where(moved, (cosine * w_1 - sine * w_2) / steep, contact.normal),
             np.where(moved, (sine * w_1 + cosine * w_2) * eta, contact.tangential),
@@ -133,8 +137,11 @@ def stick(
 
 
 def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
-    """Return the two oscillators of a motion, and cosine and sine of the rotation that makes S
-    diagonal.
+    """Return the two oscillators of contacts in stick.
+
+    Returns:
+        The constants of the modes; and the cosine and sine of the rotation to their axes, which
+        makes the scaled inverse mass matrix diagonal.
     """
     steep = contact.steep
     eta = contact.eta

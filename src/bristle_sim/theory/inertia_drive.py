@@ -1,16 +1,18 @@
-"""A tool without a bar: its own inertia throws the bristle when the belt runs onto the pulley.
+"""A tool without a bar: the bristle's own inertia throws it when the belt runs onto the pulley.
 
 On the belt's straight run the bristle translates. Where the belt meets the pulley, the root begins
-to turn with omega, but the bristle does not. Relative to the radial direction the bristle thus
-starts at alpha = 0 with alpha' = -omega. It lags, the belt drives it back, and it passes the radial
-direction again. Undamped and without gravity the energy in the pulley's frame,
+to turn at the pulley's speed omega, but the bristle does not. With the angle alpha of the bristle
+from the radial direction, it thus starts at alpha = 0 with alpha' = -omega. It lags, the belt
+drives it back, and it passes the radial direction again. Undamped and without gravity the energy in
+the pulley's frame,
 
     I alpha'^2/2 + k alpha^2/2 + g (1 - cos alpha) = I omega^2/2,    g = m r_h (L/2) omega^2,
 
-is conserved; g is the centrifugal stiffness of ``cueing``. The bristle is therefore radial again
-with alpha' = +omega, whatever the belt. Its rate is then 2 omega and the speed of its tip (2 L +
-r_h) omega. The energy gives the largest retraction, and a quadrature the time. Arguments are single
-numbers in SI units and rad.
+is conserved. I is the bristle's inertia about its root, k the belt stiffness, g the centrifugal
+stiffness of ``cueing``. For any belt, the bristle is therefore radial again with alpha' = +omega.
+Its absolute rate is then 2 omega, and the speed of its tip is (2 L + r_h) omega. The energy gives
+the largest retraction, and a quadrature gives the time. Arguments are single numbers in SI units
+and rad.
 """
 
 from __future__ import annotations
@@ -21,24 +23,32 @@ import numpy as np
 
 from bristle_sim.theory.numbers import require
 
-LEAST_SPEED = 1e-100  # least hub speed, rad/s: with the least inertia, a smaller one has no energy
+LEAST_SPEED = 1e-100  # least hub speed, rad/s; the energy at a smaller one would underflow
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES = 0.25 * math.pi * (_RULE[0] + 1.0)
 WEIGHTS = 0.25 * math.pi * _RULE[1]
-"""Gauss-Legendre rule on (0, pi/2); the integrand is analytic there."""
+"""Gauss-Legendre rule on (0, pi/2) for an analytic integrand, the time to the radial direction."""
 
 
 def largest_retraction(
     inertia: float, stiffness: float, centrifugal: float, hub_speed: float
 ) -> float:
-    """Return the largest retraction, rad, the root of k alpha^2/2 + g (1 - cos alpha) = I
-    omega^2/2.
+    """Return the largest retraction of a bristle that its inertia throws, rad.
 
-    Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the
-    pulley.
+    It is the angle alpha at which k alpha^2/2 + g (1 - cos alpha) = I omega^2/2.
 
-    Without centrifugal stiffness the amplitude is A = omega sqrt(I/k), here 0.5 rad:
+    Args:
+        inertia: inertia I of the bristle about its root, kg m^2.
+        stiffness: belt stiffness k, N m/rad.
+        centrifugal: centrifugal stiffness g, N m/rad.
+        hub_speed: angular velocity omega of the pulley, rad/s.
+
+    Raises:
+        ValueError: if the bristle would lean over by more than 90 degrees, where it lies on the
+            pulley, or if the hub speed is too small.
+
+    Without centrifugal stiffness the amplitude is omega sqrt(I/k), here 0.5 rad:
 
     >>> print(f"{largest_retraction(1.0, 4.0, 0.0, 1.0):.9f}")
     0.500000000
@@ -54,7 +64,7 @@ def largest_retraction(
     energy = 0.5 * inertia * hub_speed**2
 
     def excess(angle: float) -> float:
-        """Return the relative excess of the potential energy at an angle over the initial energy."""
+        """Return the potential energy at an angle over the initial kinetic energy, less 1."""
         return (
             0.5 * stiffness * angle**2 + 2.0 * centrifugal * math.sin(0.5 * angle) ** 2
         ) / energy - 1.0
@@ -79,12 +89,13 @@ def largest_retraction(
 
 
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Return the time from the pulley's tangent point to the radial direction, s: T = 2 int_0^A d
-    alpha/alpha'.
+    """Return the time from the start of the belt's arc on the pulley to the radial direction, s.
 
-    With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' =
-    du/sqrt(k/I + (2 g/I) [cos alpha - cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A +
-    alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
+    Arguments and errors are those of ``largest_retraction``. With the largest retraction A, the
+    time is twice the integral of d alpha/alpha' from 0 to A. With alpha = A sin(u) the integrand is
+    finite at the turning point: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha - cos A]/(A cos
+    u)^2). The difference is computed as cos alpha - cos A = 2 sin((A + alpha)/2) sin((A -
+    alpha)/2), with A - alpha = A cos(u)^2/(1 + sin u).
 
     Without centrifugal stiffness it is half a period of the belt's spring, pi sqrt(I/k), here pi/2
     s:

@@ -3,10 +3,10 @@ section 4.2).
 
 The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting
 velocity (beta: friction angle, alpha: rake angle). The chip shears off along a plane at the shear
-angle eta to that velocity, where the yield stress tau_s acts over the area b d_u/sin(eta). The
-modified circle measures the uncut depth d_u normal to a path that descends at the impact angle
-gamma. R then makes the angle arccot(mu) with the workpart whatever the rake: beta - alpha =
-arccot(mu) - gamma.
+angle eta to the cutting velocity. In this plane the yield stress tau_s acts over the area
+b d_u/sin(eta), with the width b and the uncut depth d_u. The modified circle measures d_u normal to
+a path that descends at the impact angle gamma. For every rake R then makes the angle arccot(mu)
+with the workpart: beta - alpha = arccot(mu) - gamma.
 
 ``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right
 for a surface parallel to the path. The real surface rises from the path at gamma, so a shear plane
@@ -33,9 +33,8 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
-Surface = Literal[
-    "parallel", "inclined"
-]  # lie of the surface relative to the path, where the shear plane ends
+# Surface at which the shear plane ends: parallel to the path, or inclined to it.
+Surface = Literal["parallel", "inclined"]
 API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
 RAKE_OFFSET = math.radians(
     11.5
@@ -43,15 +42,21 @@ RAKE_OFFSET = math.radians(
 
 
 class ShearAngleError(ValueError):
-    """Error: the shear plane of the modified circle would not emerge from the surface, eta < gamma
-    (4.35)."""
+    """Raised when the shear plane of the chip would not emerge from the surface.
+
+    In the modified circle this happens where the shear angle is below the impact angle (4.35).
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class CuttingAngles:
-    """Angles of Merchant's circle, rad: rake alpha, friction beta and shear eta; arrays of one broadcast shape.
+    """The angles of Merchant's circle, rad.
 
-    At beta - alpha = 0 the shear angle of least work is 45 deg, so that R = tau_s b d_u/(sin 45 cos 45) is twice the yield force:
+    They are the rake angle alpha, the friction angle beta and the shear angle eta, as numbers or as
+    arrays of one broadcast shape.
+
+    If rake and friction angle are equal, the shear angle of least work is 45 deg. The resultant is
+    then tau_s b d_u/(sin 45 cos 45), twice the shear yield stress times the area of the chip:
 
     >>> angles = CuttingAngles(rake=0.0, friction=0.0, shear=math.pi / 4.0)
     >>> print(f"{angles.resultant_ratio:.6f} {angles.cutting_ratio:.6f}")
@@ -64,41 +69,51 @@ class CuttingAngles:
 
     @property
     def resultant_angle(self) -> Number:
-        """Return the angle between the resultant and the cutting velocity, beta - alpha."""
+        """Return the angle between the resultant force and the cutting velocity, rad."""
         return self.friction - self.rake
 
     @property
     def resultant_ratio(self) -> Number:
-        """Return tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
+        """Return the chip's area times the shear yield stress, over the resultant force (4.20).
+
+        It is tau_s b d_u/R = sin(eta) cos(eta + beta - alpha).
+        """
         return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
 
     @property
     def cutting_ratio(self) -> Number:
-        """Return tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
+        """Return the chip's area times the shear yield stress, over the cutting force (4.46).
 
-        u = F_c/(b d_u) is the specific cutting energy, J per m^3 of chip.
+        It is tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha), the shear yield
+        stress over the specific cutting energy F_c/(b d_u).
         """
         return self.resultant_ratio / np.cos(self.resultant_angle)
 
 
 PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radians(25.0))
-"""Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
+"""The dissertation's rounded angles, at a friction of 0.5 and an impact angle of 23.4 deg (Zhang
+2020, eqs. 4.36, 4.52)."""
 
 
 def oblique_angles(
     friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True
 ) -> CuttingAngles:
-    """Return the angles of the modified circle, rad.
+    """Return the angles of Merchant's circle for a tip that enters the surface obliquely, rad.
 
-    They are alpha = gamma + offset, beta = offset + arccot(mu) and eta = pi/4 - (beta - alpha)/2.
+    The rake angle is alpha = gamma + ``RAKE_OFFSET``, the friction angle beta = ``RAKE_OFFSET`` +
+    arccot(mu), and the shear angle eta = pi/4 - (beta - alpha)/2, which needs the least work
+    (4.25).
 
-    The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of
-    tangential to normal force on the workpart, 0 <= gamma < pi/2 in rad.
+    Args:
+        friction: ratio mu > 0 of tangential to normal force on the workpart.
+        impact_angle: angle gamma of the path to the surface, 0 <= gamma < pi/2, rad.
+        check: whether the shear plane must emerge from the surface.
 
-    Raises ShearAngleError where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
+    Raises:
+        ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), if ``check`` is set.
 
-    With mu = 1 the resultant makes 45 deg with the workpart; a path along the surface (gamma = 0)
-    has eta = 45 - 45/2 = 22.5 deg:
+    With mu = 1 the resultant is at 45 deg to the workpart. A path along the surface (gamma = 0) has
+    eta = 45 - 45/2 = 22.5 deg:
 
     >>> angles = oblique_angles(1.0, 0.0)
     >>> print(f"{math.degrees(angles.resultant_angle):.3f} {math.degrees(angles.shear):.3f} {math.degrees(angles.rake):.3f}")
@@ -128,8 +143,10 @@ def specific_cutting_energy(
     shear_yield_stress: ArrayLike = API_5L,
     surface: Surface = "parallel",
 ) -> Number:
-    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path
-    or inclined to it.
+    """Return the specific cutting energy: the cutting force over the area of the chip, J/m^3.
+
+    It is u = F_c/(b d_u), with the width b and the uncut depth d_u of the chip. ``surface`` is
+    parallel or inclined to the path of the tip, as the module describes.
 
     At mu = 1, gamma = 0 and tau_s = 1 Pa it is cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
 

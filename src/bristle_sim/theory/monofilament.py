@@ -13,8 +13,7 @@ opposes slip, is -L s_1 dp_y in compression and -L s_2 dp_y in restitution, with
 
     s_1 = sin gamma + mu_1 cos gamma,    s_2 = sin gamma - mu_2 cos gamma.
 
-The results follow by integration. The dissertation's kappa omega L = (R + r_h/L) omega L is the
-speed v_C of the tip.
+The results follow by integration.
 
 Arguments broadcast; the functions return floats for floats. Impulses and works are those of the
 workpart on the bristle; rates are positive in the hub's sense of rotation.
@@ -30,19 +29,25 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 from bristle_sim.theory.numbers import require
 
-LEAST_ANGLE = 1e-150  # least impact angle, rad: impulses grow as its inverse, and would overflow without friction
+LEAST_ANGLE = 1e-150
+"""Least impact angle, rad. Without friction, impulses are inversely proportional to it, and would
+overflow."""
 
 
 @dataclass(frozen=True, slots=True)
 class MonofilamentImpact:
-    """One strike, or an array of them.
+    """The impact of one strike, or of an array of strikes.
 
     Attributes:
-        normal_compressive_impulse, normal_final_impulse: p_cy, p_fy, N s.
-        tangential_compressive_impulse: p_cx, N s.
-        normal_compressive_work, tangential_compressive_work: W_y, W_x, J.
-        initial_bristle_rate, final_bristle_rate: phi' before and after the impact, rad/s.
-        outcome: index into ``impact.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or stiction.
+        normal_compressive_impulse: normal impulse of compression, N s.
+        normal_final_impulse: normal impulse of compression and restitution, N s.
+        tangential_compressive_impulse: tangential impulse of compression, N s.
+        normal_compressive_work: work of the normal force in compression, J.
+        tangential_compressive_work: work of friction in compression, J.
+        initial_bristle_rate, final_bristle_rate: absolute rate of the bristle before and after the
+            impact, rad/s.
+        outcome: index into ``impact.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or
+            stiction.
     """
 
     normal_compressive_impulse: Number
@@ -56,7 +61,10 @@ class MonofilamentImpact:
 
     @property
     def rebound_ratio(self) -> Number:
-        """Return phi' after the impact over that before it (2.65); ValueError where the latter is 0."""
+        """Return the bristle's rate after the impact over its rate before the impact (2.65).
+
+        Raises ValueError where the rate before the impact is 0.
+        """
         if np.any(np.equal(self.initial_bristle_rate, 0.0)):
             raise ValueError(
                 "speed_ratio * hub_speed = 0: must not be 0 where a rebound ratio is requested (in rad/s)"
@@ -65,7 +73,7 @@ class MonofilamentImpact:
 
     @property
     def outcome_name(self) -> str:
-        """Return the outcome of a single strike in words."""
+        """Return the name of the outcome of a single strike."""
         return OUTCOMES[int(self.outcome)]
 
 
@@ -80,22 +88,36 @@ def monofilament_impact(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> MonofilamentImpact:
-    """Return the impact of a strike by the closed form; arguments in kg, m, rad/s and rad.
+    """Return the impact of a rigid radial bristle on a hub that keeps its speed, in closed form.
 
-    With p_cy of ``normal_compressive_impulse``: W_y = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1
-    p_cy (2.56), W_x = v_C cos gamma p_cx/2 (2.58),
+    With the speed v_C of ``tip_speed``, the impulse p_cy of ``normal_compressive_impulse``, s_1 =
+    sin gamma + mu_1 cos gamma and s_2 = sin gamma - mu_2 cos gamma, the final impulse and rate are
 
         p_fy = p_cy (1 + e* sqrt(s_1/s_2)),    phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1)       (2.48, 2.65)
 
-    p_fy grows without bound as mu_2 approaches tan gamma. At or above tan gamma there is no
-    restitution: p_fy = p_cy, as for e* = 0. The tip strikes only if v_C > 0; otherwise impulses and
-    works are zero and the bristle keeps its rate.
+    Compression has the tangential impulse p_cx = -mu_1 p_cy (2.56), the normal work -v_C sin gamma
+    p_cy/2 (2.40) and the tangential work v_C cos gamma p_cx/2 (2.58). p_fy grows without bound as
+    mu_2 approaches tan gamma. With mu_2 >= tan gamma there is no restitution: p_fy = p_cy, as for
+    e* = 0. The tip strikes only if v_C > 0; otherwise impulses and works are zero and the bristle
+    keeps its rate.
 
-    Raises ValueError unless 1e-150 <= gamma. The friction mu_2 is mu_1 by default (case 2, eq.
-    2.59); e* is the energetic coefficient (2.47) in [0, 1].
+    Args:
+        mass: mass of the bristle, kg.
+        length: length L of the bristle, m.
+        hub_radius: radius r_h of the hub, m.
+        hub_speed: angular velocity omega of the hub, rad/s.
+        speed_ratio: rate of the bristle before the impact over the hub speed.
+        impact_angle: angle gamma of the bristle to the workpart's normal, at least 1e-150 rad.
+        friction: coefficient of friction mu_1 in compression.
+        restitution: energetic coefficient of restitution e* (2.47), in [0, 1].
+        restitution_friction: coefficient of friction mu_2 in restitution; mu_1 by default (case 2,
+            eq. 2.59).
+
+    Raises:
+        ValueError: if the impact angle is too small.
 
     A rod of 3 kg and 1 m lies along the surface (gamma = 90 deg) and strikes at 1 rad/s on a hub of
-    zero radius: p_cy = m v_C/3 = 1 N s, and half of the rate is returned.
+    zero radius. Its compressive impulse is m v_C/3 = 1 N s, and it rebounds at half its rate.
 
     >>> import math
     >>> impact = monofilament_impact(3.0, 1.0, 0.0, 1.0, 1.0, math.pi / 2.0, 0.0, 0.5)
@@ -128,9 +150,12 @@ def monofilament_impact(
 
 
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
-    """Return the speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33).
+    """Return the speed of a radial bristle's tip before the impact, m/s (Zhang 2020, eq. 2.24).
 
-    In the dissertation R = 3.23 and L = 27 mm make R L = 87.21 mm; with r_h = 27.5 mm the lever is 114.71 mm:
+    It is v_C = (R L + r_h) omega, with the ratio R of the bristle's rate to the hub speed omega, the
+    length L and the hub's radius r_h. The dissertation writes it kappa omega L (2.33).
+
+    In the dissertation R = 3.23, L = 27 mm and r_h = 27.5 mm, so that R L + r_h = 114.71 mm:
 
     >>> print(f"{tip_speed(0.027, 0.0275, 100.0, 3.23):.3f}")
     11.471
@@ -139,8 +164,10 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
 
 def stiction_friction(impact_angle: Number) -> Number:
-    """Return the least mu_2 at which no impulse can separate the tip from the workpart, tan gamma
-    (2.51).
+    """Return the least friction at which no impulse can separate the tip from the workpart.
+
+    It is tan gamma, with the impact angle gamma, rad; the friction is that in restitution (Zhang
+    2020, eq. 2.51).
 
     >>> import math
     >>> print(f"{stiction_friction(math.pi / 4.0):.6f}")
@@ -153,9 +180,12 @@ def stiction_friction(impact_angle: Number) -> Number:
 def normal_compressive_impulse(
     mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
 ) -> Number:
-    """Return the normal compressive impulse p_cy = m v_C/(3 s_1), N s (2.37).
+    """Return the normal impulse of compression of a strike, N s (Zhang 2020, eq. 2.37).
 
-    With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2 the sum s_1 is 1:
+    It is m v_C/(3 s_1), s_1 = sin(gamma) + mu cos(gamma), with the bristle's mass m, the speed v_C
+    of the tip, the impact angle gamma and the friction mu.
+
+    With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2, s_1 is 1:
 
     >>> import math
     >>> print(f"{normal_compressive_impulse(3.0, 2.0, math.asin(0.6), 0.5):.6f}")

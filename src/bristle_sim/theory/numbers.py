@@ -1,7 +1,7 @@
-"""Operations on floats and arrays, and refusals of arguments in one line.
+"""Operations that serve floats and arrays alike, and checks of arguments.
 
-The operations return a float for a float, for speed in a scene. Refused are arguments that are no
-real numbers or lie outside the range of a law or formula.
+The operations return a float for a float, for speed in a scene. The checks raise ValueError for
+arguments that are not real numbers or lie outside the range of a law or formula.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ def select(condition: Number, chosen: Number, other: Number) -> Number:
 
 
 def sign(value: Number) -> Number:
-    """Return -1, 0 or 1."""
+    """Return the sign of a value: -1, 0 or 1."""
     if isinstance(value, float):
         return math.copysign(1.0, value) if value else 0.0
     return np.sign(value)
 
 
 def square_root(value: Number) -> Number:
-    """Return the square root of a value that is not negative."""
+    """Return the square root of a value, which must not be negative."""
     return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
 
 
@@ -41,7 +41,7 @@ def isfinite(value: Number) -> Number:
 
 
 def inverse(value: Number) -> Number:
-    """Return 1/value; infinite at zero."""
+    """Return 1/value, and infinity for zero."""
     if isinstance(value, float):
         return 1.0 / value if value else math.inf
     return 1.0 / value
@@ -59,9 +59,11 @@ def quotient(value: Number, divisor: Number) -> Number:
 def numbers(name: str, value: Any, rule: str) -> Array:
     """Return the value as an array of floats; infinities and NaN are permitted.
 
+    ``name`` and ``rule`` are for the message of an error.
+
     Raises:
-        ValueError: with the rule, if an entry is no real number (text, truth value, complex) or
-            rows differ in length.
+        ValueError: if an entry is not a real number (text, truth value, complex number), or if rows
+            differ in length.
     """
     try:
         array = np.asarray(value)
@@ -79,9 +81,10 @@ def numbers(name: str, value: Any, rule: str) -> Array:
 
 
 def require(name: str, value: Any, holds: Any, rule: str) -> None:
-    """Raise ValueError with the rule and the first value for which ``holds`` is false.
+    """Raise ValueError unless a condition holds for all values.
 
-    ``value`` and ``holds`` broadcast.
+    ``holds`` is the condition; it broadcasts with ``value``. The message has the argument's name,
+    the first value for which the condition is false, and the rule.
     """
     values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():
@@ -135,11 +138,11 @@ RANGES: dict[str, Range] = {
     )
     for key in keys.split()
 }
-"""Range of each argument by its name; the source of a range gives the reason for its bounds."""
+"""Range of each argument by its name. The last entry of a range gives the reason for its bounds."""
 
 
 def checked_numbers(**values: float) -> list[float]:
-    """Check each keyword argument against the range declared for its name; return floats.
+    """Check each argument against the range declared for its name in ``RANGES``; return floats.
 
     Raises:
         ValueError: for an argument outside its range.

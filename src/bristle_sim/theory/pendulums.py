@@ -1,5 +1,5 @@
-"""Stronge's single and double pendulum against a rough surface, in generalized speeds (Zhang 2020,
-sec. 2.4).
+"""Impact of Stronge's single and double pendulum on a rough surface, in generalized speeds (Zhang
+2020, sec. 2.4).
 
 Single (2.4.1): a slender rod hinged at O, inclined at gamma to the normal of the surface that its
 tip strikes.
@@ -17,9 +17,10 @@ An impulse (dp_x, dp_y) on C changes the generalized momenta by (2.69)
 
 Friction makes dp_x = -mu sign(v_x) dp_y while C slips, so q is linear in p_y (2.74, 2.80, 2.98).
 Slip may stop before or after the end of compression; then C sticks, or slips the other way if mu <
-mu_bar (2.90). The impact ends when the normal work of restitution is W_r = -e*^2 W_c (2.87). ``two_rods``
-follows the rods in q. ``impact.energetic_impact`` solves the same impact in the velocities
-of C; each is a test of the other.
+mu_bar (2.90). The impact ends when the normal work of restitution is W_r = -e*^2 W_c, with the work
+W_c of compression (2.87). ``two_rods`` solves the impact in the generalized speeds q.
+``impact.energetic_impact`` solves the same impact in the velocities of C. Each solution is a test
+of the other.
 
 Rates are negative where they bring the tip of a rod of positive inclination to the surface.
 ValueError is raised for an argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R.
@@ -43,11 +44,11 @@ class SinglePendulumImpact:
     """Impact of a single pendulum.
 
     Attributes:
-        normal_compressive_impulse: p_c, N s.
-        normal_final_impulse: p_f, N s.
+        normal_compressive_impulse: normal impulse of compression, N s.
+        normal_final_impulse: normal impulse of compression and restitution, N s.
         final_rate: rate after the impact, rad/s.
-        rebound_ratio: rate after over rate before the impact.
-        outcome: outcome in words.
+        rebound_ratio: rate after the impact over the rate before it.
+        outcome: name of the outcome.
     """
 
     normal_compressive_impulse: float
@@ -65,12 +66,21 @@ def single_pendulum_impact(
     friction: float,
     restitution: float,
 ) -> SinglePendulumImpact:
-    """Return the impact of Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26).
+    """Return the impact of a hinged slender rod whose tip strikes a rough surface.
 
-        phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
+    It is Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26). The rate phi' after the
+    impact over the rate before it is
 
-    Mass in kg, length in m, 0 < gamma <= pi/2 in rad; the rate, rad/s, is negative where the tip
-    approaches the surface.
+        phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >=
+        tan gamma
+
+    Args:
+        rod_mass: mass of the rod, kg.
+        rod_length: length of the rod, m.
+        impact_angle: angle gamma of the rod to the surface's normal, 0 < gamma <= pi/2, rad.
+        rate: rate before the impact, rad/s; negative where the tip approaches the surface.
+        friction: coefficient of friction mu.
+        restitution: energetic coefficient of restitution e*.
 
     At gamma = 45 deg and mu = 0.6 the ratio is -e* sqrt(0.4/1.6) = -e*/2:
 
@@ -104,12 +114,12 @@ class DoublePendulumImpact:
 
     Attributes:
         final_rate_1, final_rate_2: rates of the rods after the impact, rad/s.
-        normal_compressive_impulse: p_c, N s.
-        normal_final_impulse: p_f, N s.
-        slip_stop_impulse: p_s, normal impulse at which slip stops, N s; inf if slip does not stop.
-        phases: motions of the tip C, in order.
-        kinetic_energy_ratio: kinetic energy after over before the impact.
-        outcome: outcome in words.
+        normal_compressive_impulse: normal impulse of compression, N s.
+        normal_final_impulse: normal impulse of compression and restitution, N s.
+        slip_stop_impulse: normal impulse at which slip stops, N s; inf if slip does not stop.
+        phases: names of the phases of the impact, in order, with slip or stick of the tip.
+        kinetic_energy_ratio: kinetic energy after the impact over the energy before it.
+        outcome: name of the outcome.
     """
 
     final_rate_1: float
@@ -134,12 +144,22 @@ def double_pendulum_impact(
     restitution: float,
     restitution_friction: float | None = None,
 ) -> DoublePendulumImpact:
-    """Return the impact of Stronge's double pendulum of any mass ratio (Zhang 2020, eqs.
-    2.66-2.108).
+    """Return the impact of two hinged slender rods whose tip strikes a rough surface.
 
-    m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad,
-    phi'_1 and phi'_2 before the impact in rad/s. The friction in restitution equals that in
-    compression by default, as in the dissertation.
+    It is Stronge's double pendulum with any mass ratio (Zhang 2020, eqs. 2.66-2.108).
+
+    Args:
+        rod_mass: mass of the second rod, whose tip strikes, kg.
+        mass_ratio: mass of the first rod over the mass of the second rod.
+        rod_length: length of either rod, m.
+        angle_1: angle of the first rod to the surface's normal, within a right angle, rad.
+        angle_2: angle of the second rod to the surface's normal, within a right angle, rad.
+        rate_1: rate of the first rod before the impact, rad/s.
+        rate_2: rate of the second rod before the impact, rad/s.
+        friction: coefficient of friction in compression.
+        restitution: energetic coefficient of restitution.
+        restitution_friction: coefficient of friction in restitution; ``friction`` by default, as in
+            the dissertation.
 
     A frictionless impact keeps the kinetic energy if e* = 1:
 

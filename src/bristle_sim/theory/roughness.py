@@ -1,8 +1,8 @@
 """Roughness of profiles and surfaces: the Gaussian filter of ISO 16610-21, measures of ISO 21920-2
 and ISO 25178-2.
 
-A profile is the last axis of an array of heights at equal distances; measures are means over all
-profiles. Heights and lengths in m.
+Profiles lie along the last axis of an array of heights at equal distances. Measures are means over
+all profiles. Heights and lengths are in m.
 """
 
 from __future__ import annotations
@@ -15,17 +15,24 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 
-SECTIONS = 5  # section lengths of an evaluation length (ISO 21920-3)
-LEAST_HEIGHT = 0.1  # of Rz: an element of a profile has a hill and a dale beyond it (ISO 21920-2)
+SECTIONS = 5  # number of section lengths in an evaluation length (ISO 21920-3)
+LEAST_HEIGHT = 0.1  # least height of a hill and least depth of a dale over Rz (ISO 21920-2)
 GAUSSIAN = math.sqrt(math.log(2.0) / math.pi)
-"""alpha of ISO 16610-21, 0.4697: the filter halves a wave as long as the cut-off."""
+"""Constant alpha = 0.4697 of the Gaussian filter (ISO 16610-21); with it the filter halves a wave
+whose length is the cut-off."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProfileMeasures:
-    """Means over all profiles, m. ``sections`` is the number of section lengths of each.
+    """Roughness measures of profiles, as means over all profiles, m.
 
-    ``rsm`` is None where no profile has an element.
+    Attributes:
+        rz: Rz, mean over the section lengths of the highest peak less the lowest valley.
+        ra: Ra, mean distance from the mean line.
+        rq: Rq, root mean square of the distance from the mean line.
+        rsm: RSm, mean length of the profile elements (a hill and a dale); None without a whole
+            element.
+        sections: number of section lengths of each profile.
     """
 
     rz: float
@@ -36,12 +43,13 @@ class ProfileMeasures:
 
 
 def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
-    """Return the heights less their Gaussian mean line along the last axis, m; the profiles are
-    periodic.
+    """Return roughness profiles, m: the heights less their Gaussian mean line along the last axis.
 
-    The filter multiplies a wave of length lambda by 1 - exp(-pi (alpha cutoff/lambda)^2) (ISO
-    16610-21), in the frequency domain, so that a periodic profile has no end effects. A wave as
-    long as the cut-off keeps half its height:
+    The profiles must be periodic; ``cell`` is the distance between two points, m. The filter
+    multiplies a wave of length lambda by 1 - exp(-pi (alpha cutoff/lambda)^2), alpha = 0.4697 (ISO
+    16610-21). It does so in the frequency domain, so that there are no end effects.
+
+    A wave as long as the cut-off keeps half its height:
 
     >>> wave = np.sin(2.0 * np.pi * np.arange(400) / 100.0)
     >>> print(f"{roughness_profiles(wave, 1e-5, 1e-3).max():.6f}")
@@ -54,8 +62,10 @@ def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
 
 
 def section_heights(profiles: Array, cell: float, section: float, sections: int) -> Array:
-    """Return the highest peak less the lowest valley of each section length, m, shape (...,
-    sections).
+    """Return the highest peak less the lowest valley in each section length, m.
+
+    The shape is (..., sections). ``cell`` is the distance between two points of a profile and
+    ``section`` the section length, m.
     """
     edges = _edges(cell, section, sections)
     evaluated = profiles[..., : edges[-1]]
@@ -71,16 +81,17 @@ def _edges(cell: float, section: float, sections: int) -> NDArray[np.int_]:
 def profile_measures(
     profiles: Array, cell: float, section: float, sections: int
 ) -> ProfileMeasures:
-    """Return the measures of roughness profiles, filtered before, over their first section lengths.
+    """Return the roughness measures Rz, Ra, Rq and RSm of filtered profiles (ISO 21920-2).
 
-    Rz is the mean over section lengths of the highest peak less the lowest valley; Ra, Rq and RSm
-    are over the evaluation length (ISO 21920-2).
+    Rz is the mean over the section lengths of the highest peak less the lowest valley. Ra, Rq and
+    RSm are taken over the evaluation length, which consists of all section lengths.
 
     Args:
-        profiles: roughness profiles, m, shape (..., points).
-        cell: distance of two points, m.
+        profiles: roughness profiles, m, shape (..., points), as from ``roughness_profiles``.
+        cell: distance between two points, m.
         section: section length, m.
-        sections: number of section lengths; the profiles must be that long.
+        sections: number of section lengths, from the start of a profile. The profiles must be at
+            least as long.
     """
     rz = section_heights(profiles, cell, section, sections).mean(axis=-1)
     evaluated = profiles[..., : _edges(cell, section, sections)[-1]]
@@ -98,10 +109,11 @@ def profile_measures(
 
 
 def _mean_spacing(profile: Array, least: float) -> float | None:
-    """Return the mean length of a profile's elements in points; None without a whole element.
+    """Return the mean length of a profile's elements, in point distances; None without an element.
 
-    An element reaches from one rise through the mean line to the next, with a hill above and a dale
-    below it by at least ``least`` (ISO 21920-2: RSm). The crossings are interpolated linearly.
+    An element reaches from one rise through the mean line to the next. It has a hill and a dale,
+    each at least ``least`` from the mean line (ISO 21920-2: RSm). The crossings of the mean line
+    are interpolated linearly.
     """
     beyond = np.flatnonzero(np.abs(profile) > least)
     rises = np.flatnonzero((profile[beyond[:-1]] < 0.0) & (profile[beyond[1:]] > 0.0))
@@ -116,7 +128,7 @@ def _mean_spacing(profile: Array, least: float) -> float | None:
 
 
 def arithmetic_mean_height(heights: Array) -> float:
-    """Return Sa, the mean distance of a surface from its mean height (ISO 25178-2), m.
+    """Return the mean distance of a surface from its mean height, Sa of ISO 25178-2, m.
 
     >>> print(arithmetic_mean_height(np.array([[1.0, -1.0], [3.0, 1.0]])))
     1.0
@@ -125,12 +137,13 @@ def arithmetic_mean_height(heights: Array) -> float:
 
 
 def developed_area_ratio(heights: Array, step: float, cell: float) -> float:
-    """Return Sdr, by how much a surface's area exceeds its projection, as a fraction of the latter
-    (ISO 25178-2).
+    """Return the area of a surface over the area of its projection, less 1 (Sdr of ISO 25178-2).
 
-    Points are a ``step`` apart along the last axis and a ``cell`` along the first, m. Each cell is
-    divided into two triangles along either diagonal, and the two areas are averaged (annex D). A
-    plane that rises at 45 deg has sqrt(2) - 1:
+    The distance between points is ``step`` along the last axis and ``cell`` along the first axis,
+    m. Each rectangle of four points is divided into two triangles, once along either diagonal, and
+    the two areas are averaged (annex D).
+
+    A plane that rises at 45 deg has sqrt(2) - 1:
 
     >>> print(f"{developed_area_ratio(np.add.outer(np.arange(5.0), np.zeros(4)), 1.0, 1.0):.6f}")
     0.414214

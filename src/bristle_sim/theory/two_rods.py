@@ -1,6 +1,7 @@
-"""Two hinged rods in generalized speeds, and the phases of an impact at their end.
+"""Two hinged rods in generalized speeds, and the phases of an impact at their tip.
 
-The symbols and the equation numbers are those of ``pendulums`` (Zhang 2020, sec. 2.4.2).
+The symbols and the equation numbers are those of the module ``pendulums`` (Zhang 2020, sec. 2.4.2).
+C is the tip of the second rod.
 """
 
 from __future__ import annotations
@@ -13,21 +14,25 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
 
-ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
+# Component of the tip's velocity, as a fraction of the rods' initial speeds, that counts as zero.
+ROUNDING = 1e-12
 
-# Largest difference of the angles of parallel rods, rad; their tip moves along one line.
+# Largest difference of the angles of rods that count as parallel, rad; their tip moves along one
+# line.
 PARALLEL = 1e-8
 
 
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
-    """Return mu_bar, the least friction at which C sticks after its slip has stopped.
+    """Return the least friction at which the tip of a double pendulum sticks once its slip stops.
 
-    For n = 1 it is eq. 2.90 of Zhang (2020):
+    With the mass ratio n = m_1/m_2 of the rods, their angles theta_1 and theta_2 to the surface's
+    normal, rad, and c = cos(theta_1 - theta_2), it is
 
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
 
-    Angles in rad, arrays broadcast. For theta_1 = theta_2 it is tan theta whatever n (2.111).
+    For n = 1 this is eq. 2.90 of Zhang (2020). Arrays broadcast. For theta_1 = theta_2 = theta it is
+    tan theta for every n (2.111).
 
     The dissertation's identical rods at 20 and 30 deg:
 
@@ -45,10 +50,11 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
 
 
 class Rods:
-    """The rods at their angles.
+    """The kinetics of two hinged rods of equal length at given angles to the surface's normal.
 
-    They determine the effect of speeds q = (q_1, q_2), m/s, and of impulses on C; a normal impulse
-    changes q by dq/dp_y.
+    The motion is given by the generalized speeds q = (L phi'_1, L phi'_2/2), m/s, with the length L
+    and the rates phi' of the rods. The tip C of the second rod receives impulses. ``mass`` is the
+    mass of the second rod, ``ratio`` the mass of the first rod over it.
     """
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
@@ -66,17 +72,21 @@ class Rods:
         self.parallel = abs(between) < PARALLEL
 
     def kinetic_energy(self, q: Array) -> float:
-        """Return T (2.93), J."""
+        """Return the kinetic energy of the rods, J (Zhang 2020, eq. 2.93)."""
         own = (self.ratio / 6.0 + 0.5) * q[0] ** 2 + 2.0 / 3.0 * q[1] ** 2
         return self.mass * float(own + self.c * q[0] * q[1])
 
     def tip_velocity(self, q: Array) -> tuple[float, float]:
-        """Return v_C (2.95), m/s."""
+        """Return the (tangential, normal) velocity of the tip, m/s (Zhang 2020, eq. 2.95)."""
         along = -q[0] * self.cos_1 - 2.0 * q[1] * self.cos_2
         return float(along), float(q[0] * self.sin_1 + 2.0 * q[1] * self.sin_2)
 
     def response(self, along: float, away: float) -> Array:
-        """Return the change of q by an impulse on C (eqs. 2.94 and 2.96, solved for it)."""
+        """Return the change of the generalized speeds by an impulse on the tip, m/s.
+
+        The impulse has the tangential component ``along`` and the normal component ``away``, N s.
+        The change solves eqs. 2.94 and 2.96.
+        """
         first = -along * self.cos_1 + away * self.sin_1
         second = -2.0 * along * self.cos_2 + 2.0 * away * self.sin_2
         own = self.ratio / 3.0 + 1.0
@@ -84,18 +94,18 @@ class Rods:
         return solved / (self.mass * (4.0 / 3.0 * own - self.c * self.c))
 
     def sticking(self) -> Array:
-        """Return dq/dp_y while C sticks.
+        """Return the change of the generalized speeds per unit normal impulse while the tip sticks.
 
-        One degree of freedom is left, with q proportional to (2 cos theta_2, -cos theta_1).
+        One degree of freedom is left: the speeds are proportional to (2 cos theta_2, -cos theta_1).
         """
         freedom = np.array([2.0 * self.cos_2, -self.cos_1])
         lift = 0.0 if self.parallel else 2.0 * self.sine
         return freedom * lift / (2.0 * self.kinetic_energy(freedom))
 
     def sliding_at_rest(self) -> Array:
-        """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps v_y at 0.
+        """Return the change of the generalized speeds per unit normal impulse in slip at rest.
 
-        One degree of freedom is left.
+        Friction keeps the normal velocity of the tip at 0. One degree of freedom is left.
         """
         friction = (
             self.tip_velocity(self.response(0.0, 1.0))[1]
@@ -106,7 +116,11 @@ class Rods:
 
 
 class RodImpact:
-    """The present state of the rods' impact: speeds q, normal impulse and normal work."""
+    """The present state of an impact of two rods.
+
+    It holds the generalized speeds of the rods, m/s, and the normal impulse, N s, and normal work,
+    J, so far.
+    """
 
     def __init__(self, rods: Rods, speeds: Array) -> None:
         self.rods = rods
@@ -122,24 +136,29 @@ class RodImpact:
 
     @property
     def tip(self) -> list[float]:
-        """Velocity of C, with components of the size of rounding set to zero."""
+        """Return the (tangential, normal) velocity of the tip, m/s.
+
+        A component no larger than rounding error is set to zero.
+        """
         return [
             each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)
         ]
 
     def until_zero(self, axis: int, change: Array) -> float:
-        """Return the normal impulse from now on to the end of slip (axis 0) or compression (axis
-        1).
+        """Return the normal impulse until the end of slip (axis 0) or of compression (axis 1), N s.
 
-        (Eqs. 2.75, 2.76, 2.99, 2.100.)
+        ``change`` is the change of the generalized speeds per unit normal impulse (eqs. 2.75, 2.76,
+        2.99, 2.100).
         """
         value = self.tip[axis]
         slope = self.rods.tip_velocity(change)[axis]
         return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
 
     def until_work(self, change: Array, work: float) -> float:
-        """Return the normal impulse from now on that does a given work, the root of v_y p + v_y'
-        p^2/2 = W (2.83).
+        """Return the further normal impulse that does a given normal work, N s.
+
+        It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip, its
+        change v' per unit normal impulse, and the work W, J.
         """
         speed = self.tip[1]
         gain = self.rods.tip_velocity(change)[1]
@@ -149,13 +168,18 @@ class RodImpact:
         return 2.0 * work / (speed + final) if final > 0.0 else 0.0
 
     def follow(self, part: str, mu: float, work: float | None = None) -> bool:
-        """Slip until slip or this part of the impact ends, then stick or slip until the part ends.
+        """Follow compression or restitution to its end.
 
-        The part is compression, which ends where C rests, or restitution, which ends with the
-        normal work that remains (2.87).
+        The tip first slips until it stops; then it sticks or slips again until the end. Compression
+        ends where the normal velocity is 0, restitution where its normal work is done (2.87).
+
+        Args:
+            part: ``compression`` or ``restitution``.
+            mu: coefficient of friction.
+            work: normal work of restitution, J; None in compression.
 
         Returns:
-            Whether the part ends.
+            Whether the end is reached by a finite impulse.
         """
         for slips in (True, False) if self.tip[0] else (False,):
             driven = (
@@ -191,7 +215,10 @@ class RodImpact:
         return False
 
     def resolve(self, mu: float, restitution: float, later: float) -> str:
-        """Compress, restitute, and return the outcome."""
+        """Resolve the impact and return the name of its outcome.
+
+        ``mu`` is the coefficient of friction in compression, ``later`` the one in restitution.
+        """
         if not self.tip[1] < 0.0:
             return "no contact"
         if not self.follow("compression", mu):

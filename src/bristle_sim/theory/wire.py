@@ -1,19 +1,21 @@
-"""Bending of a wire held at its root by a torsion spring: the frequencies of the beam and of its
-chain of links.
+"""Bending of a wire on a torsion spring at its root: natural frequencies of the beam, and of the
+chain of rigid links that approximates it.
 
 A uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a, hinged at a root
 that a torsion spring k_T holds and free at the other end, vibrates at omega = lambda^2 sqrt(E
 I_a/(m L^3)), where lambda solves
 
-    sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda) cosh(lambda))/lambda.
+    sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda)
+    cosh(lambda))/lambda.
 
-Without the spring this is tan = tanh, the hinged beam; with a rigid spring it is the cantilever.
+Without the spring this is tan(lambda) = tanh(lambda), the hinged beam. With a rigid spring it is
+the cantilever.
 
-The chain is n equal rigid links of length l = L/n and mass m/n, hinged end to end with the torsion
-spring E I_a/l in each hinge. Unlike the beam, its first link does not bend at the root. With the
-root spring k_T its frequencies therefore tend to those of the beam with an error of order 1/n. With
-half a link's bending in series with that spring, 1/k = 1/k_T + l/(2 E I_a), the error is of order
-1/n^2. All quantities are in SI units; ValueError is raised for arguments out of range.
+The chain consists of n equal rigid links of length l = L/n and mass m/n, hinged end to end with the
+torsion spring E I_a/l in each hinge. Unlike the beam, its first link does not bend at the root.
+With the root spring k_T the error of its frequencies is therefore of order 1/n. If half a link's
+bending is put in series with the root spring, 1/k = 1/k_T + l/(2 E I_a), the error is of order
+1/n^2. All quantities are in SI units.
 """
 
 from __future__ import annotations
@@ -25,15 +27,15 @@ import numpy as np
 from bristle_sim.arrays import Array
 
 RIGID = 1e-10
-"""Ratio of root spring to bending stiffness, k_T L/(E I_a), below which the first mode is that of a
-rigid rod.
+"""Ratio of the root spring to the bending stiffness, k_T L/(E I_a), below which the first mode is
+computed as for a rigid rod.
 
-The relative error is of the size of the ratio. The beam equation, a difference of order lambda^3,
-would keep fewer digits."""
+The relative error is about as large as the ratio. The equation of the beam, a difference of order
+lambda^3, would lose more digits."""
 
 
 def second_moment_of_area(diameter: float) -> float:
-    """Return the second moment of area of a round wire, pi d^4/64, in m^4.
+    """Return the second moment of area of a round wire of diameter d, pi d^4/64, in m^4.
 
     >>> print(f"{second_moment_of_area(2.0):.6f}")  # pi/4 of a radius of 1 m
     0.785398
@@ -42,9 +44,12 @@ def second_moment_of_area(diameter: float) -> float:
 
 
 def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
-    """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad.
+    """Return the stiffness of the torsion spring between two rigid links of a wire, N m/rad.
 
-    A wire of 2 m diameter, 4 m length and 1 Pa has E I_a = pi/4 N m^2; between two halves, l = 2 m:
+    It is E I_a/l, with Young's modulus E, the second moment of area I_a, and the length l of a
+    link, the wire's length over the number of links.
+
+    A wire of 2 m diameter, 4 m length and 1 Pa has E I_a = pi/4 N m^2; its two links are 2 m long:
 
     >>> print(f"{hinge_stiffness(2.0, 4.0, 1.0, 2):.6f}")
     0.392699
@@ -61,11 +66,11 @@ def hinge_damping(
     damping_ratio: float,
     links: int,
 ) -> float:
-    """Return the torsional damper between two links, 2 zeta k_w/omega_1, in N m s/rad.
+    """Return the constant of the torsional damper between two rigid links of a wire, N m s/rad.
 
-    A damper proportional to the hinge's spring gives a mode of frequency omega the damping ratio
-    zeta omega/omega_1. Here omega_1 is the frequency of the beam's first bending mode, and zeta the
-    damping ratio of that mode.
+    It is 2 zeta k_w/omega_1, with the damping ratio zeta of the first bending mode, the stiffness
+    k_w of ``hinge_stiffness``, and the angular frequency omega_1 of the beam's first bending mode.
+    A mode of angular frequency omega then has the damping ratio zeta omega/omega_1.
     """
     first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
     return (
@@ -79,12 +84,21 @@ def hinge_damping(
 def beam_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, modes: int
 ) -> Array:
-    """Return the lowest natural frequencies of the beam, in Hz, shape (modes,).
+    """Return the lowest natural frequencies of a wire as a beam, Hz, shape (modes,).
 
-    The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
-    Mass in kg, length and diameter in m, Young's modulus in Pa, torsion spring at the root in N m/rad, 1 to 50 modes.
+    In the first mode the wire swings on the torsion spring at its root; the frequency is 0 without
+    the spring. The second mode is the first bending mode.
 
-    The hinged beam's first bending mode has lambda = 3.926602; here E I_a/(m L^3) = 1, so that 2 pi f = lambda^2 = 15.4182:
+    Args:
+        mass: mass of the wire, kg.
+        length: length of the wire, m.
+        diameter: diameter of the wire, m.
+        modulus: Young's modulus, Pa.
+        root_stiffness: stiffness of the torsion spring at the root, N m/rad.
+        modes: number of modes, 1 to 50.
+
+    The hinged beam's first bending mode has lambda = 3.926602. Here E I_a/(m L^3) = 1, so that the
+    angular frequency is lambda^2 = 15.4182 rad/s:
 
     >>> frequencies = beam_frequencies(math.pi / 64.0, 1.0, 1.0, 1.0, 0.0, 2)
     >>> print(f"{math.tau * frequencies[1]:.4f}")
@@ -98,8 +112,7 @@ def beam_frequencies(
     ratio = root_stiffness * length / bending
 
     def characteristic(wave: float) -> float:
-        """Return the characteristic function of the beam, which is zero at the wave number of a
-        mode."""
+        """Return the function that is zero at the dimensionless wave number lambda of each mode."""
         # Divided by cosh(wave), which would overflow.
         inverse = 1.0 / math.cosh(wave)
         sine, cosine = math.sin(wave), math.cos(wave)
@@ -124,9 +137,12 @@ def beam_frequencies(
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> Array:
-    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,).
+    """Return the natural frequencies of a wire as a chain of equal rigid links, Hz, shape (links,).
 
-    One link is a rod on its root's spring, 2 pi f = sqrt(k/(m L^2/3)) = 3 rad/s here:
+    They are ascending. The arguments are those of ``beam_frequencies``, with the number of links.
+
+    One link is a rigid rod on the spring at its root, here with the angular frequency
+    sqrt(k/(m L^2/3)) = 3 rad/s:
 
     >>> print(f"{math.tau * chain_frequencies(1.0, 1.0, 0.1, 1.0, 3.0, 1)[0]:.6f}")
     3.000000
@@ -137,11 +153,13 @@ def chain_frequencies(
 def chain_modes(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> tuple[Array, Array]:
-    """Return the natural frequencies and the modes of the chain of links.
+    """Return the natural frequencies and the mode shapes of a wire as a chain of rigid links.
 
-    The squares of 2 pi times the frequencies are the eigenvalues of the stiffness against the mass
-    matrix in the links' absolute angles: M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j,
-    k from 1) and m l^2/n (n - j + 1/3) on it.
+    The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
+    matrices in the links' absolute angles. For n links of length l and a wire of mass m the mass
+    matrix is M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j
+    + 1/3) on the diagonal. The arguments are those of ``beam_frequencies``, with the number of
+    links.
 
     Returns:
         The frequencies, Hz, ascending, shape (links,); and the angles of the links in each mode, by
