@@ -11,6 +11,8 @@ from typing import BinaryIO
 
 _COUNT = itertools.count()
 
+LONGEST_NAME = 255  # longest name of a file, without its folders, that file systems take, bytes
+
 _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 """Pattern of the names of open streams: standard streams by name, any stream by number."""
 
@@ -32,6 +34,8 @@ def checked_target(
     """
     target = Path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)
+    if len(os.fsencode(target.name)) > LONGEST_NAME:
+        raise ValueError(f"{named}: must be a file name of at most {LONGEST_NAME} bytes")
     if suffixes and not folder and target.suffix.lower() not in suffixes:
         raise ValueError(f"{named}: must be a file name that ends in {', '.join(suffixes)}")
     if target.is_dir() != folder and target.exists():

@@ -126,17 +126,17 @@ class Range:
             number = float(value)
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
-        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        if not (
-            above
-            and number <= self.highest
-            and math.isfinite(number)
-            and (not self.whole or number.is_integer())
-        ):
+        if not self._holds(number):
             raise self.refusal(
                 number if typed is None else typed, self._likely_display_unit(number, typed)
             )
         return int(number) if self.whole else number + 0.0
+
+    def _holds(self, number: float) -> bool:
+        """Return whether a number is in the range, and whole where it must be."""
+        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
+        whole = not self.whole or number.is_integer()
+        return above and number <= self.highest and math.isfinite(number) and whole
 
     def _likely_display_unit(self, number: float, typed: str | None) -> str:
         """Return a hint that a refused number may have been meant in the customary unit.
@@ -146,7 +146,7 @@ class Range:
         """
         size = self.display[1]
         bare = typed or f"{number:g}"
-        fits = size < 1.0 and self.lowest <= scaled(number, size) <= self.highest
+        fits = size < 1.0 and self._holds(scaled(number, size))
         meant = self.with_display_unit(bare)
         return f"; did you mean {meant}?" if fits and meant != bare else ""
 

@@ -182,7 +182,7 @@ def _write(work: Work, report: Report, option: str, target: Path) -> None:
     if option == "plot":
         draw(scenario, report, target)
     elif option == "video" and scenario.film is not None:
-        rate = {"fps": options.fps} if options.fps else {}
+        rate = {} if options.fps is None else {"fps": options.fps}
         scenario.film(report, **(options.size or {})).write(target, **rate)
     elif option == "write_tool":
         found = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -95,7 +96,7 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
         raise ValueError("--workers, --store, --quantity: must be given with --sweep")
     if options.json == options.csv == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
-    if options.video is None and (options.size or options.fps):
+    if options.video is None and (options.size, options.fps) != (None, None):
         raise ValueError("--size, --fps: must be given with --video")
     if options.interval is not None and (options.csv is None or options.sweep):
         raise ValueError("--interval: must be given with --csv, and without --sweep")
@@ -143,7 +144,22 @@ def _size(text: str) -> dict[str, int]:
         raise argparse.ArgumentTypeError(
             f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)"
         )
-    return {"width": int(found[1]), "height": int(found[2])}
+    width = int(found[1])
+    height = int(found[2])
+    if not 16 <= min(width, height) <= max(width, height) <= 8192:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be 16 to 8192 along either edge (in px)")
+    return {"width": width, "height": height}
+
+
+def _frame_rate(text: str) -> float:
+    """Return a number of frames per second."""
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not 0.0 < rate < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a finite number above 0 (in 1/s)")
+    return rate
 
 
 APPENDED: dict[str, Any] = {"action": "append", "default": []}
@@ -157,7 +173,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "plot": ("FILE", "draw a figure (PNG, SVG, PDF)", {}),
     "video": ("FILE", "render a video (MP4, GIF)", {}),
     "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
-    "fps": ("NUMBER", "frames per second of the video", {"type": float}),
+    "fps": ("NUMBER", "frames per second of the video", {"type": _frame_rate}),
     "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
     "write_tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
     "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
