@@ -1,4 +1,6 @@
-"""Description of the machine of a measurement: processor, system, load and package versions."""
+"""Description of the machine on which a measurement runs: processor, system, load and package
+versions.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,8 @@ def installed() -> set[str]:
 
 
 def surroundings() -> dict[str, Any]:
-    """Return the processor, its cores, the system, the load average and the package versions, by
-    key.
+    """Return a description of the machine: processor, number of cores, system, load average and
+    package versions, by key.
     """
     return {
         "processor": _processor(),
@@ -41,9 +43,7 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """Return the name of the processor, or of the machine's architecture where the system gives
-    none.
-    """
+    """Return the name of the processor; if the system does not give it, the machine's architecture."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,13 +1,12 @@
 """The audit: every printed number and decidable statement of chapters 2 to 4, recomputed.
 
-Three rows are from chapters 1 and 5, which print the same quantities. ``printed.toml`` holds what
-is printed. The modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute the figures, each
-with the reason of its difference.
+Three rows are from chapters 1 and 5, which print the same quantities. ``printed.toml`` holds the
+printed numbers and statements. The modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute
+the values, each with the reason for its difference from print.
 
 A number counts as reproduced if the computed value lies within half a unit of the last printed
-digit. A printed number may itself come from rounded ones; an allowance then adds the effect of
-their rounding, and ``why`` says so. A statement in words has a computed figure that decides whether
-it holds.
+digit. If a printed number was itself computed from rounded numbers, an allowance adds the effect of
+their rounding, and ``why`` says so. A statement in words holds or fails by a computed value.
 """
 
 from __future__ import annotations
@@ -31,15 +30,15 @@ DIFFERS = "differs"
 NOT_COMPUTABLE = "not computable"
 
 SLACK = 1e-9
-"""Allowance for rounding of a value exactly half a unit away, as a fraction of the printed
-number."""
+"""Allowance for the rounding error of a value exactly half a unit away, as a fraction of the
+printed number."""
 
 PRINTED = 22
 COMPUTED = 12
 UNIT = 9
 """Widths of three columns of the table, in characters.
 
-The status is as wide as its longest word, and the place takes the rest."""
+The column of the status is as wide as its longest word; the column of the place takes the rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +46,14 @@ class AuditRow:
     """The verdict of the audit on one printed number or statement.
 
     Attributes:
-        where: its place in the dissertation.
+        where: place of the number or statement in the dissertation.
         printed: the number, or the statement in words.
         unit: unit of the printed and of the computed number.
-        computed: the figure by the equations; None if it cannot be computed.
+        computed: the value by the equations; None if it cannot be computed.
         status: ``reproduced``, ``differs`` or ``not computable``.
-        why: the likeliest reason of a difference, with figures; otherwise a remark, or empty.
-        tolerance: largest difference that counts as reproduced; None for statements and without a
-            computed figure.
+        why: the likeliest reason for a difference, with numbers; otherwise a remark, or empty.
+        tolerance: largest difference that counts as reproduced; None for a statement, or if there
+            is no computed value.
     """
 
     where: str
@@ -96,11 +95,10 @@ def audit_rows() -> tuple[AuditRow, ...]:
 
 
 def audit_row(row: Printed, figure: Figure) -> AuditRow:
-    """Return the verdict on a printed number or statement, by the figure that the equations give
-    for it.
+    """Return the verdict on a printed number or statement, given the value by the equations.
 
     Raises:
-        ArithmeticError: if the figure is not finite.
+        ArithmeticError: if the value is not finite.
     """
     printed = float(row.printed) if row.printed else row.statement
     if figure.value is None:
@@ -118,14 +116,14 @@ def audit_row(row: Printed, figure: Figure) -> AuditRow:
 
 
 def half_unit(printed: str) -> float:
-    """Return half a unit of the last digit of a number as printed, e.g. 0.5e-6 for ``1.619e-3``."""
+    """Return half a unit of the last digit of a printed number, e.g. 0.5e-6 for ``1.619e-3``."""
     exponent = Decimal(printed).as_tuple().exponent
     assert isinstance(exponent, int)
     return 0.5 * 10.0**exponent
 
 
 def audit_report(view: AuditView) -> Report:
-    """Recompute every printed number and return the report of the audit."""
+    """Recompute every printed number and statement, and return the report of the audit."""
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)
@@ -146,8 +144,8 @@ def audit_report(view: AuditView) -> Report:
 
 
 def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
-    """Return the sentence with the counts of rows and the number that differs most from its print,
-    relatively.
+    """Return the sentence with the count of rows by status, and with the number whose relative
+    difference from print is largest.
     """
     _, where, numbers = max(
         (
@@ -166,14 +164,14 @@ def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
 
 
 def shown_number(value: float | str | None) -> str:
-    """Return the text of a cell: a statement unchanged, a number with up to seven digits, a dash
-    for None.
+    """Return the text of a table cell: a statement unchanged, a number with up to seven digits, or
+    a dash for None.
     """
     return "-" if value is None else value if isinstance(value, str) else f"{value:.7g}"
 
 
 def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
-    """Return a text table of the rows; the remark of a row stands indented below it."""
+    """Return a text table of the rows, with each row's remark indented below the row."""
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
     widths = (width - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
 

@@ -1,6 +1,6 @@
-"""Figures for the audit of chapter 2 (Zhang 2020).
+"""Computed values for the audit of chapter 2 (Zhang 2020).
 
-The audit of chapters 1, 4 and 5 uses them where these print quantities of chapter 2.
+They also serve the rows of chapters 1, 4 and 5 that print quantities of chapter 2.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ operating = operating_strike(friction=0.31)
 
 
 def cue_figures() -> Figures:
-    """Return the figures of the tool and its cue, section 2.2."""
+    """Return the computed values for the tool and the position of its bar, section 2.2."""
     plain = cueing.cue(tool)
     stiff = cueing.stiffened_cue(tool)
     position = np.array(
@@ -113,7 +113,7 @@ def cue_figures() -> Figures:
 
 
 def pass_figures() -> Figures:
-    """Return the figures of a simulated pass at the operating point, sections 2.2 and 2.3."""
+    """Return the values of a simulated pass at the operating point, sections 2.2 and 2.3."""
     # Samples are dense enough to read angles to 1e-4 deg.
     run = simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
     strike, *later = [each for each in run.contacts if each.obstacle == "workpart"]
@@ -169,7 +169,7 @@ def resultant_impulse(friction: float) -> float:
 
 
 def compression_figures() -> Figures:
-    """Return the figures of the bristle's compression, section 2.3."""
+    """Return the computed values for the compression phase of the bristle's impact, section 2.3."""
     frictions = np.linspace(0.0, 1.0, 101)
     angles = np.radians([15.0, 20.0, 25.0, 30.0])[:, np.newaxis]
     over_angles = operating_strike(friction=frictions, impact_angle=angles)
@@ -231,7 +231,7 @@ def compression_figures() -> Figures:
 
 
 def restitution_figures() -> Figures:
-    """Return the figures of the bristle's restitution, section 2.3.
+    """Return the computed values for the restitution phase of the bristle's impact, section 2.3.
 
     The normal final impulse is p_fy.
     """
@@ -278,9 +278,9 @@ def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
 
 
 def pendulum_figures() -> Figures:
-    """Return the figures of Stronge's pendulums, section 2.4.
+    """Return the computed values for Stronge's pendulums, section 2.4.
 
-    They include the general impact law at the operating point.
+    They include values of the general impact law at the operating point.
     """
     angles = np.radians([20.0, 40.0, 60.0, 80.0])
     bristle = monofilament_impact(1.0, 1.0, 0.0, 1.0, 1.0, angles, 0.31, 0.42).rebound_ratio

@@ -69,16 +69,16 @@ FAMILIES: dict[str, tuple[str, str, tuple[float, float], tuple[str, tuple[float,
     ),
     "4.17": ("the shear yield stress", "shear_yield_stress", (0.8e8, 2.4e8), ANGLES),
 }
-"""Families of crater depths, by figure.
+"""Families of curves of the crater depth, by the number of their figure.
 
-An entry has the quantity that varies on a curve in words, its name and its range; then the name and
-the values of the quantity that varies from curve to curve."""
+An entry first has the quantity that varies along a curve: in words, its name, and its range. Then
+follow the name and the values of the quantity that varies from curve to curve."""
 
 
 def map_figure() -> Redrawn:
-    """Return figure 4.2: force and motion during compression, printed and simulated.
+    """Return figure 4.2: force and motion during compression, as printed and as simulated.
 
-    The simulated contact has the operating point's speed.
+    The simulated contact begins with the speed of the operating point.
     """
     k = PRINTED_KINEMATICS
     contact = bristle_contact(impulse=False)
@@ -129,7 +129,10 @@ def width_figure() -> Redrawn:
 
 
 def plies_figure() -> Redrawn:
-    """Return figure 4.13: crater depth over the number of plies, by exact and by rounded angles."""
+    """Return figure 4.13: crater depth over the number of plies, by exact and by rounded angles.
+
+    Plies are equal time steps of the compression.
+    """
     rounded = partial(_depth, "plies", {"angles": PRINTED_ANGLES})
     printed = [_printed_sum(plies=int(n)) for n in FEW_PLIES]
     points = {"printed": (FEW_PLIES, printed)}
@@ -150,7 +153,7 @@ def depth_figure(number: str) -> Redrawn:
     """Return figure 4.14, 4.15 or 4.17: crater depth over friction, impact angle or shear yield
     stress.
 
-    The points are values of the printed sum.
+    The points are values of the printed sum over plies (4.57).
     """
     words, along, ends, (family, values) = FAMILIES[number]
     at = np.linspace(*ends, 8)
@@ -184,7 +187,8 @@ def constant_depth_figure() -> Redrawn:
 def energy_figure() -> Redrawn:
     """Return figure 4.19: crater depth by work and energy over the number of plies.
 
-    Its curves are the two readings of the equation: a sum of quotients, and a ratio of two sums.
+    The printed equation can be read in two ways, which give the two curves: a sum of quotients, and
+    a quotient of two sums.
     """
     course = [
         float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
@@ -223,8 +227,9 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 def _over_time(
     axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array
 ) -> Panel:
-    """Return a panel over the time of the compression, with a printed curve and simulated
-    points."""
+    """Return a panel of a quantity over time during compression, with the printed curve and
+    simulated points.
+    """
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
     kept = time <= COMPRESSION_TIME
     grid = np.linspace(0.0, COMPRESSION_TIME, 101)
@@ -236,19 +241,21 @@ def _over_time(
 
 
 def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
-    """Return the crater depth over one argument of the formula, m."""
+    """Return the crater depth, m, at values ``x`` of the argument ``along`` of its formula."""
     return merchant_crater_depth(**given, **{along: x})
 
 
 def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
-    """Return the crater depth by the printed sum (4.57), m."""
+    """Return the crater depth, m, by the printed sum (4.57)."""
     crater = dataclasses.replace(OWN, impact_angle_deg=math.degrees(impact_angle), **changes)
     return float(merchant_depth_course(crater)[-1])
 
 
 def _friction(depth: float, impact_angle: float) -> float:
-    """Return the friction of at least tan(gamma) that gives a crater depth (m); NaN if there is
-    none.
+    """Return the friction coefficient, at least tan(gamma), at which the crater has a given depth,
+    m.
+
+    gamma is the impact angle. The value is NaN if no friction gives this depth.
     """
     try:
         return float(friction_for_crater_depth(depth, impact_angle))
@@ -257,9 +264,9 @@ def _friction(depth: float, impact_angle: float) -> float:
 
 
 def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
-    """Return the friction at which the printed sum (4.57) gives a crater depth, m.
+    """Return the friction coefficient at which the printed sum (4.57) gives a crater depth, m.
 
-    The sum grows with friction, so there is one root.
+    The sum grows with friction, so the equation has one root.
     """
 
     def excess(logarithm: float) -> float:

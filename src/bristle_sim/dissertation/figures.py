@@ -1,5 +1,6 @@
-"""All computed figures of the dissertation and table 3.1, and the distances of points from
-curves."""
+"""All recomputed figures of the dissertation and table 3.1, with the distances of the points from
+their curves.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ NUMBERS = tuple(_BUILDERS)
 
 
 def redrawn(number: str) -> Redrawn:
-    """Return the data of one figure; this simulates the impacts in it."""
+    """Return the data of one figure, by its number; the impacts in the figure are simulated."""
     return _BUILDERS[number]()
 
 
@@ -48,7 +49,8 @@ def figures_report(selection: Selection) -> Report:
     """Compute the curves and points of the requested figures.
 
     Raises:
-        Unfinished: if the user interrupts; it has a report of the figures computed so far.
+        Unfinished: if the user interrupts the computation; the exception carries a report of the
+            figures computed so far.
     """
     begin = clock.perf_counter()
     numbers = NUMBERS if selection.only == "all" else (selection.only,)
@@ -95,8 +97,8 @@ def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
 
 
 def _answer(quantities: Sequence[Quantity]) -> str:
-    """Return the sentence that says whether the points lie on their curves, and which are farthest
-    off.
+    """Return the sentence that says whether the points lie on their curves, and which set of points
+    is farthest off.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each.label for each in judged if not each.ok]

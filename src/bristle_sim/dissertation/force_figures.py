@@ -19,9 +19,9 @@ from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 NOISE = 5.0
 POINTS = 61
 SEED = 1
-"""Standard deviation of the noise (N), number of points and seed of the noise.
+"""Standard deviation of the noise (N), number of points, and seed of the noise.
 
-The points replace the measured ones of figure 3.1, which are not in print."""
+The noisy points replace the measured points of figure 3.1, which are not in print."""
 
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
 MICROSECONDS = Axis("time since first touch", "µs", 1e6)
@@ -32,7 +32,7 @@ PRINTED_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
 
 
 def points_figure() -> Redrawn:
-    """Return figure 3.1: points of the ball's impact, and a curve fitted to them."""
+    """Return figure 3.1: points of a ball's contact force over time, and a curve fitted to them."""
     time = np.linspace(0.0, BALL.duration, POINTS)
     force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
     fit = fit_force_history(
@@ -48,7 +48,7 @@ def points_figure() -> Redrawn:
 
 
 def fit_figure() -> Redrawn:
-    """Return figure 3.2: the fitted curve, its inflection point and its largest force."""
+    """Return figure 3.2: the fitted force curve, its inflection point and its largest force."""
     at = np.linspace(0.0, 5e-3, 11)
     printed = (
         1.3935
@@ -73,7 +73,7 @@ def bristle_figure() -> Redrawn:
     """Return figure 3.3: the bristle's force curve, the segments of table 3.1 and a simulated
     contact.
 
-    The simulated contact has the impulse of the curve.
+    The simulated contact has the same compressive impulse as the curve.
     """
     step = BRISTLE.peak_time() / SEGMENTS
     middles = step * (np.arange(SEGMENTS) + 0.5)
@@ -98,7 +98,8 @@ def bristle_figure() -> Redrawn:
 def table() -> Redrawn:
     """Return table 3.1: impulses of the ten segments of compression.
 
-    Its columns are the print, eq. (3.15), eq. (3.19) and the simulated contact.
+    Its columns hold the printed impulses, and those by eq. (3.15), by eq. (3.19) and by the
+    simulated contact.
     """
     contact = bristle_contact(impulse=True)
     edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1).tolist()
@@ -131,10 +132,10 @@ def table() -> Redrawn:
 
 @functools.cache
 def bristle_contact(*, impulse: bool) -> TimedContact:
-    """Return the bristle's contact with the compression time of eq. (3.19).
+    """Return a simulated contact of the bristle with the compression time of eq. (3.19).
 
-    Its impulse is that of (3.19) if ``impulse`` is true; otherwise its speed is that of the
-    operating point.
+    If ``impulse`` is true, the contact has the impulse of (3.19). Otherwise it begins with the
+    speed of the operating point.
     """
     peak = BRISTLE.peak_time()
     return timed_contact(

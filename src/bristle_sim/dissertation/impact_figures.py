@@ -27,18 +27,20 @@ from bristle_sim.studies.strike_measures import contact_quantities
 from bristle_sim.trajectory import ContactRecord
 
 Impact = Callable[[float], tuple[Chain, Surface]]
-"""Function that returns the rods and the surface of an impact for a value of x."""
+"""Function of the figure's x that returns the rods and the surface of an impact."""
 
 GRID = 401  # points on a curve
 
-# Number of simulated impacts on a curve: energetic ones from end to end, compliant ones in between.
+# Number of simulated impacts on a curve, by contact law. Impacts by the energetic law lie from end
+# to end of the curve, impacts by the compliant law between its ends.
 ENERGETIC = 6
 COMPLIANT = 5
 
 NEAREST = 0.9
 """Largest friction of simulated impacts, as a fraction of the stiction friction.
 
-Towards the stiction friction p_fy has no bound; the curves end at 0.9999 of it."""
+Towards the stiction friction the normal final impulse p_fy grows without bound. The curves end at
+0.9999 of the stiction friction."""
 
 FINAL = "normal_final_impulse"
 NORMAL = "normal_compressive_work"
@@ -51,13 +53,13 @@ class Sweep:
     """A family of curves of strikes.
 
     Attributes:
-        words: end of the figures' titles, which begin with the quantity.
-        along: argument of the strike that varies on a curve, from ``low`` to ``high``.
-        family: argument that varies from curve to curve, over ``values``.
-        until_stiction: whether a curve ends where its friction reaches tan(gamma), if this is below
-            ``high``.
-        has_hub: whether all other arguments are those of the operating point; otherwise the hub's
-            radius is 0.
+        words: end of a figure's title; the title begins with the quantity.
+        along: argument of the strike that varies along a curve, from ``low`` to ``high``.
+        family: argument of the strike that varies from curve to curve, with the values ``values``.
+        until_stiction: whether a curve ends just before its friction reaches tan(gamma), at which
+            stiction begins; gamma is the impact angle.
+        has_hub: whether the hub has the radius of the operating point; otherwise its radius is 0.
+            All other arguments are those of the operating point.
     """
 
     words: str
@@ -175,7 +177,7 @@ FIGURES: dict[str, tuple[str, Sweep]] = {
     "2.24": ("rebound_ratio", REBOUND),
     "2.26": ("rebound_ratio", NO_HUB),
 }
-"""Quantity and sweep by figure."""
+"""Quantity and family of curves, by the number of the figure."""
 
 NOTES = {
     "2.13": "grows without bound towards tan $\\gamma$ = 0.433 (dashed), from where on the tip does not rebound",
@@ -188,10 +190,10 @@ NOTES = {
 
 
 def impact_figure(number: str) -> Redrawn:
-    """Return the data of one of figures 2.7 to 2.26.
+    """Return the data of one of the figures 2.7 to 2.26.
 
-    Its panel has the closed form, simulated impacts, the operating point, and lines where stiction
-    begins.
+    They are curves by the closed form, points of simulated impacts, the operating point, and lines
+    at which stiction begins.
     """
     quantity, sweep = FIGURES[number]
     hub = {} if sweep.has_hub else {"hub_radius": 0.0}
@@ -220,10 +222,10 @@ def impact_figure(number: str) -> Redrawn:
 
 
 def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
-    """Return one curve of a sweep with points of simulated impacts.
+    """Return one curve of a family, with points of simulated impacts.
 
-    The grid gets denser where the quantity grows without bound. Energetic impacts lie from end to
-    end, compliant ones at the middles of equal parts.
+    The grid is denser where the quantity grows without bound. Impacts by the energetic law lie from
+    end to end of the curve; impacts by the compliant law lie at the middles of equal segments.
     """
     low = sweep.low
     high = sweep.high
@@ -240,7 +242,7 @@ def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
     }
 
     def impact(x: float) -> tuple[Chain, Surface]:
-        """Return the rod that strikes and the surface."""
+        """Return the rod that strikes, and the surface."""
         given = {**case, sweep.along: x}
         rod = Chain(
             (given["mass"],),
@@ -267,7 +269,10 @@ def _value(quantity: str, get: Callable[[str], Any]) -> Any:
 
 
 def closed_form(quantity: str, case: Mapping[str, Any], along: str) -> Callable[[Array], Array]:
-    """Return a quantity by the closed form, as a function of one argument of the strike."""
+    """Return the closed form of a quantity as a function of one argument of the strike.
+
+    ``along`` names this argument, and ``case`` holds all other arguments.
+    """
 
     def value(x: Array) -> Array:
         found = operating_strike(**{**case, along: x})
@@ -284,15 +289,16 @@ def impact_curve(
     read: Callable[[ContactRecord], float],
     places: Mapping[str, Array],
 ) -> Curve:
-    """Return a closed form over x, with points from simulated impacts of each contact law.
+    """Return the curve of a closed form over x, with points of impacts simulated by each contact
+    law.
 
     Args:
         name: label of the curve.
         formula: closed form as a function of x.
         x: grid of the curve.
-        impact: function that returns the rods and the surface for a value of x.
-        read: function that reads the quantity from a contact.
-        places: values of x of the simulated impacts, by contact law.
+        impact: function of x that returns the rods and the surface of an impact.
+        read: function that reads the quantity from a simulated contact.
+        places: values of x at which impacts are simulated, by contact law.
     """
     points = {
         law: (at, [read(_struck(*impact(each), law)) for each in at.tolist()])
@@ -303,5 +309,5 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord:
-    """Return the contact of a strike in the scene."""
+    """Return the contact of a strike simulated in the scene."""
     return strike(chain, surface, Contact(law), Settings()).contact

@@ -1,4 +1,4 @@
-"""The strike of the dissertation's operating point (Zhang 2020, chapter 2), by the closed form."""
+"""The strike at the dissertation's operating point (Zhang 2020, chapter 2), by its closed form."""
 
 from __future__ import annotations
 
@@ -19,9 +19,11 @@ OPERATING_POINT: dict[str, Any] = {
     "restitution": Surface().restitution,
     "restitution_friction": None,
 }
-"""Arguments of ``monofilament_impact``, in SI units and rad."""
+"""Arguments of ``monofilament_impact`` at the operating point, in SI units and rad."""
 
 
 def operating_strike(**changes: Any) -> MonofilamentImpact:
-    """Return the impact at the operating point with some arguments changed."""
+    """Return the impact at the operating point; ``changes`` replace arguments of
+    ``monofilament_impact``.
+    """
     return monofilament_impact(**OPERATING_POINT | changes)

@@ -1,7 +1,7 @@
 """Figures 2.28-2.30: Stronge's double pendulum (Zhang 2020, sec. 2.4.2).
 
-Figures 2.28 and 2.29 vary its mass ratio. In figure 2.30 its second rod is the bristle and its
-first a heavy rod.
+Figures 2.28 and 2.29 vary the mass ratio of the two rods. In figure 2.30 the second rod is the
+bristle, and the first rod is heavy.
 """
 
 from __future__ import annotations
@@ -42,12 +42,13 @@ HEAVY_ROD = Chain(
 def rate_figure(number: str, name: str, rod: int) -> Redrawn:
     """Return figure 2.28 or 2.29: rate of a rod after the impact over the mass ratio.
 
-    At some frictions the tip's slip reverses, at others the tip sticks.
+    The curves have different frictions. At the two lower frictions the tip's slip reverses, at the
+    highest the tip sticks.
 
     Args:
         number: number of the figure.
         name: name of the rod.
-        rod: number of the rod, 1 or 2.
+        rod: index of the rod, 1 or 2.
     """
     ratios = np.geomspace(1.0, 1e4, 121)
     places = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(1.0, 1e4, 9)[1::2]}
@@ -100,9 +101,9 @@ def heavy_rod_figure() -> Redrawn:
 def _impact(
     chain: Chain, restitution: float, friction: float, mass_ratio: float
 ) -> tuple[Chain, Surface]:
-    """Return a double pendulum with another mass ratio, and the surface that it strikes.
+    """Return the double pendulum with a given mass ratio, and the surface that its tip strikes.
 
-    The mass ratio is that of the first rod to the second.
+    The mass ratio is the mass of the first rod over the mass of the second.
     """
     mass = chain.masses[1]
     rods = dataclasses.replace(chain, masses=(mass_ratio * mass, mass))
@@ -111,8 +112,8 @@ def _impact(
 
 @cache
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
-    """Return the double pendulum's impact by the closed form, with rates signed as in the
-    dissertation.
+    """Return the double pendulum's impact by the closed form, with the dissertation's signs of
+    angles and rates.
     """
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]
@@ -125,10 +126,10 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
 def _curve(
     name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]
 ) -> Curve:
-    """Return a quantity over x by the closed form, with points of simulated impacts by contact law.
+    """Return the curve of a quantity over x by the closed form, with points of simulated impacts.
 
-    The quantity is the normal final impulse, N s, or the rate of a rod, rad/s, which is negative in
-    approach.
+    The quantity is the normal final impulse, N s, or the rate of a rod after the impact, rad/s. A
+    rate is negative in the direction of approach.
     """
 
     def formula(grid: Array) -> list[float]:

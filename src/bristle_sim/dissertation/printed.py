@@ -1,4 +1,5 @@
-"""All printed numbers and decidable statements of the dissertation, with digits and places.
+"""All printed numbers and decidable statements of the dissertation, with their printed digits and
+their places.
 
 They are stored in ``printed.toml``.
 """
@@ -20,7 +21,7 @@ class Printed:
     """A number as printed, or a statement in words.
 
     Attributes:
-        where: its place in the dissertation.
+        where: place of the number or statement in the dissertation.
         printed: the number with its printed digits; empty for a statement.
         statement: the statement; empty for a number.
         unit: unit of the number.
@@ -34,22 +35,23 @@ class Printed:
 
 @cache
 def printed_rows() -> dict[str, Printed]:
-    """Return all rows by their places, in the order of the file."""
+    """Return all printed numbers and statements by their places, in the order of the file."""
     text = Path(__file__).with_name("printed.toml").read_text(encoding="utf-8")
     return {row["where"]: Printed(**row) for row in tomllib.loads(text)["row"]}
 
 
 def printed_number(where: str) -> float:
-    """Return a printed number in the unit of its row."""
+    """Return the printed number at a place of the dissertation, in its printed unit."""
     return float(printed_rows()[where].printed)
 
 
 def printed_cue() -> dict[str, float]:
-    """Return the printed position of the bar and speed of the bristle (eqs. 2.2 and 2.3).
+    """Return the printed position of the bar and rate of the bristle (eqs. 2.2 and 2.3).
 
     Returns:
-        ``speed`` of the bristle relative to the hub, rad/s; ``direction`` of the bar, deg; and its
-        coordinates ``horizontal`` and ``vertical``, m.
+        ``speed``: angular velocity of the bristle relative to the hub, rad/s. ``direction``:
+        direction of the bar from the workpart's normal, deg. ``horizontal`` and ``vertical``:
+        coordinates of the bar, m.
     """
     horizontal = 1e-3 * printed_number("eq. 2.3: bar position S_H")
     vertical = 1e-3 * printed_number("eq. 2.3: bar position S_V")
@@ -71,14 +73,14 @@ def printed_segments() -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """The figure that the equations give for a printed number or statement.
+    """The value that the equations give for a printed number or statement.
 
     Attributes:
-        value: the figure; None if it cannot be computed.
-        why: the likeliest reason of a difference from print; otherwise a remark, or empty.
-        holds: whether the statement holds by the figure.
-        allowance: addition to half a unit of the last printed digit, for a number that was computed
-            from rounded ones.
+        value: the value; None if it cannot be computed.
+        why: the likeliest reason for a difference from print; otherwise a remark, or empty.
+        holds: whether the value confirms the statement.
+        allowance: tolerance added to half a unit of the last printed digit, for a printed number
+            that was computed from rounded numbers.
     """
 
     value: SupportsFloat | None
@@ -88,31 +90,35 @@ class Figure:
 
 
 Figures = dict[str, Figure]
-"""Figures by the place of their row in the dissertation."""
+"""Computed values by the place of the printed number or statement in the dissertation."""
 
 
 def within(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the figure of a statement that holds if the magnitude of the value is below a
-    bound."""
+    """Return the computed value for a statement that holds if the value's magnitude is below a
+    bound.
+    """
     return Figure(value, why, holds=abs(value) < bound)
 
 
 def above(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the figure of a statement that holds if the value is above a bound."""
+    """Return the computed value for a statement that holds if the value is above a bound."""
     return Figure(value, why, holds=value > bound)
 
 
 def grows(*families: Any) -> Figure:
-    """Return the figure of the statement that all families of values grow along their last axis.
+    """Return the computed value for the statement that all families of curves increase along their
+    last axis.
 
-    The figure is the least increase between neighbours over the range of the values.
+    The value is the smallest increase between neighbouring samples, over the range of all samples
+    of the family.
     """
     return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
 
 
 def linear(values: Any) -> Figure:
-    """Return the figure of the statement that the values lie on a straight line, but for rounding.
+    """Return the computed value for the statement that equally spaced samples lie on a straight
+    line, up to rounding error.
 
-    The figure is the largest second difference over the range of the values.
+    The value is the largest second difference over the range of the samples.
     """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -15,10 +15,11 @@ from bristle_sim.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Source of points, in words, and the largest permitted distance of such a point from its
-    curve.
+    """The source of a set of points, with the largest distance at which they count as lying on
+    their curve.
 
-    The distance is a fraction of the curve's largest value; None permits any distance.
+    The distance is a fraction of the curve's largest value. It is None for points that need not lie
+    on the curve.
     """
 
     words: str
@@ -26,11 +27,11 @@ class Source:
 
 
 SOURCES = {
-    # Law and closed form differ by rounding only, which grows like 1/distance near the stiction
-    # friction.
+    # Law and closed form differ by rounding error alone, which grows towards the stiction friction
+    # like the reciprocal of the distance from it.
     "energetic": Source("scene, energetic law", 1e-9),
     # As in oblique_impact: a contact resolved in time differs from its rigid-body limit by a
-    # thousandth of this.
+    # thousandth of this tolerance.
     "compliant": Source("scene, contact resolved in time", 3e-3),
     "engine": Source("scene, engine's own contact", None),
     "contact": Source("scene, contact of 50 µs", None),
@@ -41,12 +42,15 @@ SOURCES = {
     "table": Source("table 3.1, mean forces", None),
     "sampled": Source("drawn from (3.5), noise 5 N", None),
 }
-"""Sources of points; the tolerance is None where a difference is a finding or intended."""
+"""Sources of points by name; the tolerance is None where a difference is a finding or intended."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An axis that shows SI values times ``factor`` in ``unit``; the unit ``1`` means none."""
+    """An axis of a figure, which shows SI values times ``factor`` in ``unit``.
+
+    The unit of a dimensionless quantity is ``1``.
+    """
 
     name: str
     unit: str = "1"
@@ -59,16 +63,17 @@ class Axis:
         return self.name if self.unit == "1" else f"{self.name} ({self.unit})"
 
     def shown(self, value: float) -> str:
-        """Return an SI value with up to six digits after the point, in the axis' unit."""
+        """Return the text of an SI value in the axis's unit, with up to six decimals."""
         unit = {"1": "", "°": "°"}.get(self.unit, f" {self.unit}")
         return f"{round(value * self.factor, 6):g}{unit}"
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A labelled point, SI; ``side`` is the side of its label: ``right``, ``left`` or ``above``.
+    """A marked point of a figure, in SI units.
 
-    A mark without a label is the operating point.
+    ``side`` is the side of the point at which the label stands: ``right``, ``left`` or ``above``. A
+    mark without a label is the operating point.
     """
 
     x: float
@@ -79,7 +84,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A labelled straight line at a value of y, SI; at a value of x if ``upright``."""
+    """A labelled straight line at a constant y, in SI units, or at a constant x if ``upright``."""
 
     value: float
     label: str
@@ -88,9 +93,9 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A closed form over x, with points that check it.
+    """The curve of a closed form over x, with points that check the closed form.
 
-    ``points`` holds the arrays x and y by source. An impact that does not end is left out.
+    ``points`` holds the arrays x and y by source. An impact that does not end has no point.
     """
 
     name: str
@@ -106,11 +111,12 @@ class Panel:
     Attributes:
         x: horizontal axis.
         y: vertical axis.
-        curves: the curves; each name is a value of the varied quantity.
-        family: symbol of the varied quantity.
+        curves: the curves; the name of each is its value of the quantity that varies.
+        family: symbol of the quantity that varies from curve to curve.
         marks: labelled points.
         levels: labelled straight lines.
-        top: largest y shown, SI, where curves grow without bound; None shows the curves whole.
+        top: largest y shown, in SI units, where curves grow without bound; None shows the whole
+            curves.
     """
 
     x: Axis
@@ -128,8 +134,9 @@ def curve_of(
     x: ArrayLike,
     points: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
 ) -> Curve:
-    """Return a curve on a grid that includes x of all points, so that each point has a value of the
-    curve.
+    """Return the curve of a formula on a grid of x that includes the x of every point.
+
+    The distance of a point from the curve then needs no interpolation.
     """
     given = {
         law: (np.asarray(at, float), np.asarray(y, float))
@@ -143,14 +150,14 @@ def curve_of(
 
 @dataclass(frozen=True, slots=True)
 class Redrawn:
-    """A figure or table of the dissertation with its own data.
+    """A figure or table of the dissertation with recomputed data.
 
     Attributes:
-        number: its number, as ``2.24`` or ``table_3.1``.
-        title: its title.
+        number: number of the figure or table, such as ``2.24`` or ``table_3.1``.
+        title: title of the figure or table.
         panels: panels of a figure.
         note: one line for the reader.
-        table: rows of a table, with the head first; empty for a figure.
+        table: rows of a table, with the header first; empty for a figure.
     """
 
     number: str
@@ -161,20 +168,20 @@ class Redrawn:
 
     @property
     def name(self) -> str:
-        """Name of the figure or table, as ``figure_2.24`` or ``table_3.1``."""
+        """Name of the figure or table, such as ``figure_2.24`` or ``table_3.1``."""
         return self.number if self.number.startswith("table") else f"figure_{self.number}"
 
     @property
     def heading(self) -> str:
-        """Number and title, as shown above the figure."""
+        """Number and title, as shown above the figure or table."""
         kind = self.number.replace("_", " ").capitalize() if self.table else f"Figure {self.number}"
         return f"{kind}: {self.title}"
 
 
 def largest_differences(figure: Redrawn) -> dict[str, float]:
-    """Return the largest distance of points from their curve, by source.
+    """Return the largest distance of the points of each source from their curve.
 
-    It is a fraction of the largest value of the curve at such points.
+    The distance is a fraction of the curve's largest magnitude at the points of this source.
     """
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):

@@ -1,8 +1,9 @@
 """The cost of accuracy: error against CPU time, of this project's methods and of other packages.
 
-All methods solve the same cases. Modules: ``cases`` holds the cases with their exact answers.
-``own_methods``, ``scipy_methods`` and ``peers`` (MuJoCo, heyoka) list the attempts at each case. ``measure`` measures errors and CPU times in separate
-passes. ``study`` runs the attempts and writes the report.
+All methods solve the same cases. An attempt is one method with one setting, applied to one case.
+The module ``cases`` holds the cases with their exact answers. ``own_methods``, ``scipy_methods``
+and ``peers`` (MuJoCo, heyoka) list the attempts at each case. ``measure`` measures errors and CPU
+times in separate runs. ``study`` makes the attempts and writes the report.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from bristle_sim.declared import Declared, choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """Number of settings and repetitions of the measurement, and the packages that take part."""
+    """Extent of the measurement: number of settings, repetitions, and packages that take part."""
 
     effort: str = choice(
         "effort: how many settings are timed and how often [chosen: quick measures too little to compare]",

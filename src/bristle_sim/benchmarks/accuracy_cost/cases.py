@@ -1,7 +1,7 @@
-"""The cases of the measurement: each quantity with its exact answer and the source of that answer.
+"""The cases of the measurement, each with its exact answer and the source of this answer.
 
-The answer of a case is a few numbers. The error of a case is the largest difference from the exact
-numbers, where each difference is divided by the natural size of its number.
+The answer of a case consists of a few numbers. The error of an attempt is its largest difference
+from these numbers, each difference over the natural scale of its number.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
 REFERENCE_ACCURACY = 1e-12
-"""Accuracy requested of the whole pass's reference: a hundredth of the finest in an attempt."""
+"""Accuracy requested of the reference solution of the whole pass."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,9 +34,9 @@ class Case:
         exact: the answer. A flight has the relative angle (rad) and relative rate (rad/s) at its
             end. A pass has the time (s), the relative angle (rad) and the relative rate (rad/s) at
             the strike on the workpart. A strike has the rates of the rods after the impact (rad/s).
-        scale: natural size of each number of the answer, in the same units.
+        scale: natural scale of each number of the answer, in the number's unit.
         source: source of the exact answer.
-        notes: remarks on how packages take part, or why a package cannot.
+        notes: remarks on how the packages take part, or on why a package takes no part.
         tool: tool of a flight or of a pass.
         retraction: retraction at the start of a flight, rad.
         duration: duration of a flight, s.
@@ -53,8 +53,10 @@ class Case:
     duration: float = 0.0
 
     def error(self, values: Sequence[float]) -> float:
-        """Return the largest difference from the exact answer over its scale; infinite if a value
-        is NaN.
+        """Return the largest difference between the values and the exact answer, each over its
+        scale.
+
+        The error is infinite if a value is NaN.
         """
         worst = float(np.max(np.abs(np.subtract(values, self.exact)) / self.scale))
         return math.inf if math.isnan(worst) else worst
@@ -73,9 +75,9 @@ class StrikeCase(Case):
 
 
 def release_flight() -> Case:
-    """Return the undamped release on a turning hub, up to the radial direction.
+    """Return the undamped flight on a turning hub from release up to the radial direction.
 
-    The energy integral gives the speed there.
+    The energy integral gives the rate in the radial direction.
     """
     tool = Tool(bar=None, workpart=None)
     retraction = RETRACTION_AT_RELEASE
@@ -173,7 +175,7 @@ def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
     """Return the state at the first contact with the workpart.
 
     Returns:
-        Time (s), relative angle (rad) and relative rate (rad/s); NaN for each if there is no
+        Time, s, relative angle, rad, and relative rate, rad/s. All three are NaN if there is no
         contact.
     """
     contact = run.first_contact("workpart")

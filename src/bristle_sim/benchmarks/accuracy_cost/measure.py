@@ -1,8 +1,8 @@
-"""Measurement of the error and the CPU time of attempts at a case, in separate passes.
+"""Measurement of the error and the CPU time of attempts at a case, in separate runs.
 
 Each attempt first runs once for its error; this run also warms up the caches. Then all attempts are
-timed in turn, round after round, so that other work on the machine disturbs all of them alike. The
-cost of an attempt is the least CPU time of the process in all rounds.
+timed one after the other in several rounds, so that other work on the machine disturbs all of them
+alike. The cost of an attempt is its least CPU time in all rounds.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ OURS = "bristle_sim"
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """The answer that an attempt found for a case, and the number of its steps.
+    """Result of a run: the answer found for a case, and the number of steps.
 
     For a method without fixed steps, ``steps`` counts the evaluations of the right-hand side.
     """
@@ -35,10 +35,13 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One method with one setting.
+    """One method with one setting, applied to one case.
 
-    ``run`` is the timed part. ``method`` begins with the name of the package. ``passes`` is the
-    number of answers that one run computes, among which its time is divided.
+    Attributes:
+        method: name of the method; it begins with the name of the package.
+        setting: the setting in words.
+        run: function that is timed.
+        passes: number of answers that one run computes; the CPU time is divided by this number.
     """
 
     method: str
@@ -49,7 +52,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Error, CPU time (s) and number of steps of an attempt.
+    """Measured error, CPU time, s, and number of steps of an attempt.
 
     A failed attempt has an infinite error, and ``failure`` states the reason.
     """
@@ -69,13 +72,15 @@ Tried = TypeVar("Tried", Attempt, Point)
 def attempts(
     method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
 ) -> list[Attempt]:
-    """Return one attempt for each value of a method's setting; the values go from coarse to
-    fine."""
+    """Return one attempt for each value of a method's setting.
+
+    The values must go from coarse to fine.
+    """
     return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
 
 def package_of(method: str) -> str:
-    """Return the name of the package of a method."""
+    """Return the name of the package to which a method belongs."""
     return method.split(maxsplit=1)[0]
 
 
@@ -115,13 +120,13 @@ def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
 
 
 BLOCK = 4e-3
-"""Least CPU time of one timing, s; a shorter action is repeated."""
+"""Least CPU time of one timing, s; a shorter action is repeated until it takes this time."""
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
-    """Return the least CPU time of each action, s.
+    """Return the least CPU time of each action, s, over several rounds.
 
-    The actions are timed in turn, with warm caches, in a number of rounds.
+    In a round all actions are timed one after the other, with warm caches.
     """
     timers = [timeit.Timer(action, timer=clock.process_time) for action in actions]
     counts = [math.ceil(BLOCK / max(timer.timeit(1), 1e-7)) for timer in timers]
@@ -135,11 +140,11 @@ def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
-    """Return the cheapest point that meets a target error, if the method's next finer setting does
-    too.
+    """Return the cheapest of the points that meet a target error; None if no point does.
 
-    Without this condition a setting would count that is accurate only because its error changes
-    sign there. The points of one method must go from coarse to fine.
+    A point counts only if the next finer setting of its method meets the target too. Otherwise the
+    point may be accurate only because the error happens to change its sign there. The points of one
+    method must go from coarse to fine.
     """
     candidates = []
     for own in by_method(point for point in points if not point.failure):

@@ -1,4 +1,6 @@
-"""Attempts of this project at the cases, by the public functions and by the steppers below them."""
+"""Attempts of this project at the cases, by its public functions and by the time steppers that they
+use.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +21,14 @@ from bristle_sim.settings import Settings
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
 PASSES = 4096
-"""Number of passes that are computed at once in arrays."""
+"""Number of passes that one attempt computes at once, in arrays."""
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by the public function and by steppers on a scene.
+    """Return attempts at a flight by the public function and by the time steppers alone.
 
-    The steppers share a scene that is built before the timing, as other packages compile their
-    models.
+    The time steppers share a scene that is built before the timing, as other packages compile their
+    models before it.
     """
     scene, units = build_tool(case.tool, hub_start=0.0)
     hub_speed = scene.mechanism.hub_speed
@@ -40,8 +42,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return Run((float(run.relative_angle[-1]), float(run.relative_rate[-1])), run.cost.steps)
 
     def extrapolated(tolerance: float) -> Run:
-        """Integrate the flight by intervals of the length that the extrapolation stepper
-        proposes."""
+        """Integrate the flight by the extrapolation stepper, in intervals of the length that it
+        proposes.
+        """
         stepper = Extrapolation(tolerance)
         state = start
         before = scene.engine.steps
@@ -66,8 +69,13 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(scene.angles()[0], scene.rates()[0], before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
-        """Return the relative angle (rad), the relative rate (rad/s) and the steps since
-        ``before``.
+        """Return the bristle's angle and rate relative to the hub, in SI units, and the number of
+        steps.
+
+        Args:
+            angle: absolute angle of the bristle, rad.
+            rate: absolute rate of the bristle in scene units.
+            before: number of engine steps before the flight.
         """
         relative = (angle - scene.mechanism.hub_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.engine.steps - before)
@@ -80,7 +88,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts at a strike by each contact law; the compliant law has several accuracies."""
+    """Return attempts at a strike by each contact law, and by the compliant law at several
+    accuracies.
+    """
 
     def struck(law: str, accuracy: float) -> Run:
         found = strike(case.chain, case.surface, Contact(law), Settings(accuracy=accuracy))
@@ -96,14 +106,14 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by the public function, one pass or many at a time."""
+    """Return attempts at a pass by the public functions for one pass and for many passes."""
 
     def simulated(accuracy: float) -> Run:
         run = simulate(case.tool, Settings(accuracy), stop_after="strike")
         return Run(state_at_strike(run), run.cost.steps)
 
     def in_arrays(accuracy: float) -> Run:
-        """Compute the pass many times at once."""
+        """Compute many copies of the pass at once, in arrays."""
         many = ensemble(case.tool, accuracy=accuracy, hub_speed=[case.tool.hub.speed] * PASSES)
         columns = (many.contact_time, -many.lag_at_contact, many.relative_speed_at_contact)
         return Run(tuple(float(each[0]) for each in columns), 0)

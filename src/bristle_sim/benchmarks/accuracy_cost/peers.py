@@ -1,10 +1,10 @@
 """Attempts of heyoka and MuJoCo at the cases; each model is built before the timing.
 
-MuJoCo's model has the scene's units. Its hub is a hinge of so large an inertia that nothing changes
-its speed, and its belt is a stiffness of the bristle's hinge. Contacts in MuJoCo are soft: at an
-impedance near 1 the contact point obeys a = -b v - k r, which approaches the inelastic bar as k
-grows. No setting returns the fraction e*^2 of the work of compression, so MuJoCo takes no part in
-the strikes.
+MuJoCo's model has the scene's units. The hub is a hinge with such a large inertia that its speed
+stays constant, and the belt is the stiffness of the bristle's hinge. Contacts in MuJoCo are soft:
+at an impedance near 1 the acceleration of the contact point is a = -b v - k r, with its velocity v
+and its penetration r. As k grows, this law approaches an inelastic bar. No setting returns the
+fraction e*^2 of the work of compression, so MuJoCo takes no part in the strikes.
 """
 
 from __future__ import annotations
@@ -24,8 +24,10 @@ HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
-    """Return attempts by Taylor series, with one compiled program for each tolerance of the
+    """Return attempts at a flight by heyoka's Taylor series, one for each tolerance of the
     remainder.
+
+    Each tolerance has its own compiled program.
     """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
@@ -42,7 +44,7 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     }
 
     def fly(tolerance: float) -> Run:
-        """Integrate the flight from its start, with the program of a tolerance."""
+        """Integrate the flight from its start, with the program compiled for a tolerance."""
         integrator = compiled[tolerance]
         integrator.time = 0.0
         integrator.state[:] = start
@@ -53,11 +55,12 @@ def heyoka_flight(case: Case) -> list[Attempt]:
 
 
 HUB_INERTIA = 1e12
-"""Inertia of the hub in scene units: a pass changes the hub's speed by a fraction of 1e-13."""
+"""Moment of inertia of the hub in scene units; a pass changes the hub's speed by a fraction of
+1e-13."""
 
 HARD = 0.9999
-"""Largest impedance of a contact in MuJoCo; the contact then prescribes its point's
-acceleration."""
+"""Largest impedance of a contact in MuJoCo, at which the contact prescribes the acceleration of the
+contact point."""
 
 FREE = '<flag contact="disable" constraint="disable"/>'
 """MuJoCo's options for a free motion: contacts and constraints are switched off."""
@@ -70,15 +73,16 @@ STEPS_IN_CONTACT = 2.0
 
 HUB_START = -0.5 * math.pi
 HUB_TURN = 0.5 * math.pi
-"""Hub angle at the start of a pass, and turn of the hub in the given number of steps, rad.
+"""Hub angle at the start of a pass, and turn of the hub that is divided into the given number of
+steps, rad.
 
-The strike comes before the end of that turn."""
+The strike comes before the end of this turn."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 
 
 def mujoco_flight(case: Case) -> list[Attempt]:
-    """Return attempts at a flight with each of MuJoCo's integrators, over numbers of steps."""
+    """Return attempts at a flight by each of MuJoCo's integrators with several numbers of steps."""
     return [
         attempt
         for each in INTEGRATORS
@@ -92,9 +96,9 @@ def mujoco_flight(case: Case) -> list[Attempt]:
 
 
 def mujoco_pass(case: Case) -> list[Attempt]:
-    """Return attempts at a pass with each of MuJoCo's integrators, over numbers of steps.
+    """Return attempts at a pass by each of MuJoCo's integrators with several numbers of steps.
 
-    The bar is a critically damped spring, which gets stiffer as the steps get shorter.
+    The bar is a critically damped spring, whose stiffness grows as the steps get shorter.
     """
     return [
         attempt
@@ -108,7 +112,7 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 class MujocoModel:
     """MuJoCo's compiled model of a tool: hub, bristle and bar.
 
-    The model has no workpart: the strike lies within the first step after which the tip is below
+    The model has no workpart. The strike is taken from the first step at whose end the tip is below
     the workpart's surface.
     """
 
@@ -150,8 +154,9 @@ class MujocoModel:
     def go(self, count: int) -> Run:
         """Integrate the pass up to the strike; ``count`` steps take the hub through ``HUB_TURN``.
 
-        Blocks of steps come first. The block in which the tip gets below the workpart is repeated
-        step by step, and the state at the strike is interpolated.
+        The steps are first made in blocks. The block in which the tip first gets below the
+        workpart's surface is then repeated step by step, and the state at the strike is
+        interpolated.
         """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)
@@ -167,14 +172,14 @@ class MujocoModel:
         return Run((time * self.units.time, angle, rate / self.units.time), round(after[0] / step))
 
     def _start(self, angles: tuple[float, float], step: float) -> None:
-        """Reset to time 0 with the bristle at rest relative to the hub; angles in rad."""
+        """Reset the model to time 0, at angles in rad, with the bristle at rest relative to the hub."""
         self.library.mj_resetData(self.model, self.data)
         self.model.opt.timestep = step
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Step block by block until the tip is below the workpart, and return the state before that
-        block.
+        """Step block by block until the tip is below the workpart's surface, and return the state
+        before the last block.
         """
         while True:
             before = self._state()

@@ -1,4 +1,4 @@
-"""Attempts of SciPy's integrators at the cases, with right-hand sides as fast as Python allows."""
+"""Attempts of SciPy's integrators at the cases, with right-hand sides as fast as plain Python is."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ COMPILED = {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
 METHODS = {
     each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")
 } | COMPILED
-"""Integrators of ``solve_ivp`` and of ``ode``, which steps in compiled code, with names in
-tables."""
+"""Names in tables of the integrators of ``solve_ivp``, and of ``ode``, which steps in compiled
+code."""
 
 Slope = Callable[[float, Any], tuple[float, ...]]
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by the methods of ``solve_ivp``, and by ``ode``.
+    """Return attempts at a flight by the integrators of ``solve_ivp`` and of ``ode``.
 
-    The loop over steps of ``ode`` is compiled.
+    The loop over steps is compiled in ``ode`` alone.
     """
     slope = _flight(case)
     return [
@@ -42,9 +42,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by the independent reference.
+    """Return attempts at a pass by the project's independent reference solution.
 
-    The reference locates all events on the integrator's dense output.
+    The reference integrates with SciPy, and locates all events on the integrator's dense output.
     """
 
     def passed(power: int) -> Run:
@@ -55,9 +55,10 @@ def pass_attempts(case: Case) -> list[Attempt]:
 
 
 def _flight(case: Case) -> Slope:
-    """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha.
+    """Return the right-hand side of I alpha'' = -k_T alpha - m r_h (L/2) omega^2 sin alpha.
 
-    The angle is in units of the retraction, the rate in units of the highest rate.
+    The angle alpha is in units of the retraction at the start, the rate in units of the highest
+    rate.
     """
     tool, (retraction, highest) = case.tool, case.scale
     stiffening = centrifugal_stiffness(
@@ -75,12 +76,14 @@ def _flight(case: Case) -> Slope:
 
 
 def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
-    """Integrate the flight from rest at the retraction, which is -1 in its own unit."""
+    """Integrate the flight from rest at the retraction, where the angle is -1 in units of the
+    retraction.
+    """
     calls = itertools.count()
     start = (-1.0, 0.0)
 
     def counted(time: float, state: Any) -> list[float]:
-        """Return the right-hand side and count the call."""
+        """Return the right-hand side, and count the call."""
         next(calls)
         # A list: before SciPy 1.17 the compiled code treats a tuple as several return values.
         return list(slope(time, state))

@@ -1,6 +1,6 @@
-"""The study of accuracy and cost: every case by every installed method, with tables.
+"""The study of accuracy and cost: every case solved by every installed method, with tables.
 
-It compares the cost of this project with that of the cheapest peer.
+It compares the CPU time of this project with the CPU time of the cheapest other package (peer).
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.double_pendulum, STRIKE),
     (cases.whole_pass_case, PASS),
 )
-"""Functions that build the cases; for each, the functions of the packages that return attempts."""
+"""Functions that build the cases, each with the functions that return the packages' attempts at the
+case."""
 
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
@@ -56,11 +57,12 @@ TARGETS = {
     "double_pendulum": (1e-3, 1e-6),
     "whole_pass": (1e-4, 1e-6),
 }
-"""Errors at which costs are compared."""
+"""Errors at which CPU times are compared, by case."""
 
 NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine", "bristle_sim ensemble")
-"""This project's impact laws without steps in time, and its passes in blocks; they are not compared
-with integrators of one pass."""
+"""This project's impact laws without time steps, and its computation of many passes at once.
+
+They are not compared with methods that integrate one pass in time."""
 
 REQUESTED = {
     "release_flight": ("bristle_sim simulate", 1e-10),
@@ -68,36 +70,47 @@ REQUESTED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""Methods that take a requested accuracy, and the finest accuracy at which their error is judged.
+"""The method of each case that takes a requested accuracy, and the finest accuracy at which its
+error is judged.
 
-At finer accuracies other errors prevail: rounding in the flight, rounding of the penetrations of a
+At finer accuracies other errors prevail: rounding errors in the flight and in the penetrations of a
 short contact, and the error of the pass's reference."""
 
 ROUNDS = {"full": 7, "quick": 2}
 """Number of rounds of timing, by effort."""
 
 QUICK_SETTINGS = 2
-"""Most settings of each method at quick effort; the coarsest is among them."""
+"""Largest number of settings of each method at quick effort; the coarsest setting is among them."""
 
 
 @dataclasses.dataclass(slots=True)
 class AccuracyCost:
-    """The cases, the measured points in order, and the reason for each package that takes no
-    part."""
+    """Results of the study.
+
+    Attributes:
+        cases: the cases measured so far.
+        points: the measured points, in the order of measurement.
+        missing: reason why a package takes no part, by package.
+    """
 
     cases: tuple[Case, ...] = ()
     points: tuple[Point, ...] = ()
     missing: dict[str, str] = dataclasses.field(default_factory=dict)
 
     def of(self, case: str) -> list[Point]:
-        """Return the measured points of a case."""
+        """Return the measured points of a case, by the name of the case."""
         return [point for point in self.points if point.case == case]
 
 
 class Comparison(NamedTuple):
-    """The cheapest points at a target error: this project's in time steps, and the cheapest peer's.
+    """The cheapest points of one case that meet a target error.
 
-    A point is None if that side does not reach the target.
+    Attributes:
+        case: name of the case.
+        target: target error.
+        ours: cheapest point of this project's methods that integrate in time; None if no method
+            meets the target.
+        peer: cheapest point of all other packages; None if no package meets the target.
     """
 
     case: str
@@ -107,11 +120,12 @@ class Comparison(NamedTuple):
 
 
 def accuracy_cost(effort: Effort) -> Report:
-    """Measure every case and compare this project's cost with the cheapest peer's at the same
-    error.
+    """Measure every case, and compare the CPU time of this project with that of the cheapest other
+    package at the same error.
 
     Raises:
-        Unfinished: if the user interrupts; it has the curves of the cases measured so far.
+        Unfinished: if the user interrupts the measurement; the exception carries a report of the
+            cases measured so far.
     """
     begin = clock.perf_counter()
     measured = AccuracyCost()
@@ -169,7 +183,8 @@ def _offered(
 ) -> list[Attempt]:
     """Return a package's attempts at a case; an empty list if the package fails.
 
-    A peer may be installed and still fail at its import or at the construction of its model.
+    Another package may be installed and still fail at its import or at the construction of its
+    model.
     """
     try:
         return offer(case)
@@ -181,7 +196,9 @@ def _offered(
 
 
 def comparisons(measured: AccuracyCost) -> list[Comparison]:
-    """Return this project's cost and the cheapest peer's for each case and target error."""
+    """Return the cheapest points of this project and of the other packages, for each case and
+    target error.
+    """
     found = []
     for case in measured.cases:
         points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
@@ -197,7 +214,8 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
 def _rows(measured: AccuracyCost) -> list[Quantity]:
     """Return the quantities of the report: CPU times, and errors over the requested accuracy.
 
-    In a row of CPU time this project is ``simulated`` and the cheapest peer is ``reference``.
+    In a row of CPU times ``simulated`` is the time of this project, and ``reference`` the time of
+    the cheapest other package.
     """
     rows = []
     for each in comparisons(measured):
@@ -217,7 +235,9 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
 
 
 def _answer(measured: AccuracyCost) -> str:
-    """Return the CPU time to each case's smallest target error, with the cheapest peer's."""
+    """Return the sentence with the CPU times of this project and of the cheapest other package at
+    each case's smallest target error.
+    """
     costs = []
     for each in comparisons(measured):
         if each.ours is not None and each.target == min(TARGETS[each.case]):
@@ -236,11 +256,11 @@ def _answer(measured: AccuracyCost) -> str:
 
 
 DECADES = tuple(10.0**-power for power in range(1, 11))
-"""Errors at the head of the columns of a case's table."""
+"""Errors for which a case's table lists CPU times, one in each column."""
 
 
 def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
-    """Yield lines to print below the comparison, none wider than a terminal."""
+    """Yield the lines to print below the comparison, wrapped to the width of a terminal."""
     for line in _lines(measured, machine):
         indent = " " * (len(line) - len(line.lstrip()) + 4)
         yield from textwrap.wrap(line, WIDTH, subsequent_indent=indent) or [""]

@@ -22,7 +22,7 @@ THEMES = (
     "chatter",
     "touching",
 )
-"""Kinds of hard cases; each is also the name of the function that yields the cases."""
+"""Kinds of hard cases; each name is also that of the function that yields the cases."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,10 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Result of one trial.
+    """The result of one trial.
 
     Attributes:
-        reached: reproducible text of the result.
+        reached: the result in words, the same in every run.
         ok: whether the promise was kept.
         steps: number of engine steps.
     """
@@ -27,11 +27,11 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class HardCase:
-    """One trial with its promise; a row of the tables.
+    """One trial with the promise that it must keep; a row of the tables.
 
     Attributes:
-        name: name of the trial, with the figures that make it hard.
-        promise: rule that must hold, with its limit and the origin of the limit.
+        name: name of the trial, with the numbers that make it hard.
+        promise: statement that must hold, with its tolerance and the origin of the tolerance.
         measure: function that runs the trial.
     """
 
@@ -40,7 +40,7 @@ class HardCase:
     measure: Callable[[], Finding]
 
     def run(self) -> Finding:
-        """Run the trial; an exception breaks the promise."""
+        """Run the trial and return its result; an exception counts as a broken promise."""
         try:
             return self.measure()
         except Exception as error:
@@ -55,12 +55,12 @@ def hard_case(
 
 
 def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
-    """Return the finding that the magnitude of a value is at most a limit; NaN breaks it."""
+    """Return the finding whether the magnitude of a value is at most a limit; NaN is not."""
     return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
 
 
 def all_of(*findings: Finding) -> Finding:
-    """Join several findings into one; its promise is kept if all of them are."""
+    """Join several findings into one, which keeps the promise if each of them does."""
     words = "; ".join(each.reached for each in findings)
     return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
 

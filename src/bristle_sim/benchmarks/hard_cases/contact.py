@@ -1,5 +1,6 @@
-"""Hard cases of lasting contact: infinitely many taps in finite time, and both obstacles at
-once."""
+"""Hard cases of lasting contact: infinitely many impacts (taps) in a finite time, and contact with
+bar and workpart at once.
+"""
 
 from __future__ import annotations
 
@@ -29,18 +30,19 @@ ROOT = TOOL.hub.radius
 LENGTH = TOOL.bristle.length
 
 SURFACE = 0.8
-"""Angle, rad, at which a falling bristle meets the workpart."""
+"""Angle from the vertical, rad, at which a falling bristle meets the workpart."""
 
 SLOWEST = 1e-8
-"""Speed of a tap that counts as rest, as a fraction of the first tap's speed."""
+"""Speed of an impact, as a fraction of the first impact's speed, below which the wire counts as at
+rest."""
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield taps on the bar by a wire on a stiff, damped belt, and falls of a hinged wire on the
-    workpart.
+    """Yield repeated impacts on the bar by a wire on a stiff, damped belt, and falls of a hinged
+    wire on the workpart.
 
-    A tap with restitution e leaves the fraction e of the speed, so each hop lasts e times as long
-    as the hop before.
+    An impact with the coefficient of restitution e leaves the fraction e of the speed. Each
+    interval between impacts is therefore e times as long as the interval before.
     """
     pressed = TOOL.replace(
         belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None
@@ -60,10 +62,10 @@ def chatter() -> Iterator[HardCase]:
 def _chatters(
     name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start
 ) -> HardCase:
-    """Return a case that must come to rest within twice the taps that reduce a speed to
-    ``SLOWEST``.
+    """Return a case whose repeated impacts must end in rest on the obstacle.
 
-    The factor 2 covers the motion between the taps.
+    The number of impacts must be at most twice the number that reduces the speed to ``SLOWEST``.
+    The factor 2 allows for the motion between the impacts.
     """
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"
@@ -73,8 +75,8 @@ def _chatters(
 def _comes_to_rest(
     tool: Tool, obstacle: str, most: int, settings: Settings, start: Start
 ) -> Finding:
-    """Return the finding that 2 to ``most`` taps end in sustained contact and that no tap gains
-    energy.
+    """Return the finding whether 2 to ``most`` impacts end in sustained contact, and no impact
+    gains energy.
     """
     run = simulate(tool, settings, **start)
     sustained = [
@@ -103,7 +105,9 @@ PINNED: Start = {"start_hub_angle": -0.3, "start_relative_angle": 0.6}
 
 
 def touching() -> Iterator[HardCase]:
-    """Yield a strike while the bar is touched, a wedge, and a bristle that nothing can move."""
+    """Yield a strike of a wire that also touches the bar, a wire wedged between bar and workpart,
+    and a bristle between bar and workpart that stays at rest.
+    """
     # A near bar and a deep workpart: the bar lowers the tip onto the workpart and at last folds the
     # bristle.
     both = TOOL.replace(
@@ -127,11 +131,16 @@ def touching() -> Iterator[HardCase]:
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float = 0.0, gap: float = 0.0
 ) -> Tool:
-    """Return a tool with bar and workpart at given gaps (m) from its bristle.
+    """Return a tool whose bar and workpart stand at given gaps, m, from its bristle.
 
-    The bristle stands at the absolute angle ``angle``, the hub at ``hub_angle``, both in rad. The
-    bar stands ahead of the wire, at the fraction ``at`` of its length. Neither obstacle has
-    friction or restitution.
+    The bar stands ahead of the wire. Neither obstacle has friction or restitution.
+
+    Args:
+        hub_angle: hub angle, rad.
+        angle: absolute angle of the bristle, rad.
+        at: distance of the bar along the wire from the root, over the bristle's length.
+        bar_gap: gap between wire and bar, m.
+        gap: gap between tip and workpart, m.
     """
     along = np.array([math.sin(angle), -math.cos(angle)])
     root = ROOT * np.array([math.sin(hub_angle), -math.cos(hub_angle)])
@@ -147,8 +156,7 @@ def between(
 
 
 def _jams() -> Finding:
-    """Return the finding whether the run of a wedged wire ends with a jam, at the instant of the
-    jam.
+    """Return the finding whether the run of a wedged wire ends with a jam at the right instant.
 
     The wire jams when its flank meets the bar while the tip is on the workpart.
     """

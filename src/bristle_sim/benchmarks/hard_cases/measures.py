@@ -29,7 +29,7 @@ IMPACT_LAWS = ("energetic", "compliant", "engine")
 
 
 class Start(TypedDict, total=False):
-    """Start of a run, in rad and rad/s; an absent entry takes its default."""
+    """State at the start of a run, in rad and rad/s; an absent entry takes its default."""
 
     start_hub_angle: float
     start_relative_angle: float
@@ -74,7 +74,8 @@ def agrees_with_reference(
 
 
 def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
-    """Return the relative differences of the first strike: time, angle, rates and impulse.
+    """Return the relative differences between the first strikes of two runs, in time, angle, rates
+    and impulse.
 
     If only one of the runs has a strike, the list holds NaN.
     """
@@ -93,9 +94,8 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
 
 
 def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Compare an undamped release from rest with the energy integral.
-
-    Compared are the highest speed and its time.
+    """Compare the highest rate after an undamped release from rest, and its time, with the energy
+    integral.
     """
     run = simulate(
         tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"
@@ -133,7 +133,7 @@ def _closed_form(
     """Return the result of a strike of one or two rods by its closed form.
 
     Returns:
-        Rates after the impact (rad/s), normal impulse (N s) and the name of the outcome.
+        Rates after the impact, rad/s, the normal impulse, N s, and the name of the outcome.
     """
     mass = chain.masses[-1]
     length = chain.lengths[0]

@@ -32,14 +32,17 @@ FREE = Tool(bar=None, workpart=None)
 STIFFNESS = Belt().stiffness
 
 FINE = 1e-9
-"""Requested accuracy of the more accurate runs, a thousandth of the default."""
+"""Requested accuracy of the more accurate runs."""
 
 BUDGET = 20_000
-"""Step budget, in engine steps, that the pass with the stiffest belt must exhaust."""
+"""Limit of engine steps at which the pass with the stiffest belt must stop."""
 
 
 def released(name: str, accuracy: float, **changes: float) -> HardCase:
-    """Return the case that compares the release of a changed tool with the energy integral."""
+    """Return the case that compares the release of a tool with the energy integral.
+
+    ``changes`` are values of the tool's keys.
+    """
     return hard_case(
         f"{name}: released, accuracy {accuracy:g}",
         f"highest speed and its time as by the energy integral to {accuracy:g}, the requested accuracy",
@@ -50,7 +53,10 @@ def released(name: str, accuracy: float, **changes: float) -> HardCase:
 
 
 def whole(name: str, **changes: float) -> HardCase:
-    """Return the case that compares the whole pass of a changed tool with the reference."""
+    """Return the case that compares the whole pass of a tool with the reference.
+
+    ``changes`` are values of the tool's keys.
+    """
     promise = AS_REFERENCE.format(ACCURACY)
     return hard_case(f"{name}: whole pass", promise, agrees_with_reference, TOOL.replace(**changes))
 
@@ -67,7 +73,7 @@ def belt_stiffness() -> Iterator[HardCase]:
 
 
 def _spends_budget() -> Finding:
-    """Return the finding that the pass with the stiffest belt stops for its step budget."""
+    """Return the finding whether the pass with the stiffest belt stops at its limit of steps."""
     tool = TOOL.replace(belt_stiffness=1e6 * STIFFNESS)
     run = simulate(tool, Settings(maximum_steps=BUDGET))
     spent = run.stop_reason is StopReason.STEP_BUDGET and bool(np.isfinite(run.rates).all())
@@ -75,8 +81,9 @@ def _spends_budget() -> Finding:
 
 
 def damping() -> Iterator[HardCase]:
-    """Yield decays at damping ratios up to 100, which end while the bristle still moves, and a
-    whole pass.
+    """Yield decays at damping ratios up to 100, and a whole pass.
+
+    A decay ends while the bristle still moves.
     """
     promise = AS_REFERENCE.format(ACCURACY)
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
@@ -87,8 +94,8 @@ def damping() -> Iterator[HardCase]:
 
 
 def hub_speed() -> Iterator[HardCase]:
-    """Yield the release on a resting hub, and whole passes at up to 1e5 rad/s, with and without a
-    belt.
+    """Yield the release on a resting hub, whole passes at hub speeds up to 1e5 rad/s, and a slow
+    pass without belt stiffness.
     """
     yield released("0 rad/s", FINE, hub_speed=0.0)
     for speed in (0.0, 1e3, 1e5):
@@ -97,17 +104,18 @@ def hub_speed() -> Iterator[HardCase]:
 
 
 TIP = TOOL.hub.radius + TOOL.bristle.length
-"""Radius of the circle of a radial bristle's tip, m."""
+"""Radius of the circle on which the tip of a radial bristle moves, m."""
 
 THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
-"""Radius of the thinnest bar that may meet a wire of zero width, m."""
+"""Radius, m, just above that of the thinnest bar accepted with a wire of zero width."""
 
 
 def tunnelling() -> Iterator[HardCase]:
-    """Yield passes at many accuracies and hub speeds, and at bars far thinner than a step.
+    """Yield passes at many accuracies and hub speeds, with bars far thinner than the tip's path in
+    a step.
 
-    A straight bristle without gravity remains radial until it touches an obstacle, so geometry
-    gives the instant of the touch.
+    A straight bristle without gravity remains radial until it touches an obstacle. Geometry
+    therefore gives the instant of the touch.
     """
     for accuracy in (0.1, 1e-6, 1e-11):
         name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
@@ -117,17 +125,18 @@ def tunnelling() -> Iterator[HardCase]:
 
 BAR_DISTANCE = 0.9 * TIP
 BAR_ANGLE = 1.2
-"""Distance of the bar from the hub axis, m, and its angle before the workpart's direction, rad."""
+"""Distance of the bar from the hub's axis, m, and angle by which the bar stands before the
+workpart's normal, rad."""
 
 
 def with_bar(radius: float) -> Tool:
-    """Return a tool with a bar within the tip's circle; its wire has no width."""
+    """Return a tool with a bar of a given radius inside the tip's circle, and a wire of no width."""
     bar = Bar(radius, BAR_DISTANCE * math.sin(BAR_ANGLE), BAR_DISTANCE * math.cos(BAR_ANGLE))
     return TOOL.replace(bar=bar, wire_diameter=0.0, bristle_mass=TOOL.bristle.mass)
 
 
 def _meets(accuracy: float) -> Finding:
-    """Compare the instants at which runs meet bars and the workpart with geometry."""
+    """Compare the instants at which bristles touch bars and the workpart with those by geometry."""
     settings = Settings(accuracy=accuracy, samples_per_period=1)
     # Angles of a radial bristle to the workpart's normal at the touch, rad.
     touches = [(TOOL.replace(bar=None), "strike", -math.acos(TOOL.workpart_depth / TIP))]
@@ -148,7 +157,7 @@ def _meets(accuracy: float) -> Finding:
 
 
 def long_run() -> Iterator[HardCase]:
-    """Yield free swings over up to a thousand turns of the hub, at two accuracies."""
+    """Yield free oscillations over up to a thousand revolutions of the hub, at two accuracies."""
     promise = "energy in the hub's frame changes by {0:g} a turn at most, the requested accuracy"
     for turns, accuracy in ((10, 1e-9), (1000, 1e-6)):
         name = f"{turns} hub turns, accuracy {accuracy:g}"
@@ -156,10 +165,10 @@ def long_run() -> Iterator[HardCase]:
 
 
 def _swings(accuracy: float, turns: int) -> Finding:
-    """Check that Jacobi's integral of the rotating frame is conserved.
+    """Check that a free oscillation conserves Jacobi's integral, the energy in the hub's frame.
 
-    It is I alpha'^2/2 + k alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). The limit is
-    ``accuracy`` a turn of the hub.
+    It is I alpha'^2/2 + k_T alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). Its relative change
+    must be at most ``accuracy`` in a revolution of the hub.
     """
     settings = Settings(
         accuracy, maximum_steps=10**9, hub_turn=turns * math.tau, samples_per_period=6

@@ -1,4 +1,6 @@
-"""The report of hard cases: every promise with its result, and the number of promises kept."""
+"""The report of hard cases: the promise and the result of every case, and the number of promises
+kept.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,8 @@ def hard_cases(requested: HardCaseChoice) -> Report:
     """Try the requested cases, one after the other.
 
     Raises:
-        Unfinished: if the user interrupts; it has a report of the cases tried so far.
+        Unfinished: if the user interrupts the computation; the exception carries a report of the
+            cases tried so far.
     """
     begin = clock.perf_counter()
     themes = tuple(TABLES) if requested.theme == "all" else (requested.theme,)
@@ -56,8 +59,8 @@ def hard_cases(requested: HardCaseChoice) -> Report:
 
 
 def _report(tried: Tried, wall_s: float) -> Report:
-    """Return the report, which compares the kept promises of each theme with the number of its
-    cases.
+    """Return the report, which compares the number of kept promises with the number of cases in
+    each theme.
     """
     quantities = []
     rows = []
@@ -88,7 +91,9 @@ def _report(tried: Tried, wall_s: float) -> Report:
 
 
 def answer(tried: Tried) -> str:
-    """Return the sentence that all cases keep their promise, or that lists the broken ones."""
+    """Return the sentence that says whether all cases keep their promise, and lists the cases that
+    break it.
+    """
     number = sum(map(len, tried.values()))
     broken = [
         f"{_named(theme, case)} ({finding.reached})"
@@ -106,7 +111,7 @@ def _named(theme: str, case: HardCase) -> str:
 
 
 WIDTHS = (30, 30, 31, 3)
-"""Widths of the columns of the table, in characters; the table fits a terminal of 100."""
+"""Widths of the table's columns, in characters; the table fits a terminal of 100 characters."""
 
 
 def _table(tried: Tried) -> list[str]:

@@ -1,6 +1,5 @@
-"""Hard cases of strikes: extreme mass ratios, friction near the jam, and grazing tips.
-
-Coefficients at the ends of their ranges are here too.
+"""Hard cases of strikes: extreme mass ratios, friction near the jam, grazing tips, and coefficients
+at the ends of their ranges.
 """
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ EPSILON = 2.0**-52
 
 RATE = 845.0
 RESTITUTION = 0.42
-"""Rate (rad/s) and restitution (1) of a rod that strikes like the bristle."""
+"""Rate, rad/s, and coefficient of restitution of a rod that strikes like the bristle."""
 
 TWO_ROD_ROUNDING = 1e-12
 """Largest relative error of rates and impulses of two rods.
 
-It is a rounding of 1e-15, times 1/sin^2(10 deg) = 33 for the angle between the rods, times 30 for
-the phases."""
+It is a rounding error of 1e-15, magnified 1/sin^2(10 deg) = 33 times by the small angle between the
+rods, and 30 times by the phases of the impact."""
 
 ANGLES = (math.radians(-20.0), math.radians(-30.0))
 
@@ -49,13 +48,13 @@ MOTIONS = {
     "reverse slip": ((0.1, 0.2), 0.3),
     "stick": ((-1.0, 1.1), 5.0),
 }
-"""Rates (rad/s) of two rods and friction, by the motion of their tip.
+"""Rates of two rods, rad/s, and their friction coefficient, by the motion of the tip in the impact.
 
-The tip slips to the end, or reverses or sticks as soon as its slip has stopped."""
+The tip slips to the end of the impact, or its slip stops and it then slips back or sticks."""
 
 
 def mass_ratio() -> Iterator[HardCase]:
-    """Yield impacts of two rods with masses in a ratio of 1e-9 to 1e12."""
+    """Yield impacts of two rods whose mass ratio is 1e-9 to 1e12."""
     promise = f"phases of the closed form, its rates and impulse to {TWO_ROD_ROUNDING:g}, e* of 0, 0.5 and 1"
     for ratio, motion in ((1e-9, "slip"), (1e-3, "reverse slip"), (1e12, "stick")):
         rates, friction = MOTIONS[motion]
@@ -68,39 +67,43 @@ def mass_ratio() -> Iterator[HardCase]:
 ROUNDINGS = 40
 """Largest relative error of an impulse, in units of machine epsilon.
 
-It counts the roundings of friction, sine, cosine, their products and K, in the scene and in the
-closed form. Near the jam it is divided by the relative distance of friction from the jam."""
+It counts the rounding errors of the friction coefficient, of sine, cosine and their products, and
+of the inverse mass matrix at the contact, in the scene and in the closed form. Near the jam it is
+divided by the relative distance of the friction coefficient from the jam."""
 
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
 """Two rods whose slip drives the tip into the surface.
 
-The slip stops before restitution ends, so that rounding is little magnified."""
+The slip stops before restitution ends, so that rounding errors are little magnified."""
 
 TWO_RODS_LIMIT = TWO_ROD_ROUNDING + 0.5 * ROUNDINGS * EPSILON * float(
     np.linalg.cond(contact_inverse_mass(TWO_RODS))
 )
-"""Largest relative error of two rods near a critical friction.
+"""Largest relative error of an impact of two rods near a critical friction.
 
-It is the fraction of a speed that the closed form treats as 0, plus rounding times the condition
-number of K."""
+It is the fraction of a speed that the closed form treats as 0, plus rounding error times the
+condition number of the inverse mass matrix at the contact."""
 
 LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration=0.0095))
-"""A bristle that starts at ``THROWN``, ahead of radial, so that its tip is pushed over the
+"""Tool of a bristle that leans forward when it strikes, so that its tip is pushed over the
 workpart."""
 
 THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
+"""Start of this bristle, ahead of the radial direction."""
 
 ROD_ANGLES = tuple(map(math.radians, (1.0, 23.4, 60.0, 89.0)))
-"""Angles of the rod to the normal, rad."""
+"""Angles between the rod and the workpart's normal, rad."""
 
 
 def jam() -> Iterator[HardCase]:
-    """Yield strikes of one rod and of two, and passes, with friction just below and above a
-    critical value.
+    """Yield strikes of one rod and of two rods, and passes, each with friction just below and just
+    above a critical value.
 
-    At mu = tan gamma a rod that is pulled over the surface can no longer leave it (stiction), and a
-    rod that is pushed can no longer be stopped (jam). At each critical friction of two rods one
-    motion gives way to another.
+    One rod has the critical friction tan(gamma), where gamma is its angle to the normal. From this
+    friction on, a rod that is pulled over the surface does not leave it (stiction), and a rod that
+    is pushed is not stopped by the normal impulse (jam). Two rods have two critical frictions:
+    above one the tip sticks when its slip has stopped, and above the other the slip drives the tip
+    into the surface.
     """
     for distance in (1e-3, 1e-9):
         strikes = [
@@ -135,9 +138,9 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start) -> Finding:
-    """Compare passes with friction on both sides of the jam with the reference.
+    """Compare a pass with friction just below the jam, and one just above, with the reference.
 
-    A first run gives the angle of the strike, which friction does not change.
+    A first run gives the angle of the strike, which does not depend on friction.
     """
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
@@ -148,7 +151,7 @@ def _passes_near_jam(tool: Tool, start: Start) -> Finding:
 
 
 TOUCH_GAP = 1e-12
-"""Largest gap at a touch, as a fraction of the length: ten times the scene's own limit."""
+"""Largest gap at a touch, over the bristle's length: ten times the scene's own limit."""
 
 
 def grazing() -> Iterator[HardCase]:
@@ -177,9 +180,9 @@ def grazing() -> Iterator[HardCase]:
 
 
 def _dips(obstacle: str, depth: float) -> Tool:
-    """Return a tool with one obstacle into which the tip's circle dips ``depth`` lengths.
+    """Return a tool with one obstacle, which the circle of the undeflected tip enters by a depth.
 
-    A negative depth means that the tip misses the obstacle.
+    The depth is over the bristle's length. At a negative depth the tip misses the obstacle.
     """
     if obstacle == "workpart":
         return TOOL.replace(bar=None, penetration=depth * LENGTH)
@@ -192,11 +195,11 @@ def _dips(obstacle: str, depth: float) -> Tool:
 
 
 def _touches(obstacle: str, depth: float) -> Finding:
-    """Check the gap at the touch of a tip whose circle dips ``depth`` lengths into an obstacle.
+    """Check the gap at the touch of a tip whose circle enters an obstacle by a given depth.
 
-    The path is a circle, so the gap is known in closed form. A path that dips by d into an obstacle
-    enters it at an angle of the order of the square root of d. The instant of the touch therefore
-    keeps half the digits, while the gap keeps all of them.
+    The tip's path is a circle, so the gap is known in closed form. The path enters the obstacle at
+    an angle of the order of the square root of the depth. Rounding error therefore takes half the
+    digits of the touch's instant, and none of the gap.
     """
     tool = _dips(obstacle, depth)
     run = simulate(tool, Settings(accuracy=1e-10))
@@ -212,7 +215,9 @@ def _touches(obstacle: str, depth: float) -> Finding:
 
 
 def _misses(distance: float) -> Finding:
-    """Check that a tip whose circle passes the bar at ``distance`` lengths does not touch it."""
+    """Check that a tip whose circle passes the bar at a given distance, over the bristle's length,
+    does not touch the bar.
+    """
     run = simulate(_dips("bar", -distance), Settings(accuracy=1e-10))
     missed = run.event_time("bar not touched") is not None and not run.contacts
     return Finding("bar not touched" if missed else "touched", missed, run.cost.steps)
@@ -221,14 +226,15 @@ def _misses(distance: float) -> Finding:
 LATER = 1e-13
 """Gap at the workpart when the wire meets the bar, m.
 
-It counts as closed, but exceeds rounding; otherwise rounding would choose which impact comes
-first."""
+The gap is small enough to count as closed, and exceeds rounding error, which would otherwise decide
+which impact comes first."""
 
 
 def _three_at_once() -> Finding:
-    """Compare a pass with three contacts at one instant with the reference.
+    """Compare a pass that has three contacts at one instant with the reference.
 
-    Two links of a radial wire meet the bar, which has restitution, when the tip meets the workpart.
+    Two links of a radial wire meet the bar at their joint when the tip meets the workpart. The bar
+    has restitution.
     """
     cos = TOOL.workpart_depth / TIP
     reach = TOOL.bar_reach
