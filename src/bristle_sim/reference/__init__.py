@@ -1,15 +1,15 @@
 """The pass of wires of rigid links, integrated with SciPy: an independent solution to compare with
 the scene.
 
-The unknowns are the links' absolute angles; the hub's angle is psi = psi_0 + omega t. One link is
-the rigid bristle. The reference shares with the scene only the parameters, the types of the result,
-the impact law, and the stiffness and damping of a wire's hinges.
+The unknowns are the absolute angles of the links; the hub angle is psi = psi_0 + omega t. A rigid
+bristle is a single link. The reference shares with the scene only the parameters, the types of the
+result, the impact law, and the stiffness and damping of a wire's hinges.
 
-Modules: ``mechanics`` has the equations of motion, ``contacts`` the kinematics of a touch of bar,
-workpart or another wire, ``forces`` the forces of sustained contacts, ``system`` a state with its
-contacts, ``events`` the ends of intervals of smooth motion, ``crossing`` the search for events and
-extremes, ``decisions`` the impacts and other consequences of events, ``run`` the loop, ``log`` the
-record, and ``simulate`` the functions to call.
+Modules: ``mechanics`` has the equations of motion, ``contacts`` the kinematics of contacts with
+bar, workpart or another wire, ``forces`` the forces of sustained contacts, ``system`` a state with
+its contacts, ``events`` the ends of intervals of smooth motion, ``crossing`` the search for events
+and extremes, ``decisions`` the impacts and other consequences of events, ``run`` the main loop,
+``log`` the record of a run, and ``simulate`` the functions to call.
 """
 
 from bristle_sim.reference.simulate import (

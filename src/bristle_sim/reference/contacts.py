@@ -1,10 +1,10 @@
 """Contacts of wires with bar, workpart and each other: gaps, and Jacobian rows of the contact
 velocities.
 
-The normal n points from the obstacle to the wire; the tangent is t = -i n. A contact on the flank
-of a straight piece has a normal that turns with its link. A contact on a corner (between two
-pieces, or the wire's end) has a normal that turns as the corner slides around the bar. The
-velocities of the wire's surface at the contact obey
+The normal n points from the obstacle to the wire; the tangent is t = -i n. A piece is a straight
+part of a link's centre line. A contact on the flank of a piece has a normal that turns with its
+link. A contact on a corner (between two pieces, or at the wire's end) has a normal that turns as
+the corner slides around the bar. The velocities of the wire's surface at the contact obey
 
   v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' =
   J_t theta'' + bias_t.
@@ -25,7 +25,11 @@ from bristle_sim.theory.contact_spring import ContactSpring
 
 
 class Point(NamedTuple):
-    """The place of a contact on the wire: the flank of a piece, or the corner at a piece's end."""
+    """The location of a contact on a wire: the flank of a straight piece, or the corner at its end.
+
+    ``obstacle`` is the name of the obstacle, ``piece`` the index of the piece (or of the pair of
+    wires), and ``corner`` tells whether the contact is at the corner.
+    """
 
     obstacle: str
     piece: int
@@ -37,9 +41,11 @@ class Touch(NamedTuple):
 
     Attributes:
         gap: gap between wire and obstacle, m.
-        normal_row, tangential_row: J_n and J_t.
-        velocity: (v_n, v_t), m/s.
-        bias: (bias_n, bias_t), m/s^2.
+        normal_row, tangential_row: derivatives of the contact velocity with respect to the rates of
+            the links, m.
+        velocity: (normal, tangential) velocity of the wire's surface at the contact, m/s.
+        bias: (normal, tangential) acceleration of the contact while the rates of the links are
+            constant, m/s^2.
         along: position of the contact along a flat surface, m.
     """
 
@@ -53,15 +59,15 @@ class Touch(NamedTuple):
 
 @dataclass(slots=True)
 class Spring:
-    """The springs of a compliant contact and their state.
+    """The normal and the tangential spring of a compliant contact, and their state.
 
     Attributes:
         law: stiffness, restitution and friction of the contact.
-        surface: gap at which the contact began, m. It is negative in the dent of an earlier
-            contact; the penetration is measured from it.
-        anchor: position of the tangential spring's foot while it sticks, m.
+        surface: gap at which the contact began, from which the penetration is measured, m. It is
+            negative in the dent of an earlier contact.
+        anchor: position of the tangential spring's foot along the surface while it sticks, m.
         deepest: deepest penetration, m.
-        loading: whether the spring loads.
+        loading: whether the normal spring is in loading.
     """
 
     law: ContactSpring
@@ -72,15 +78,18 @@ class Spring:
 
     @property
     def left(self) -> float:
-        """Penetration at which the force is zero after unloading, m."""
+        """Return the penetration at which the force reaches zero in unloading, m."""
         return self.law.residual(self.deepest)
 
     def force(self, gap: float) -> float:
-        """Return the normal force at a gap, N; the gap is measured to the undented obstacle."""
+        """Return the normal force, N, at a gap, m, measured from the undented surface."""
         return self.law.normal_force(self.surface - gap, None if self.loading else self.deepest)
 
     def rub(self, touch: Touch, slip: int) -> float | None:
-        """Return the tangential force, N; None if the contact is rigid along the surface."""
+        """Return the tangential force, N; None if the contact is rigid along the surface.
+
+        ``slip`` is the sense in which the tangential spring's foot slides, 0 while it sticks.
+        """
         if not self.law.compliance:
             return None
         if slip:
@@ -88,14 +97,14 @@ class Spring:
         return self.law.tangential_force(touch.along, self.anchor)
 
     def foot(self, touch: Touch, slip: int) -> float:
-        """Return the velocity of the foot in the sense of its slip, m/s.
+        """Return the velocity of the tangential spring's foot in the sense of its slip, m/s.
 
-        Without a tangential spring it is the velocity of the contact point.
+        Without a tangential spring it is the velocity of the contact point in this sense.
         """
         return slip * self.law.foot_velocity(touch.velocity, slip, loading=self.loading)
 
     def stretch(self, touch: Touch, pull: float) -> None:
-        """Place the foot so that the tangential force is ``pull``, N, and let it stick."""
+        """Set the tangential spring's foot so that the tangential force is ``pull``, N."""
         self.anchor = self.law.foot(touch.along, pull)
 
 
@@ -114,12 +123,12 @@ def touch_of(
     Args:
         chain: the links.
         motion: kinematics of the links.
-        link: number of the link in contact.
-        gap: gap, m.
-        normal: unit normal.
-        point: contact point on the wire's surface.
+        link: index of the link in contact.
+        gap: gap between wire and obstacle, m.
+        normal: unit normal, from the obstacle to the wire.
+        point: position of the contact point on the wire's surface, m.
         spin: angular velocity of the normal, rad/s.
-        moving: velocity of the place of contact, which slides along the wire's material, m/s.
+        moving: velocity of the contact point, which slides along the wire's material, m/s.
     """
     velocity = motion.velocity[link]
     rate = motion.rates[link]
@@ -137,9 +146,10 @@ def touch_of(
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A circle that touches the wire's pieces and corners from any side.
+    """The accelerator bar as an obstacle: a circle that a wire can touch on any side.
 
-    ``reach`` is the sum of the radii of circle and wire, r_b + d/2, m.
+    ``reach`` is the sum of the radii of bar and wire, m. ``compliance`` is the ratio of the normal
+    to the tangential contact stiffness; 0 is rigid along the surface.
     """
 
     centre: complex
@@ -149,11 +159,12 @@ class Bar:
     compliance: float = 0.0
 
     def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
-        """Return the foot of the bar's centre on each piece, m from the piece's start, and the gap,
-        m.
+        """Return where the perpendicular from the bar's centre meets each piece, and the gap.
 
-        The foot may lie beyond the piece; the gap is that of the nearest point on the piece. Shapes
-        are (..., pieces).
+        Returns:
+            The distance of the perpendicular's foot from the start of the piece, m, which may be
+            beyond the piece; and the gap at the nearest point of the piece, m. The shapes are
+            (..., pieces).
         """
         links, starts, directions, lengths = chain.pieces
         turn = motion.turn[..., links]
@@ -165,11 +176,11 @@ class Bar:
         return foot, np.abs(nearest - self.centre) - self.reach
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap between the bar and every piece, m, shape (..., pieces)."""
+        """Return the gap between the bar and every straight piece, m, shape (..., pieces)."""
         return self.feet(chain, motion)[1]
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of a contact on a flank or a corner."""
+        """Return the kinematics of a contact of the bar with a flank or a corner of a wire."""
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
         origin, _ = chain.points(motion, link, start)
         along = direction * motion.turn[link]
@@ -186,15 +197,19 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class Workpart:
-    """The half-plane y < -depth, which the wire's end and its knees can touch."""
+    """The workpart as an obstacle: the half-plane y < -depth, m.
+
+    The tip and the knees of a wire can touch it.
+    """
 
     depth: float
     surface: Surface
-    compliance: float = 0.0  # eta^2
+    compliance: float = 0.0  # ratio of the normal to the tangential contact stiffness
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the height of each corner of ``chain.corners`` above the surface, m, shape (...,
-        corners).
+        """Return the height of tips and knees above the surface, m, shape (..., corners).
+
+        They are in the order of ``chain.corners``.
         """
         corners = list(chain.corners)
         links = chain.pieces.links[corners]
@@ -202,7 +217,7 @@ class Workpart:
         return np.asarray(places.imag + self.depth)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of a corner at the surface."""
+        """Return the kinematics of the contact of a tip or knee with the surface."""
         link = int(chain.pieces.links[point.piece])
         corner, moving = chain.points(motion, link, chain.pieces.ends[point.piece])
         gap = corner.imag + self.depth
@@ -225,7 +240,7 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
 
 
 def follows(chain: Chain, piece: int) -> bool:
-    """Return whether a piece begins at the end of another piece, and not at a wire's root."""
+    """Return whether a straight piece begins at the end of another piece, not at a wire's root."""
     return piece > 0 and piece - 1 not in chain.tips
 
 
@@ -235,8 +250,9 @@ def dot(first: complex, second: complex) -> float:
 
 
 class WirePairs:
-    """All pairs of wires of a row as one obstacle; the piece of a contact is the number of its
-    pair.
+    """All pairs of wires of a row, as one obstacle.
+
+    The ``piece`` of a contact's ``Point`` is here the index of the pair.
     """
 
     name = "wire"
@@ -248,13 +264,16 @@ class WirePairs:
         self.pairs = list(itertools.combinations(range(wires), 2))
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap of every pair of wires, m."""
+        """Return the gap between the two wires of every pair, m."""
         return np.array(
             [self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs]
         )
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of a pair's contact."""
+        """Return the kinematics of the contact between the two wires of a pair.
+
+        The velocity is that of the first wire relative to the second wire.
+        """
         first, second = wires = self.pairs[point.piece]
         distance, end, places = self._nearest(chain, motion, first, second)
         arms = np.array(places) * chain.ends[[first, second]] / chain.length
@@ -284,11 +303,11 @@ class WirePairs:
     def _nearest(
         chain: Chain, motion: Kinematics, first: int, second: int
     ) -> tuple[float, int, tuple[float, float]]:
-        """Return the nearest points of two centre lines.
+        """Return the nearest points of the centre lines of two wires.
 
         Returns:
-            Distance of the points, m; number (0 or 1) of the wire whose end is one of them; and
-            their distances from the roots, m.
+            The distance between the points, m; the index (0 or 1) of the wire whose end is one of
+            the points; and the distances of the points from the roots of their wires, m.
         """
         length = chain.length
         along = chain.ends * motion.turn / chain.length

@@ -1,9 +1,9 @@
-"""The instants of a step at which a function changes its sign: events and extremes.
+"""The times in an integration step at which a function changes its sign: events and extremes.
 
-No short dip is missed. A smooth function on a short interval is its Chebyshev series to rounding,
-and a companion matrix gives all roots of the series at once. They only separate intervals of one
-sign; the crossing itself is bracketed and located on the function. If 17 points do not resolve the
-function (a kink, a jump), the interval is halved.
+Short excursions beyond zero are not missed. On a short interval a smooth function equals its
+Chebyshev series up to rounding error, and a companion matrix gives all roots of the series at once.
+The roots only separate intervals of one sign; the crossing itself is bracketed and located on the
+function. If 17 samples do not resolve the function (a kink, a jump), the interval is halved.
 """
 
 from __future__ import annotations
@@ -22,20 +22,22 @@ from bristle_sim.reference.events import Event, Follow, Value
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log, Record
 from bristle_sim.reference.system import Instant, State, System
 
-IDLE = 10.0  # least highest relative rate of a motion, in units of its rounding
+IDLE = 10.0  # least relative rate that counts as a highest one, over the rounding error of a rate
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
 DEGREE = 16
 NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE))
-MOST_PIECES = 100  # largest number of pieces: fifty halvings confine a kink or a jump to rounding
-# Last coefficients of a series below which they are rounding, as a fraction of the function's size.
+# Largest number of intervals: fifty halvings confine a kink or a jump to rounding error.
+MOST_PIECES = 100
+# Size of the last coefficients of a series, as a fraction of the function's size, below which they
+# are rounding error.
 SERIES_ROUNDING = 1e-13
 
 
 def nodes(start: float, end: float) -> Array:
-    """Return the 17 times of an interval at which a series samples a function, ascending."""
+    """Return the 17 ascending times of an interval at which a series samples a function."""
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
@@ -49,14 +51,15 @@ def crossings(
 ) -> list[tuple[float, int]]:
     """Return every change of sign of a function in [start, end], in order of time.
 
-    Values within ``resolution`` of zero have no sign of their own; they take the sign before them.
+    Values within ``resolution`` of zero have no sign of their own; the last sign before them holds.
 
     Args:
         function: the function of time.
         start, end: ends of the interval, s.
-        resolution: magnitude below which the function is rounding.
-        before: sign at the start if the first values have none; with 0 the first sign is no change.
-        values: values at ``nodes``, if they are known already.
+        resolution: magnitude below which the function is rounding error.
+        before: sign of the function before the interval. With 0 the first sign in the interval does
+            not count as a change.
+        values: values at the times of ``nodes``, if they are known already.
 
     Returns:
         Pairs of the time, s, and +1 for a change to positive or -1 for a change to negative.
@@ -92,9 +95,10 @@ def crossings(
 def _sign_changes(
     function: Function, probes: Array, values: Array, resolution: float, before: int
 ) -> Iterator[tuple[float, int]]:
-    """Yield the root between each pair of successive probes of opposite sign, and the new sign.
+    """Yield the time of each change of sign between the probes, s, and the sign after the change.
 
-    Probes without a sign are left out.
+    ``probes`` are times and ``values`` the function at these times. Values within ``resolution`` of
+    zero are left out.
     """
     signed = np.flatnonzero(np.abs(values) > resolution).tolist()
     sign = before
@@ -127,8 +131,8 @@ class Step(NamedTuple):
 
     Attributes:
         system: the links and their contacts.
-        motion: function that returns the states at times.
-        instants: instants at the times of ``nodes``.
+        motion: function that returns the states at given times.
+        instants: states with kinematics and forces at the times of ``nodes``.
         start, end: start and end of the step, s.
     """
 
@@ -141,7 +145,10 @@ class Step(NamedTuple):
     def crossings(
         self, value: Value, resolution: float, before: int = 0
     ) -> list[tuple[float, int]]:
-        """Return every change of sign of a function of an instant in the step."""
+        """Return every change of sign, in the step, of a function of the state.
+
+        Arguments and result are those of the function ``crossings``.
+        """
 
         def along(times: Array) -> Array:
             return np.array([value(self.system.at(each)) for each in self.motion(times)])
@@ -151,11 +158,13 @@ class Step(NamedTuple):
 
 
 def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
-    """Return the time of the first event on a step, s, and its consequence; without an event the
-    step's end and None.
+    """Return the first event in a step of the integrator.
 
-    A function that is zero to rounding has the sign from which its event changes it: the event is
-    still to come.
+    An event function that begins within rounding error of zero counts as being before its event.
+
+    Returns:
+        The time of the event, s, and the function that applies its consequence. Without an event
+        they are the end of the step and None.
     """
     near = _near(step.system, step.instants[-1], step.end - step.start)
     found = [
@@ -168,9 +177,9 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
 
 
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
-    """Return the obstacles and pieces that can touch in a step.
+    """Return the pairs of an obstacle and a straight piece of a wire that can touch in a step.
 
-    No gap closes faster than the points of the links move.
+    A gap cannot close faster than the points of the links can move.
     """
     chain = system.chain
     top_speed = chain.speed * chain.hub_radius + float(
@@ -186,8 +195,8 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
 def note_extremes(log: Log, own: Record, step: Step, until: float) -> float | None:
     """Record a wire's largest retraction and highest relative rate in a step, up to a time.
 
-    The hinges of a wire of several links vibrate, so that its first link has no single highest
-    rate, and none is recorded.
+    For a wire of several links the highest rate is not recorded: its hinges vibrate, so that the
+    rate of its first link has several maxima.
 
     Returns:
         The time at which one of the extremes ends the run, s, or None.
@@ -204,7 +213,7 @@ def note_extremes(log: Log, own: Record, step: Step, until: float) -> float | No
         return float(at.balance.accelerations[link])
 
     def zeros(value: Value, resolution: float, sense: int) -> list[float]:
-        """Return the times at which a quantity passes zero in a sense, +1 or -1."""
+        """Return the times at which a quantity passes zero, rising (+1) or falling (-1)."""
         found = step.crossings(value, resolution)
         return [time for time, direction in found if direction == sense and time <= until]
 

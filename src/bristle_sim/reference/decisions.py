@@ -1,6 +1,4 @@
-"""The consequences of an event: impacts, sustained contacts, the senses of their slip, and the end
-of a run.
-"""
+"""The consequences of an event: impacts, changes of sustained contacts, and the end of a run."""
 
 from __future__ import annotations
 
@@ -21,13 +19,19 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 # Lowest height of a rebound, over hub radius plus length; after a lower one the contact is
 # sustained.
 LOWEST_REBOUND = 1e-10
-MOST_AT_ONCE = 64  # number of impacts of a single wire at one instant at which the wire is jammed
-AT_ONCE = 1e-10  # duration of one instant, times the fastest rate, rad
+# Number of impacts of a single wire within ``AT_ONCE`` from which the wire counts as jammed.
+MOST_AT_ONCE = 64
+# Time within which impacts count as simultaneous, times the fastest rate, rad.
+AT_ONCE = 1e-10
 
 
 def close_contact(system: System, log: Log, name: str, piece: int, state: State) -> State:
-    """Record a touch, resolve its impacts, and determine the sustained contacts; return the new
-    state.
+    """Record a touch, resolve the impacts that follow, and determine the contacts that last.
+
+    ``name`` is the obstacle, ``piece`` the index of the straight piece, corner or pair of wires.
+
+    Returns:
+        The state after the impacts.
     """
     new = _place(system, name, piece, state)
     log.touched(new, state.time)
@@ -35,8 +39,9 @@ def close_contact(system: System, log: Log, name: str, piece: int, state: State)
 
 
 def _place(system: System, name: str, piece: int, state: State) -> Point:
-    """Return the place at which a piece is touched: its flank, the corner at its end, or the corner
-    before it.
+    """Return where a straight piece is touched: on its flank, at its end, or at its start.
+
+    The start of a piece is the corner at the end of the piece before it.
     """
     if isinstance(system.obstacles[name], Workpart):
         return Point(name, system.chain.corners[piece], True)
@@ -52,7 +57,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     """Resolve impacts among the closed contacts, then determine the contacts that stay closed.
 
     Returns:
-        The state afterwards.
+        The state after the impacts.
 
     Raises:
         Finished: if the run ends here.
@@ -93,7 +98,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
-    """Return a contact that begins, with its spring if it is compliant."""
+    """Return the new contact at a point of a wire, with its spring if it is compliant."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     spring = None
@@ -120,8 +125,9 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
 def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
     """Return the stiffness of a wire's contacts with the workpart, N/m; None if they are rigid.
 
-    It follows from the requested duration of the first contact. A rigid wire obeys the impact law.
-    For a wire of several links the motion is frictionless, with rigid hinges.
+    At the first contact the stiffness is computed from the requested duration. For a rigid wire the
+    duration is related to the stiffness by the impact law; for a wire of several links it is that
+    of a frictionless contact with rigid hinges.
     """
     system = instant.system
     chain = instant.system.chain
@@ -145,9 +151,10 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
 def _impact(
     instant: Instant, touch: Touch, surface: Surface, compliance: float
 ) -> tuple[Impact, Array]:
-    """Return an impact by the energetic law, and the response of all rates.
+    """Return an impact by the energetic law, and its effect on the rates of all links.
 
-    The response is the change of the rates by a normal and by a tangential unit impulse.
+    The second result is the change of the rates, rad/s, per unit normal and per unit tangential
+    impulse, shape (links, 2).
     """
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(instant.mass, rows.T)
@@ -159,9 +166,9 @@ def _impact(
 
 
 def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
-    """Return the sense in which a tangential spring's foot slides; 0 if it sticks.
+    """Return the sense in which a tangential spring's foot slides, or 0 if it sticks.
 
-    The spring's force is limited to the friction cone.
+    If the foot sticks, it is moved so that the force lies within the friction cone.
     """
     touch = instant.touch(each.point)
     mu = system.friction(each.point, spring)
@@ -176,7 +183,7 @@ def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> 
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
-    """Record a sustained contact at its end."""
+    """Record a sustained contact that ends in a state, with its outcome."""
     normal, tangential = system.at(state).touch(each.point).velocity
     for own in log.of(each.point):
         own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
@@ -185,8 +192,9 @@ def record(system: System, log: Log, state: State, each: Sustained, outcome: str
 def end_compression(
     system: System, log: Log, each: Sustained, spring: Spring, state: State
 ) -> State:
-    """End the compression of a compliant contact: begin its restitution or, without restitution,
-    end it.
+    """End the compression of a compliant contact and begin its restitution.
+
+    With a coefficient of restitution of 0 the contact ends.
     """
     spring.deepest = spring.surface - system.at(state).touch(each.point).gap
     change_phase(system, each, spring, state)
@@ -201,7 +209,7 @@ def end_compression(
 def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
     """Change a spring from loading to unloading or back.
 
-    The tangential force stays, within the cone of the new friction.
+    The tangential force does not change, except that it must lie within the new friction cone.
     """
     touch = system.at(state).touch(each.point)
     if each.slip and (pull := spring.rub(touch, each.slip)) is not None:
@@ -211,7 +219,7 @@ def change_phase(system: System, each: Sustained, spring: Spring, state: State) 
 
 
 def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
-    """Record a compliant contact whose force has fallen to zero, and remove it."""
+    """Record a compliant contact whose force has fallen to zero, and remove it from the system."""
     rebounds = each.spring is not None and each.spring.law.restitution > 0.0
     record(system, log, state, each, "rebound" if rebounds else "no rebound")
     system.sustained.remove(each)
@@ -221,13 +229,16 @@ def end_compliant_contact(system: System, log: Log, each: Sustained, state: Stat
 
 
 def move_contact(system: System, each: Sustained, point: Point, state: State) -> State:
-    """Move a contact from a flank to a corner or back."""
+    """Move a contact with the bar from the flank of a wire to a corner, or back."""
     each.point = point
     return system.closed(state)
 
 
 def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:
-    """Resolve the impacts at an instant one by one, the fastest approach first."""
+    """Resolve the impacts at several points one by one, the fastest approach first.
+
+    An impact may cause another one. Raises ``Finished`` if the wires jam.
+    """
     while points:
         instant = system.at(state)
         approaches = [instant.touch(point).velocity[0] for point in points]
@@ -238,7 +249,7 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
 
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
-    """Resolve and record one impact by the energetic law."""
+    """Resolve and record one impact by the energetic law; return the state after it."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     touch = instant.touch(point)
@@ -257,7 +268,10 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Stop contacts whose rebound is too low to be distinguished from rounding."""
+    """Set the normal velocity to zero where a rebound would be too low to resolve.
+
+    Such a rebound has a height below ``LOWEST_REBOUND``.
+    """
     if not points:
         return state
     instant = system.at(state)

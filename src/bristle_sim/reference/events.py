@@ -28,28 +28,31 @@ Value = Callable[[Instant], float]
 Follow = Callable[
     [State], State
 ]  # consequence of an event: function of the state before it that returns the state after it
-INSIDE = 1e-13  # overlap at a located touch, over hub radius plus length: 100 roundings of a gap
-# distance of a contact beyond a passed corner, over the length, against its return by rounding
+# Overlap at a located touch, over hub radius plus length: 100 times the rounding error of a gap.
+INSIDE = 1e-13
+# Distance by which a contact must pass a corner, over the wire's length, so that rounding error
+# does not move it back.
 PAST = 1e-13
-ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
-GAP_ROUNDING = 1e-15  # rounding of a gap, over hub radius plus length
+ROUNDING = 1e-13  # rounding error of an event function, as a fraction of its size
+GAP_ROUNDING = 1e-15  # rounding error of a gap, over hub radius plus length
 
 LOCKED = 1e-6
-"""Response to a normal force with friction, over that without, at which friction is about to lock a
-contact.
+"""Normal acceleration per unit normal force with friction, over its value without friction, below
+which friction is about to lock a contact.
 
-The force then grows without bound."""
+The contact force grows without bound as this ratio falls to zero."""
 
 
 class Event(NamedTuple):
-    """A function of an instant whose change of sign in one direction ends an interval.
+    """An event that ends an interval of smooth motion: a function of the state changes its sign.
 
     Attributes:
         value: the function.
         direction: sign of the function after the event.
-        resolution: magnitude below which the function is rounding.
-        follow: consequence of the event.
-        place: obstacle and piece of a gap. A gap is not evaluated while it is far from closing.
+        resolution: magnitude below which the function is rounding error.
+        follow: function that applies the consequence of the event to the state.
+        place: obstacle and piece whose gap the function is, or None. A gap is not evaluated while
+            it is far from closing.
     """
 
     value: Value
@@ -86,9 +89,7 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
-    """Return the events at which a piece touches an obstacle, or leaves the dent of an earlier
-    compliant contact.
-    """
+    """Return the events at which a wire touches an obstacle or leaves the dent of a contact."""
     inside = INSIDE * system.size
     found = []
 
@@ -112,7 +113,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether the nearest point of a piece, or its corner, is in contact already."""
+    """Return whether a straight piece is in contact already where it could touch an obstacle."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
     if isinstance(system.obstacles[obstacle], Workpart):
         return any(point.piece == system.chain.corners[piece] for point in points)
@@ -121,15 +122,17 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 
 
 def _force_events(system: System, log: Log, number: int) -> list[Event]:
-    """Return the events of a rigid sustained contact: its force falls to zero, or friction locks
-    it.
+    """Return the events of a rigid sustained contact's force.
+
+    The normal force falls to zero, or friction locks the contact. ``number`` is the index of the
+    contact.
     """
     acceleration = ROUNDING * system.size * system.fastest**2
 
     def pressing(at: Instant) -> float:
-        """Return the normal force times the contact's normal response to it, m/s^2.
+        """Return the normal acceleration that the normal force causes, m/s^2.
 
-        The product stays bounded where friction locks the contact.
+        It has the sign of the normal force, and stays bounded where friction locks the contact.
         """
         acting = at.contacts[number]
         response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
@@ -137,14 +140,13 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
         return float(at.balance.normal[number]) * response + acceleration
 
     def free(at: Instant) -> float:
-        """Return the response to a normal force with friction over the response without
-        friction."""
+        """Return the normal acceleration per unit force, with friction over without friction."""
         touch = at.contacts[number].touch
         ratio = at.contacts[number].ratio
         return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
 
     def lock(state: State) -> State:
-        """Follow the motion to the instant at which friction locks the contact, and end the run there."""
+        """Find the time at which friction locks the contact, and end the run at that time."""
 
         def ahead(time: float) -> State:
             return State(state.time + time, state.angles + time * state.rates, state.rates)
@@ -168,8 +170,9 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
 
 
 def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
-    """Return the events of a spring: the end of compression, of the force in unloading, or of
-    unloading itself.
+    """Return the events of a compliant contact's normal spring.
+
+    In loading, compression ends. In unloading, the force falls to zero or the spring loads again.
     """
     speed = ROUNDING * system.size * system.fastest
     depth = max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
@@ -201,7 +204,10 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
 
 def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
-    """Return the events at which the slip of a sustained contact stops or begins."""
+    """Return the event at which the slip of a sustained contact stops or, in stick, begins.
+
+    ``number`` is the index of the contact. Without friction there is no event.
+    """
     each = system.sustained[number]
     go_on = partial(decide, system, log)
     mu = system.friction(each.point, each.spring)
@@ -221,7 +227,7 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
         return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
 
     def beyond(value: Value, rounding: float) -> Value:
-        """Return a function minus its rounding and minus its initial value if that is negative."""
+        """Return a function shifted so that it begins above zero by its rounding error or more."""
         level = min(value(system.at(state)), 0.0) - rounding
         return lambda at: value(at) - level
 
@@ -233,14 +239,16 @@ def _friction_events(system: System, log: Log, state: State, number: int) -> lis
 
 
 def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
-    """Return the events at which a contact with the bar passes from a flank to a corner or back."""
+    """Return the events at which a contact with the bar passes from flank to corner or back."""
     (name, index, corner), feet = each.point, system.at(state).feet
     length = float(system.chain.pieces.lengths[index])
     past = PAST * system.chain.length
 
     def event(piece: int, end: float, direction: int, point: Point) -> Event:
-        """Return the event at which the foot of the bar's centre on a piece passes an end of the
-        piece.
+        """Return the event at which the contact passes an end of a straight piece.
+
+        ``end`` is the distance of this end from the piece's start, m. ``direction`` is 1 or -1
+        along the piece. ``point`` is the location of the contact after the event.
         """
         # A contact beyond the end by rounding passes it only when it has moved on by the margin.
         level = direction * (max(direction * end, direction * float(feet[piece])) + past)

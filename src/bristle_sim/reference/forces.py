@@ -22,20 +22,20 @@ from bristle_sim.reference.contacts import Touch
 
 STICK = 0
 
-# Relative distance from the edge of the friction cone at which a contact slips; stick and slip
-# differ by rounding there.
+# Distance from the edge of the friction cone, as a fraction of the largest friction force, from
+# which a contact slips: there stick and slip differ by rounding error.
 EDGE = 1e-10
 
 
 class Acting(NamedTuple):
-    """A closed contact.
+    """A closed contact with its kinematics, its friction and the forces of its springs.
 
     Attributes:
-        touch: its kinematics.
-        friction: Coulomb's mu.
-        slip: sign of its slip; 0 in stick.
-        push: normal force of its spring, N; None if it is rigid.
-        rub: tangential force of its spring, N; None without a tangential spring.
+        touch: kinematics of the contact.
+        friction: Coulomb's coefficient of friction.
+        slip: sign of the slip; 0 in stick.
+        push: force of the normal spring, N; None for a rigid contact.
+        rub: force of the tangential spring, N; None without a tangential spring.
     """
 
     touch: Touch
@@ -46,9 +46,10 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether friction holds the contact.
+        """Whether a static friction force must be found for the contact.
 
-        A rigid contact that by itself keeps a single link at rest needs no friction for that.
+        If the normal force of a rigid contact alone keeps a single link at rest, no friction is
+        needed for that.
         """
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
@@ -101,17 +102,20 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
 def acting(
     mass: Array, forces: Array, contacts: Sequence[Acting], still: float
 ) -> tuple[tuple[int, int], ...] | None:
-    """Return the closed contacts that stay closed; None if no combination is consistent.
+    """Return the closed contacts that stay closed, with stick or slip of each of them.
+
+    All combinations of stick, slip and opening are tried. The result is None if no combination
+    obeys the equations and Coulomb's law.
 
     Args:
         mass: mass matrix of the links, kg m^2.
         forces: generalized forces on the links, N m.
-        contacts: closed contacts without an opening velocity. The sense of their slip is determined
-            here.
+        contacts: closed contacts without an opening velocity. The function determines the sense of
+            their slip.
         still: tangential velocity below which a contact may stick, m/s.
 
     Returns:
-        Pairs of the contact's index and the sign of its slip.
+        For each contact that stays closed its index and the sign of its slip, 0 for stick.
     """
     options: list[tuple[int | None, ...]] = []
     for each in contacts:
@@ -131,8 +135,10 @@ def acting(
 def _consistent(
     mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
-    """Return whether every chosen contact pushes within its friction cone and every other contact
-    opens.
+    """Return whether a combination of closed and opening contacts obeys the equations of motion.
+
+    Every contact in ``chosen`` must push, with a force within its friction cone. All other contacts
+    must open.
     """
     try:
         found = balance(mass, forces, tuple(chosen.values()))
@@ -150,8 +156,10 @@ def _consistent(
 
 
 def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
-    """Return whether a rigid contact pushes without locking, and a sticking one is within its
-    friction cone.
+    """Return whether the forces of a contact obey Coulomb's law.
+
+    A rigid contact must push, and friction must not lock it. The force of a sticking contact must
+    be within the friction cone.
     """
     if each.push is None and (
         normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)
@@ -175,10 +183,11 @@ def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, st
 
 
 def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
-    """Return the normal acceleration of a contact by its normal force and friction, J_n M^-1 (J_n +
-    f J_t)^T, 1/kg.
+    """Return the normal acceleration of a contact per unit normal force, with friction, 1/kg.
 
-    If it is not positive, friction locks the contact.
+    It is J_n M^-1 (J_n + f J_t)^T, with the rows J_n and J_t of ``touch``, the mass matrix M and
+    the ratio f of the tangential to the normal force. If it is not positive, friction locks the
+    contact.
     """
     return float(
         touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row)
@@ -188,7 +197,7 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
     """Return the smallest changes of angles and rates that close gaps and stop their opening.
 
-    They are smallest in the metric of the mass.
+    The changes are smallest in the norm of the mass matrix.
     """
     rows = np.array([touch.normal_row for touch in touches])
     response = np.linalg.solve(mass, rows.T)

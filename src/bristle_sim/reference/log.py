@@ -23,39 +23,45 @@ TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 
 
 class Finished(Exception):
-    """Exception that ends a run; its arguments are the stop reason and the state."""
+    """Raised to end a run; its arguments are the stop reason and the last state."""
 
 
 class Record:
-    """Events and contacts of one wire; ``first`` is the number of the wire's first link."""
+    """The events and contacts of one wire.
+
+    ``first`` is the index of the wire's first link among the links of all wires.
+    """
 
     def __init__(self, chain: Chain, first: int) -> None:
         self.chain = chain
         self.links = slice(first, first + chain.links)
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
-        self.turned: list[
-            State
-        ] = []  # where the relative rate rises through zero: retraction may be largest
+        # States at which the relative rate rises through zero; the retraction may be largest there.
+        self.turned: list[State] = []
 
     def own(self, state: State) -> State:
-        """Return the state of the wire's own links."""
+        """Return the part of a state that belongs to the wire's own links."""
         return State(state.time, state.angles[self.links], state.rates[self.links])
 
     def relative(self, state: State) -> float:
-        """Return the angle of the wire's first link relative to the hub, rad."""
+        """Return the angle of the wire's first link relative to the radial direction, rad."""
         return float(state.angles[self.links][0] - self.chain.hub_angle(state.time))
 
     def event(self, name: str, time: float) -> None:
-        """Record an event."""
+        """Record an event of the wire at a time in s."""
         self.events.append(Event(name, time))
 
     def seen(self, name: str) -> bool:
-        """Return whether an event of a name has been recorded."""
+        """Return whether the wire has had an event of this name."""
         return any(each.name == name for each in self.events)
 
     def note_largest_retraction(self, states: Sequence[State]) -> None:
-        """Record the largest retraction before the strike, if the relative rate is zero there."""
+        """Record the event of the largest retraction before the strike.
+
+        It is an event only if the relative rate is zero there. ``states`` are the samples of the
+        run.
+        """
         strike = next((each.time for each in self.events if each.name == STRIKE), math.inf)
         reached = [state for state in states if state.time <= strike]
         turned = [each for each in self.turned if each.time <= strike]
@@ -72,9 +78,15 @@ class Record:
         hit: Impact,
         rounding: float,
     ) -> None:
-        """Record an impact between the states before and after it.
+        """Record an impact of the wire.
 
-        ``rounding`` is the rounding of a rate, rad/s.
+        Args:
+            point: location of the contact.
+            state: state before the impact.
+            after: state after the impact.
+            velocity: (normal, tangential) contact velocity before the impact, m/s.
+            hit: the impact.
+            rounding: rounding error of a rate, rad/s.
         """
         before = self.own(state).rates[0]
         speed = self.chain.speed
@@ -101,7 +113,11 @@ class Record:
     def lasting(
         self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str
     ) -> None:
-        """Record a sustained contact that ends with a velocity, (normal, tangential) in m/s."""
+        """Record a sustained contact that ends.
+
+        ``last`` is the state at its end, ``velocity`` the (normal, tangential) contact velocity
+        there, m/s.
+        """
         if last.time <= each.since.time:
             return
         compression = each.sums if each.compression is None else each.compression
@@ -129,7 +145,10 @@ class Record:
         phases: tuple[str, ...] = (),
         **pairs: Any,
     ) -> None:
-        """Record a contact between two states; ``pairs`` are its (normal, tangential) pairs."""
+        """Record a contact that lasts from one state to another.
+
+        ``pairs`` are the (normal, tangential) entries of the record by their names.
+        """
         first = self.own(since)
         floats: dict[str, Any] = {
             name: (float(normal), float(along)) for name, (normal, along) in pairs.items()
@@ -152,7 +171,11 @@ class Record:
     def trajectory(
         self, samples: Sequence[State], normal_force: Array, reason: StopReason, **run: Any
     ) -> Trajectory:
-        """Return the trajectory of the wire at the samples."""
+        """Return the trajectory of the wire, with its state at each sample.
+
+        ``normal_force`` holds the sum of the normal contact forces on the wire at each sample, N.
+        ``run`` holds further entries of the trajectory.
+        """
         chain = self.chain
         time, angles, rates = (
             np.array(column) for column in zip(*map(self.own, samples), strict=True)
@@ -178,11 +201,11 @@ class Record:
 
 
 class Log:
-    """The records of all wires of a run.
+    """The record of a run: samples of all wires, and the events and contacts of each wire.
 
-    ``interval`` is the time between samples, s. ``pairs`` holds the two wires of each contact
-    between wires, by its number. A sample is a state with the sums of normal and of tangential
-    force on each wire, N.
+    ``interval`` is the time between samples, s. ``pairs`` holds the indices of the two wires of
+    each pair that can touch. A sample is a state with the sum of the normal and the sum of the
+    tangential contact forces on each wire, N.
     """
 
     def __init__(
@@ -198,10 +221,10 @@ class Log:
         self.pairs = pairs
         self.samples: list[tuple[State, Array]] = []
         self.impacts: list[float] = []
-        self.marks: list[float] = []  # further instants to be sampled, s
+        self.marks: list[float] = []  # times of additional samples, s
 
     def of(self, point: Point) -> Sequence[Record]:
-        """Return the records of the wires in a contact."""
+        """Return the records of the one or two wires in a contact."""
         if point.obstacle == "wire":
             return [self.records[each] for each in self.pairs[point.piece]]
         return self.records if len(self.records) == 1 else [self.records[point.piece]]
@@ -227,7 +250,7 @@ class Log:
     def times(self, start: float, end: float) -> list[float]:
         """Return the times of samples between a start and an end, both excluded, s.
 
-        They are the multiples of the sampling interval and the marked instants.
+        They are the multiples of the sampling interval and the times in ``marks``.
         """
         count = np.arange(
             math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float
@@ -245,14 +268,14 @@ class Log:
             own.event(STRIKE if strike else f"{point.obstacle} touch", time)
 
     def released(self, point: Point, time: float) -> None:
-        """Record the end of a contact."""
+        """Record the release of a contact at a time in s."""
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
 
     def check_stop(self, state: State, sustained: Sequence[Sustained]) -> None:
-        """Raise Finished once every wire has had the event that ends the run.
+        """Raise Finished if every wire has had the event that ends the run.
 
-        If this event is a touch, contacts with springs end first.
+        If this event is a touch, compliant contacts must have ended too.
         """
         last = self.stop_after
         if last is None or not all(record.seen(last) for record in self.records):
@@ -262,9 +285,9 @@ class Log:
         raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:
-        """Record a jam, and return the exception that ends the run.
+        """Record a jam of all wires, and return the exception that ends the run.
 
-        Friction or geometry locks the wires in a jam.
+        In a jam friction or geometry locks the wires.
         """
         for record in self.records:
             record.event("jam", state.time)

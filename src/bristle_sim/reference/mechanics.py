@@ -2,8 +2,9 @@
 angles.
 
 Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given for the
-unstressed wire at angle 0, whose shank points along -i; it turns with e^{i theta}. With u_k from a
-link's joint to the next joint and g_k to its centre of mass, the centre of link i is at
+unstressed wire at angle 0, whose shank points along -i; it turns with e^{i theta}. The root is at
+z_0(t). With the vector u_k from the joint of link k to the next joint and the vector g_k to its
+centre of mass, the centre of link i is at
 
     c_i = z_0(t) + sum_k a_ik e^{i theta_k},    a_ik = u_k for k < i, g_i for k = i, 0 otherwise,
 
@@ -13,9 +14,10 @@ a_ij,
     sum_k [Re(conj(E_j) W_jk E_k) + J_j delta_jk] theta_k'' =
         sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
 
-The links are equally long along the wire; a link with the wire's knee is bent. Belt and hinges are
-torsion springs and dampers; all are relaxed when every link has the hub's angle. Wire k of a row
-has its own root at the hub angle psi_k + omega t. Only contacts couple the links of two wires.
+m_i is the mass of link i and J_j the inertia of link j about its centre. The links are equally long
+along the wire; a link with the wire's knee is bent. Belt and hinges are torsion springs and
+dampers; all are relaxed when every link has the hub's angle. Wire k of a row has its own root at
+the hub angle psi_k + omega t. Only contacts couple the links of two wires.
 """
 
 from __future__ import annotations
@@ -37,9 +39,12 @@ Complexes = NDArray[np.complex128]
 class Pieces(NamedTuple):
     """The straight pieces of the wires' centre lines.
 
+    A link without a knee is one piece. Vectors are complex numbers for the unstressed wire at angle
+    0.
+
     Attributes:
-        links: number of the link of each piece.
-        starts: start of each piece from its link's joint, m.
+        links: index of the link to which each piece belongs.
+        starts: vector from the link's first joint to the start of each piece, m.
         directions: unit vector along each piece.
         lengths: length of each piece, m.
     """
@@ -51,14 +56,19 @@ class Pieces(NamedTuple):
 
     @property
     def ends(self) -> Complexes:
-        """End of each piece from its link's joint, m."""
+        """Return the vector from the link's first joint to the end of each piece, m."""
         return np.asarray(self.starts + self.lengths * self.directions)
 
 
 class Kinematics(NamedTuple):
-    """Positions and motion of the links' first joints, in SI units; shapes (..., n) over the links.
+    """Positions and motion of the links' first joints, in SI units, shape (..., links).
 
-    ``turn`` is e^{i theta}. ``acceleration`` is the acceleration of the joints for theta'' = 0.
+    Attributes:
+        turn: direction e^{i theta} of each link, with its absolute angle theta.
+        rates: absolute rate of each link.
+        joint: position of each link's first joint.
+        velocity: velocity of this joint.
+        acceleration: acceleration of this joint while the rates of all links are constant.
     """
 
     turn: Complexes
@@ -69,17 +79,21 @@ class Kinematics(NamedTuple):
 
 
 class Chain:
-    """The links, springs and hub of one or several wires as plain numbers, in SI units.
+    """The mechanics of one or several wires of rigid links on a hub, in SI units.
 
-    Arrays run over the links. ``masses`` and ``inertias``, about their middles, are those of the
-    pieces. ``before`` has a 1 in row k and column i where link k is before link i on its wire;
-    ``first`` has a 1 where a link begins a wire. ``apart`` turns the links' angles into differences
-    from the link before. ``tips`` are the pieces that end at a wire's tip. ``corners`` are the
-    pieces whose end can touch a flat surface, at the tip or at a knee.
+    Arrays run over the links of all wires, or over their straight pieces.
+
+    Attributes:
+        masses, inertias: mass of each piece, and its moment of inertia about its middle.
+        before: matrix with a 1 in row k and column i if link k is before link i on its wire.
+        first: array with a 1 for each link that begins a wire.
+        apart: matrix that turns the angles of the links into differences from the link before.
+        tips: indices of the pieces that end at a wire's tip.
+        corners: indices of the pieces whose end can touch a flat surface, at the tip or at a knee.
     """
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
-        """Divide a tool's bristle into links, once for each hub angle at which a wire starts."""
+        """Divide a tool's bristle into links, for one wire per hub angle at which a wire starts."""
         bristle = tool.bristle
         links = tool.bristle.links
         count = len(start_hub_angles)
@@ -118,14 +132,14 @@ class Chain:
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angle(self, time: Any) -> Any:
-        """Return the hub angle of the first wire, psi_0 + omega t, rad."""
+        """Return the hub angle of the first wire at a time in s, rad."""
         return self.start_hub_angles[0] + self.speed * time
 
     def _hub_angles(self, time: Any) -> Array:
         return np.asarray(self.start_hub_angles + np.multiply.outer(time, self.speeds))
 
     def roots(self, time: Any) -> Any:
-        """Return the position of the root of each link's wire, m, shape (..., n)."""
+        """Return the position of the root of each link's wire, m, shape (..., links)."""
         return np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
 
     def mass_matrix(self, turn: Complexes) -> Array:
@@ -135,7 +149,11 @@ class Chain:
         )
 
     def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
-        """Return the generalized forces of inertia, belt, hinges and gravity, N m; turn is e^{i theta}."""
+        """Return the generalized forces on the links without contacts, N m.
+
+        They come from inertia at constant rates, belt, hinges and gravity. ``turn`` holds the
+        directions e^{i theta} of the links.
+        """
         # c_i'' contains -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
         inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
         carried = -(self.speed**2) * self.roots(time) + 1j * self.gravity
@@ -146,11 +164,14 @@ class Chain:
         return np.asarray(inertia - torques @ self.apart.T)
 
     def _twists(self, values: Array, hub: Any) -> Array:
-        """Return the value of each link less that of the link before it, or less that of the hub."""
+        """Return the value of each link less the value of the link before it.
+
+        For the first link of a wire the value of the hub is subtracted.
+        """
         return np.asarray(values @ self.apart - hub * self.first)
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
-        """Return positions and velocities of the joints, and their accelerations for theta'' = 0."""
+        """Return the positions and the motion of the links' first joints."""
         turn = np.exp(1j * angles)
         root = self.roots(time)
         arms = self.ends * turn
@@ -163,17 +184,20 @@ class Chain:
         )
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
-        """Return the derivatives of a point's velocity along a direction with respect to the rates
-        theta'.
+        """Return the derivatives of a point's velocity with respect to the rates of the links, m.
 
-        The point is at ``arm`` from the link's joint, in the axes of the plane.
+        ``arm`` is the vector from the link's first joint to the point, in the axes of the plane.
+        The velocity is taken along ``direction``.
         """
         row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link].real
         row[link] = (np.conj(direction) * 1j * arm).real
         return np.asarray(row)
 
     def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:
-        """Return positions, m, and velocities, m/s, of points that are fixed on links at ``arms``."""
+        """Return the positions, m, and velocities, m/s, of points that are fixed on links.
+
+        ``arms`` are the vectors from the links' first joints to the points, m, at angle 0.
+        """
         turned = arms * motion.turn[..., links]
         return (
             motion.joint[..., links] + turned,
@@ -183,14 +207,15 @@ class Chain:
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
         """Return the corners of a single wire's centre line, m, and their velocities, m/s.
 
-        They are the root and the end of every piece, shape (..., pieces + 1).
+        The corners are the root and the end of every straight piece, shape (..., pieces + 1).
         """
         arms = np.array([0j, *self.pieces.ends])
         return self.points(self.kinematics(time, angles, rates), [0, *self.pieces.links], arms)
 
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
-        """Return the kinetic energy of all links, and the potential energy of belt, hinges and
-        gravity, J.
+        """Return the kinetic and the potential energy of all links, J.
+
+        The potential energy is that of belt, hinges and gravity.
         """
         twists = self._twists(angles, self._hub_angles(time))
         links = self.pieces.links
@@ -203,11 +228,11 @@ class Chain:
 
     @property
     def fastest_rate(self) -> float:
-        """Upper bound of the rates at which free motion changes, rad/s.
+        """Upper bound of the angular frequencies in the motion without contacts, rad/s.
 
         It is the sum of three rates: the highest natural frequency of the straight chain in the
-        centrifugal field (the largest eigenvalue of stiffness against mass), the highest rate of
-        the chain's damping, and the hub's speed.
+        centrifugal field (from the largest generalised eigenvalue of stiffness and mass), the
+        highest decay rate of the chain's damping, and the hub's speed.
         """
         springs = (self.apart * self.stiffness) @ self.apart.T
         dampers = (self.apart * self.damping) @ self.apart.T
@@ -222,7 +247,7 @@ class Chain:
 
 
 def _hinge(tool: Tool) -> tuple[float, float]:
-    """Return the stiffness (N m/rad) and damping (N m s/rad) of the hinge between two links."""
+    """Return the stiffness, N m/rad, and the damping, N m s/rad, of a hinge between two links."""
     bristle = tool.bristle
     links = tool.bristle.links
     if links == 1:
@@ -234,9 +259,7 @@ def _hinge(tool: Tool) -> tuple[float, float]:
 
 
 def _cut(bristle: Bristle, links: int) -> Pieces:
-    """Divide the centre line into links of equal length along the wire, and the links into straight
-    pieces.
-    """
+    """Divide a wire's centre line into equally long links, and the links into straight pieces."""
     corners = [0j, *(complex(*corner) for corner in bristle.path)]
     borders = [bristle.length * number / links for number in range(links + 1)]
     cut: list[tuple[int, complex, complex, float]] = []

@@ -1,12 +1,12 @@
-"""The pass of a wire of links: intervals of smooth motion with sustained contacts, and events
-between them.
+"""The pass of wires of links: intervals of smooth motion with sustained contacts, and the events
+that end them.
 
 SciPy's DOP853 integrates an interval; impulses and works of sustained contacts are further
 unknowns. After every step the state is projected onto the closed gaps (Hairer, Lubich and Wanner,
 Geometric Numerical Integration, IV.4). The interval ends at the first event: the wire touches an
 obstacle, the force of a contact falls to zero, a contact passes a corner of the wire, or slip stops
-or begins. After an event impacts are resolved, the fastest approach first. Then the closed contacts
-that stay closed are determined.
+or begins. After an event impacts are resolved, the fastest approach first. Then it is determined
+which of the closed contacts stay closed.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from bristle_sim.settings import StopReason
 
 @dataclass(slots=True)
 class Run:
-    """One run of a system from a state to a time ``end``, s.
+    """One run: the integration of a system from a state to a time ``end``, s.
 
     ``tolerance`` is the integrator's relative tolerance. The run stops after ``most_evaluations``
-    of the right-hand side.
+    evaluations of the equations of motion.
     """
 
     system: System
@@ -45,7 +45,7 @@ class Run:
     evaluations: int = 0
 
     def run(self) -> StopReason:
-        """Run to the end, and return the reason of the stop."""
+        """Integrate to the end of the run, and return the reason why it ended."""
         reason = StopReason.END
         wedged = False
         self._sample(self.state)
@@ -73,7 +73,7 @@ class Run:
         return reason
 
     def _interval(self) -> Follow:
-        """Integrate to the next event, and return its consequence."""
+        """Integrate to the next event, and return the function that applies its consequence."""
         events = events_of(self.system, self.log, self.state)
         solver = self._solver()
         while solver.status == "running":
@@ -103,10 +103,12 @@ class Run:
     def _follow(
         self, events: list[Event], values: Callable[[Any], Array], start: float, end: float
     ) -> Follow | None:
-        """Store the motion of a step up to its end or its first event.
+        """Record the motion of a step of the integrator up to its end or its first event.
+
+        ``values`` returns the unknowns at given times.
 
         Returns:
-            The consequence of the event, or None.
+            The function that applies the consequence of the event, or None without an event.
         """
 
         def motion(times: Array) -> list[State]:
@@ -137,8 +139,9 @@ class Run:
         return follow
 
     def _solver(self) -> DOP853:
-        """Return an integrator that starts at the present state, with an absolute tolerance for
-        each unknown.
+        """Return an integrator that starts at the present state.
+
+        Its absolute tolerance of each unknown is scaled by the size that this unknown can have.
         """
         chain = self.system.chain
         size = self.system.size
@@ -165,7 +168,7 @@ class Run:
         )
 
     def _derivative(self, time: float, values: Array) -> Array:
-        """Return the derivatives of all unknowns.
+        """Return the time derivatives of all unknowns of the integration.
 
         They are the rates and accelerations of the links, and the forces and powers of the
         sustained contacts.
@@ -180,7 +183,7 @@ class Run:
         return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])
 
     def _state(self, time: float, values: Array) -> State:
-        """Return the state in an array of unknowns."""
+        """Return the state that an array of unknowns contains."""
         return State(time, *values[: 2 * self.system.chain.links].reshape(2, -1))
 
     def _sample(self, state: State) -> None:

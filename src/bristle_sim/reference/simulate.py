@@ -23,13 +23,13 @@ from bristle_sim.reference.system import State, System
 from bristle_sim.settings import EVENTS, StopReason, checked_name
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 
-METHOD = "scipy DOP853"  # mark of the reference in a trajectory's parameters
+METHOD = "scipy DOP853"  # name of the method in a trajectory's parameters
 PERIODS_AT_REST = 3.0  # duration of a run on a resting hub, in natural periods of the bristle
 SAMPLES_PER_PERIOD = 64
 MOST_SAMPLES = 2e6
-FINEST = 1e-13  # smallest relative tolerance of the integrator: five hundred roundings
-SAMPLES_OF_STRIKE = 200  # number of samples in the longest permitted time of a contact
-MOST_RADIANS = 1e5  # longest run, times the fastest rate, rad
+FINEST = 1e-13  # smallest relative tolerance of the integrator: 500 rounding errors of a float
+SAMPLES_OF_STRIKE = 200  # number of samples in the longest permitted duration of a contact
+MOST_RADIANS = 1e5  # longest duration of a run, times the fastest rate, rad
 
 requested = functools.partial(quantity, usual=ANY)
 
@@ -67,34 +67,40 @@ def simulate_reference(
     sample_interval: float | None = None,
     contact_stiffness: float | None = None,
 ) -> Trajectory:
-    """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
+    """Simulate a pass with SciPy's integrator, independently of the engine.
 
-    A wire obeys the equations of the module ``mechanics``. The flight of a straight rigid bristle
-    is I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) =
-    0. A touch obeys the energetic impact law. A sustained contact keeps its gap closed with a force
-    that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius and
-    length) counts as none, so that taps become a sustained contact.
+    A pass consists of flight, taps and slides along the bar, release, strike and rebound. A wire
+    obeys the equations of the module ``mechanics``. With the hub angle psi and the angle alpha of
+    the bristle from the radial direction, the flight of a straight rigid bristle is
+
+        I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha = -m g (L/2) sin(psi +
+        alpha).
+
+    A touch obeys the energetic impact law. A sustained contact keeps its gap closed with a force
+    that pushes. A rebound is neglected if its height is below 1e-10 of hub radius plus length, so
+    that taps become a sustained contact.
 
     Args:
         tool: the tool; its bar and workpart may be None.
-        start_hub_angle: psi at t = 0, rad; by default ``tool.start_hub_angle``.
-        start_relative_angle: alpha at t = 0, rad, within a quarter turn.
-        start_relative_rate: rate of alpha at t = 0, rad/s.
-        hub_turn: turn of the hub in the run, rad. On a resting hub the run lasts three natural
-        periods of the bristle.
+        start_hub_angle: hub angle at the start, rad; by default ``tool.start_hub_angle``.
+        start_relative_angle: angle of the bristle from the radial direction at the start, rad,
+            within a quarter turn.
+        start_relative_rate: rate of this angle at the start, rad/s.
+        hub_turn: angle by which the hub turns in the run, rad. On a resting hub the run lasts three
+            natural periods of the bristle.
         duration: duration of the run, s, in place of ``hub_turn``.
-        accuracy: relative accuracy of the motion; the integrator's tolerance is a hundredth of it,
-        but at least 1e-13.
-        stop_after: event that ends the run, as for the scene's ``simulate``; a touch ends it just
-        after the impact, or with a contact that is resolved in time.
+        accuracy: relative accuracy of the motion. The integrator's tolerance is a hundredth of it,
+            but at least 1e-13.
+        stop_after: event that ends the run, as for the scene's ``simulate``. A touch ends the run
+            just after the impact, or at the end of a contact that is resolved in time.
         sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
-        turn, whichever is shorter.
-        contact_stiffness: stiffness of the contact with the workpart, a spring with energetic
-        restitution, N/m. By default it follows from the duration of the first contact in the tool's
-        contact law; without a duration the contact is rigid.
+            turn, whichever is shorter.
+        contact_stiffness: stiffness of the contact with the workpart, N/m, a spring with energetic
+            restitution. By default it follows from the duration of the first contact in the tool's
+            contact law; without a duration the contact is rigid.
 
     Returns:
-        The trajectory. Its ``cost.steps`` counts the evaluations of the right-hand side.
+        The trajectory. Its ``cost.steps`` is the number of evaluations of the equations of motion.
 
     Raises:
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5
@@ -118,11 +124,11 @@ def simulate_row_reference(
     hub_turn: float = 1.5 * math.pi,
     **requested: Any,
 ) -> tuple[Trajectory, ...]:
-    """Simulate a row of straight rigid bristles that touch each other, bar and workpart.
+    """Simulate a row of straight rigid bristles that touch the bar, the workpart and each other.
 
-    All bristles start together, radial and at rest relative to the hub. Each stands a pitch behind
-    the bristle before it. A touch of two wires obeys the energetic impact law with the inverse mass
-    of both wires.
+    All bristles start together, radial and at rest relative to the hub, unless ``requested`` says
+    otherwise. A touch of two wires obeys the energetic impact law with the inverse mass of both
+    wires.
 
     Args:
         tool: a tool with a straight rigid bristle.
@@ -130,14 +136,15 @@ def simulate_row_reference(
         pitch: angle between the roots of neighbours, rad.
         neighbour_friction: coefficient of friction between two wires.
         neighbour_restitution: energetic coefficient of restitution between two wires.
-        hub_turn: turn of the hub in the last bristle's pass, from the hub angle at which the
-        foremost bristle starts, rad.
+        hub_turn: angle by which the hub turns in the pass of each bristle, rad. The run lasts until
+            the last bristle has turned by it from the hub angle at which the foremost one starts.
         requested: further arguments of ``simulate_reference``. The hub angle at the start is that
-        of the foremost bristle. The run stops when every bristle has had the event ``stop_after``.
+            of the foremost bristle. The run stops when every bristle has had the event
+            ``stop_after``.
 
     Returns:
-        One trajectory for each bristle, the foremost first, at common instants. A touch of two
-        wires is the event ``wire touch`` of both.
+        One trajectory for each bristle, the foremost first, with common sample times. A touch of
+        two wires is the event ``wire touch`` of both.
     """
     start = {"start_hub_angle": tool.start_hub_angle}
     request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **(start | requested))
@@ -153,7 +160,10 @@ def _simulate(
     start_hub_angles: Sequence[float],
     touches: Mapping[str, WirePairs],
 ) -> tuple[Trajectory, ...]:
-    """Simulate all links, of one wire or of several wires that touch each other.
+    """Simulate one wire, or several wires that touch each other.
+
+    ``start_hub_angles`` holds the hub angle of each wire at the start, rad. ``touches`` holds the
+    pairs of wires that can touch, as an obstacle by name.
 
     Returns:
         A trajectory for each wire.
@@ -201,7 +211,7 @@ def _simulate(
 
 
 def _check_start(chain: Chain, obstacles: Mapping[str, Bar | Workpart], start: State) -> None:
-    """Refuse a start inside an obstacle."""
+    """Raise ValueError if the wire starts inside an obstacle."""
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
         gap = float(each.gaps(chain, motion).min())
@@ -245,8 +255,9 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
 
 
 class TooStiffError(ValueError):
-    """Error: the wire or its contact is so stiff that the explicit integrator takes too many
-    evaluations.
+    """Raised when the wire or its contact is too stiff for the explicit integrator.
+
+    The integration would take too many evaluations of the equations of motion.
     """
 
 
@@ -261,24 +272,25 @@ def strike_reference(
     accuracy: float = 1e-9,
     most_evaluations: int = 20_000,
 ) -> ContactRecord:
-    """Return the first contact of a wire's end with the workpart on springs, with its history.
+    """Return the first contact of a wire's tip with the workpart, resolved in time on springs.
 
-    The springs are those of :class:`bristle_sim.reference.contacts.Spring`.
+    The springs are those of :class:`bristle_sim.reference.contacts.Spring`. The record contains the
+    history of forces and penetration.
 
     Args:
         tool: a tool with a workpart; its bar is ignored.
-        hub_angle: psi at the touch, rad. The wire's end is then at the surface and approaches it.
+        hub_angle: hub angle at the touch, rad. The tip is then at the surface and approaches it.
         angles: absolute angles of the links at the touch, rad.
         rates: absolute rates of the links at the touch, rad/s.
         stiffness: stiffness of the contact, N/m.
         longest: time within which the contact must end, s.
         accuracy: requested relative accuracy; the integrator's tolerance is a hundredth of it.
-        most_evaluations: largest number of evaluations of the right-hand side; the contact of a
-        usual wire of 8 links takes a thousand.
+        most_evaluations: largest number of evaluations of the equations of motion. The contact of a
+            usual wire of 8 links takes a thousand.
 
     Raises:
-        ValueError: if the contact lasts too long.
-        TooStiffError: if the contact takes more than ``most_evaluations``.
+        ValueError: if the contact does not end within ``longest``.
+        TooStiffError: if the contact takes more than ``most_evaluations`` evaluations.
     """
     chain = Chain(tool, hub_angle)
     system = System(chain, obstacles_of(dataclasses.replace(tool, bar=None)), stiffness)

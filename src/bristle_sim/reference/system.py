@@ -1,5 +1,5 @@
-"""A chain among its obstacles: sustained contacts, and the touches, forces and accelerations in a
-state.
+"""Wires among their obstacles: sustained contacts, and the contact kinematics, forces and
+accelerations in a state.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
-# Rounding of a rate over the fastest rate, for each radian turned; measured 3e-15 in a turn, 7e-15
-# in 80 turns.
+# Rounding error of a rate, over the fastest rate, for each radian turned; measured are 3e-15 in one
+# turn, and 7e-15 in 80 turns.
 RATE_ROUNDING = 1e-13
-REST = 1e-10  # largest velocity at rest, over the bound of all velocities: rounding of stiff hinges
+REST = 1e-10  # largest velocity that counts as rest, over the bound of all velocities
 
 
 class State(NamedTuple):
-    """Time (s), and absolute angles (rad) and rates (rad/s) of the links."""
+    """The state of all links: time, s, absolute angles, rad, and absolute rates, rad/s."""
 
     time: float
     angles: Array
@@ -34,16 +34,17 @@ class State(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Sustained:
-    """A lasting contact.
+    """A sustained contact.
 
     Attributes:
-        point: its place on the wire.
-        slip: sense of its slip; 0 in stick.
-        since: state at its start.
-        velocity_before: velocity of the contact point at the start, (normal, tangential), m/s.
-        spring: its spring; None if it is rigid.
-        sums: normal and tangential impulse, N s, and normal and tangential work, J.
-        compression: the same sums at the last end of a compliant contact's compression.
+        point: location of the contact on the wire.
+        slip: sense of the slip; 0 in stick.
+        since: state at the start of the contact.
+        velocity_before: (normal, tangential) contact velocity at the start, m/s.
+        spring: springs of the contact; None if it is rigid.
+        sums: normal and tangential impulse, N s, and normal and tangential work, J, so far.
+        compression: impulses and works, as in ``sums``, at the end of a compliant contact's
+            compression.
     """
 
     point: Point
@@ -56,10 +57,10 @@ class Sustained:
 
 
 class System:
-    """A chain, its obstacles by name, and its sustained contacts.
+    """One or several wires with their obstacles by name and their sustained contacts.
 
-    Contacts with the workpart are springs if their stiffness (N/m) is given, or the duration (s) of
-    the first contact. From the duration the stiffness follows when a wire first touches the
+    Contacts with the workpart are compliant if a stiffness, N/m, or a duration of the first
+    contact, s, is given. From the duration the stiffness is computed when a wire first touches the
     workpart. All other contacts are rigid.
     """
 
@@ -81,17 +82,18 @@ class System:
         self.fastest = chain.fastest_rate
 
     def at(self, state: State) -> Instant:
-        """Return a state with its kinematics and forces."""
+        """Return a state together with its kinematics and forces."""
         return Instant(self, state)
 
     @property
     def rigid(self) -> list[Point]:
-        """Places of the rigid sustained contacts."""
+        """Return the locations of the rigid sustained contacts."""
         return [each.point for each in self.sustained if each.spring is None]
 
     def friction(self, point: Point, spring: Spring | None = None) -> float:
-        """Return the coefficient of friction of a contact; while its spring unloads, that of
-        restitution.
+        """Return the coefficient of friction of a contact.
+
+        While its spring unloads, it is the coefficient in restitution.
         """
         surface = self.obstacles[point.obstacle].surface
         return (
@@ -101,7 +103,7 @@ class System:
         )
 
     def still(self, state: State) -> float:
-        """Return the largest velocity at rest, m/s."""
+        """Return the largest velocity that counts as rest, m/s."""
         return (
             REST
             * self.size
@@ -109,15 +111,14 @@ class System:
         )
 
     def rate_rounding(self, state: State) -> float:
-        """Return the rounding of a link's rate, rad/s: the rounding of its angle times the fastest
-        rate.
+        """Return the rounding error of a link's rate, rad/s.
+
+        It is the rounding error of the link's angle times the fastest rate.
         """
         return RATE_ROUNDING * self.fastest * max(1.0, float(np.abs(state.angles).max()))
 
     def closed(self, state: State) -> State:
-        """Return the nearest state at which the gaps of rigid sustained contacts are closed and do
-        not open.
-        """
+        """Return the nearest state in which rigid contacts are closed and do not open."""
         if not (points := self.rigid):
             return state
         instant = self.at(state)
@@ -126,8 +127,9 @@ class System:
 
 
 class Instant:
-    """A state with its kinematics and balance of forces; each is computed once, when it is first
-    used.
+    """A state together with its kinematics and its forces.
+
+    Each quantity is computed once, when it is first used.
     """
 
     def __init__(self, system: System, state: State) -> None:
@@ -137,17 +139,17 @@ class Instant:
 
     @cached_property
     def turn(self) -> Complexes:
-        """Directions of the links, e^{i theta}."""
+        """Directions e^{i theta} of the links, with their absolute angles theta."""
         return np.asarray(np.exp(1j * self.state.angles))
 
     @cached_property
     def motion(self) -> Kinematics:
-        """Kinematics of the links."""
+        """Positions and motion of the links' first joints."""
         return self.system.chain.kinematics(*self.state)
 
     @cached_property
     def mass(self) -> Array:
-        """Mass matrix, kg m^2."""
+        """Mass matrix of the links, kg m^2."""
         return self.system.chain.mass_matrix(self.turn)
 
     @cached_property
@@ -156,7 +158,7 @@ class Instant:
         return self.system.chain.forces(*self.state, self.turn)
 
     def touch(self, point: Point) -> Touch:
-        """Return the kinematics of a contact."""
+        """Return the kinematics of the contact at a point."""
         return self.system.obstacles[point.obstacle].touch(self.system.chain, self.motion, point)
 
     def acting(self, sustained: Iterable[Sustained]) -> list[Acting]:
@@ -181,18 +183,21 @@ class Instant:
 
     @cached_property
     def balance(self) -> Balance:
-        """Accelerations and contact forces."""
+        """Accelerations of the links and forces of the sustained contacts."""
         return balance(self.mass, self.forces, self.contacts)
 
     def gaps(self, name: str) -> Array:
-        """Return the gap between every piece of the wire and an obstacle, m."""
+        """Return the gaps between the wires and the obstacle of this name, m."""
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
 
     @cached_property
     def feet(self) -> Array:
-        """Foot of the bar's centre on every piece, m from the piece's start."""
+        """Return where the perpendicular from the bar's centre meets each straight piece.
+
+        It is the distance from the start of the piece, m.
+        """
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
         return bar.feet(self.system.chain, self.motion)[0]
