@@ -109,7 +109,8 @@ class Levers(NamedTuple):
     Lengths are over the bristle's length, and the hub angle is the time.
 
     Attributes:
-        normal, tangential: derivatives of the normal and of the tangential velocity.
+        normal, tangential: derivatives of the normal and of the tangential velocity with respect to
+            the wire's rate.
         normal_velocity, tangential_velocity: the two components of the velocity.
         side: 1 for a wire behind the bar, which holds it back, and -1 for a wire ahead of it.
     """

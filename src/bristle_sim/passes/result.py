@@ -48,20 +48,20 @@ class Ensemble(EqualByValue):
         shape.
         release_time: time of the last contact with the bar before the strike, from the start of the
         pass, s.
-        release_retraction: retraction at that time, rad.
+        release_retraction: retraction at the release time, rad.
         largest_retraction: largest retraction before the strike, rad.
         contact_time: time of the strike, from the start of the pass, s.
         lag_at_contact: angle of the wire behind the radial direction at the strike, rad.
         relative_speed_at_contact: rate of the wire relative to the hub at the strike, rad/s.
         tip_speed_at_contact: speed of the tip at the strike, m/s.
         normal_compressive_impulse: normal impulse on the tip up to the end of compression, N s.
-        normal_final_impulse: normal impulse on the tip, N s.
+        normal_final_impulse: normal impulse on the tip over the whole impact, N s.
         tangential_compressive_impulse: tangential impulse on the tip up to the end of compression,
         N s.
-        normal_compressive_work: work of the normal impulse up to the end of compression, J.
-        tangential_compressive_work: work of the tangential impulse up to the end of compression, J.
+        normal_compressive_work: work of the normal force up to the end of compression, J.
+        tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
-        final_bristle_rate: absolute rate of the wire after the strike, rad/s.
+        final_bristle_rate: angular velocity of the wire after the strike, rad/s.
         error_estimate: estimated error at the strike of the wire's angle, rad, and of its relative
         rate over omega + sqrt(k_T/I). It includes the factor by which the impact magnifies an
         error. It is 1 if an error as small as the accuracy could alter the number of touches or the
@@ -106,9 +106,9 @@ class Ensemble(EqualByValue):
         return {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()} | results
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Return a DataFrame with one row for each pass; the last axis varies fastest.
+        """Return a DataFrame of keys and results, with one row for each pass.
 
-        ``attrs["units"]`` holds the units.
+        The last axis varies fastest. ``attrs["units"]`` holds the units by name.
 
         Raises:
             ImportError: if pandas is not installed.
@@ -144,11 +144,11 @@ class Ensemble(EqualByValue):
         return found
 
     def plot(self) -> Any:
-        """Return a matplotlib figure of every quantity over the one or two keys along the axes.
+        """Return a matplotlib figure of every quantity over the one or two keys that vary.
 
         Raises:
-            ValueError: if an axis has no key of its own, there are more than two axes, or no pass
-                has a result.
+            ValueError: if there are more than two axes, if not exactly one key varies along an
+                axis, or if no pass has a result.
         """
         names = self._axes()
         if not 1 <= len(names) <= 2 or not set(names) <= set(self.keys):

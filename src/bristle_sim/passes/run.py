@@ -123,9 +123,9 @@ def comes_to_rest(
         passes: passes of the wires.
         sides: 1 for a wire behind the bar, and -1 for a wire ahead of it.
         at_end: whether a wire touches with its end rather than its flank.
-        pressed: acceleration a.
-        parting: speed v.
-        returned: restitution e.
+        pressed: acceleration a of the contact point towards the bar.
+        parting: speed v after the present impact.
+        returned: restitution e of the present impact.
     """
     lost = pressed * (1.0 - returned)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)

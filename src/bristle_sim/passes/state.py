@@ -44,10 +44,11 @@ class Passes:
         bar_x, bar_y: position of the bar's centre, over L.
         reach: distance of the wire's centre line from the bar's centre at a touch, (r_b + d/2)/L.
         wire_radius: radius of the wire, d/(2 L).
-        bar_friction, bar_restitution: coefficients at the bar.
-        window: half the turn of the hub in which the wire reaches the bar, rad; negative if it
-        never does.
-        depth: depth of the workpart below the hub's centre, over L; infinite without a workpart.
+        bar_friction, bar_restitution: coefficients of friction and of restitution at the bar.
+        window: half the turn of the hub in which the wire reaches the bar, rad; negative if the
+            wire never reaches it.
+        depth: distance of the workpart's surface from the hub's axis, over L; infinite without a
+            workpart.
         start, end: hub angles at which the pass starts and ends, rad.
         hub_angle, angle, rate: present hub angle psi, relative angle alpha and rate
             d(alpha)/d(psi).

@@ -58,7 +58,7 @@ class Want:
     Attributes:
         name: name of the quantity.
         wanted: wanted value.
-        reached: value that a simulation of the tool found has; None without a strike.
+        reached: value in the simulated pass of the tool found; None without a strike.
     """
 
     name: str

@@ -276,7 +276,7 @@ def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequ
     """Check that every point has results.
 
     Raises:
-        ValueError: if some points have none; the message has the reason at one of them.
+        ValueError: if some points have no result; the message has the reason at one of them.
     """
     lost = ~np.all([np.isfinite(found[name]) for name in outputs], axis=0)
     if not lost.any():

@@ -172,7 +172,10 @@ class MujocoModel:
         return Run((time * self.units.time, angle, rate / self.units.time), round(after[0] / step))
 
     def _start(self, angles: tuple[float, float], step: float) -> None:
-        """Reset the model to time 0, at angles in rad, with the bristle at rest relative to the hub."""
+        """Reset the model to time 0, with the bristle at rest relative to the hub.
+
+        ``angles`` are the model's two hinge angles, rad; ``step`` is the time step.
+        """
         self.library.mj_resetData(self.model, self.data)
         self.model.opt.timestep = step
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)

@@ -1,4 +1,4 @@
-"""Attempts of SciPy's integrators at the cases, with right-hand sides as fast as plain Python is."""
+"""Attempts of SciPy's integrators at the cases, with fast right-hand sides in plain Python."""
 
 from __future__ import annotations
 
