@@ -45,8 +45,8 @@ def root(
     A step that would leave its bracket is replaced by a halving of the bracket.
 
     Args:
-        function_of: takes the indices of some brackets, and returns the function whose roots lie in
-            these brackets.
+        function_of: function that takes the indices of some brackets, and returns the function
+            whose roots lie in these brackets.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.

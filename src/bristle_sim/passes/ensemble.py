@@ -64,7 +64,7 @@ def ensemble(
     The law of impact is the energetic one. Between contacts the equation of motion is I alpha'' + c
     alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. On the bar
     geometry gives the angle, and the wire leaves the bar where the normal force falls to zero.
-    Neither an engine nor a compiler is used.
+    Neither a physics engine nor a compiler is used.
 
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])
@@ -85,8 +85,8 @@ def ensemble(
         by this method, has the outcome *refused*, a reason, and NaN in place of numbers.
 
     Raises:
-        ValueError: for an unknown key, a text that is no value of its key, or shapes that do not
-            broadcast.
+        ValueError: for an unknown key, a text that cannot be read as a value of its key, or shapes
+            that do not broadcast.
     """
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)

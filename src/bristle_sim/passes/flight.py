@@ -27,13 +27,13 @@ NOTHING, BAR, WORKPART, HUB = range(4)
 """Codes of the obstacle that a wire touches at the end of a step; HUB is a wire folded by a quarter
 turn, which lies on the hub."""
 
+LEAST_BEND = 0.1
+"""Distance of the wire's centre line from the bar's centre at a touch, over the bristle's length,
+below which a thinner bar does not shorten the segments of a step further."""
+
 BEND = 0.5
 """Longest path of the wire's end in a segment of a step near the bar, over the distance of the
 wire's centre line from the bar's centre at a touch."""
-
-LEAST_BEND = 0.1
-"""Lower bound of this distance, over the bristle's length: a thinner bar does not shorten the
-segments further."""
 
 FASTER = 1.5
 """Assumed upper bound of a gap's rate within a step, over its largest rate at the ends of the
@@ -158,8 +158,8 @@ def first_closing(
     within the segment is negative.
 
     Args:
-        gap_of: takes the indices of some passes, and returns their gap as a function of the hub's
-            turn.
+        gap_of: function that takes the indices of some passes, and returns their gap as a function
+            of the hub's turn.
         gaps, rates: gaps and their rates at the ends of the segments, shape (segments + 1, passes).
         step: lengths of the steps, rad.
         leaving: whether the wire has just left the obstacle, so that the gap begins at zero.

@@ -183,8 +183,8 @@ def course_of(passes: Passes) -> Course:
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
-    """Return the length of each step, rad, such that the last two terms of the rate's series are
-    within the tolerance.
+    """Return the longest step of each pass, rad, at which the last two terms of the rate's series
+    are within the tolerance.
 
     The tolerance is relative to the scale of the bristle's rates.
     """
