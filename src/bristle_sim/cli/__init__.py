@@ -1,4 +1,6 @@
-"""The command line of every scenario script: keys, table, JSON, CSV, picture, video and exit
+"""The command line of every scenario script.
+
+It reads the values of the parameters and writes the table, JSON, CSV, picture, video and exit
 status.
 """
 

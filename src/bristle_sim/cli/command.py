@@ -1,4 +1,4 @@
-"""The command ``bristle-sim``: it lists the scenarios, or runs one as its script does."""
+"""The command ``bristle-sim``: lists the scenarios, or runs one of them as its script does."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ COMMANDS = {
     "limits": "find where the outcome of a pass changes: KEY=FROM:TO [--set KEY=VALUE]... [--json FILE|-]",
     "explore": "turn a tool's knobs in the browser and see its pass: [FILE.toml] [--port N]",
 }
-"""Commands besides the scenarios, with their help."""
+"""Commands besides the scenarios, each with its help text."""
 
 HELP = f"""for example
   {PROGRAM} cue_and_impact --set hub_speed=3000rpm --set bristle_length=25mm --report pass.html
@@ -32,8 +32,9 @@ HELP = f"""for example
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the scenario or command that the first argument names, or list all; return the exit
-    status.
+    """Run the scenario or command that the first argument names, and return the exit status.
+
+    Without arguments, list all scenarios and commands.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
@@ -64,7 +65,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _complete(known: dict[str, Path]) -> None:
-    """Answer a shell that completes a command line, if the extra is installed."""
+    """Print the possible completions of a partly typed command line, for the shell.
+
+    Without the package argcomplete, print nothing.
+    """
     try:
         from bristle_sim.cli.completion import complete
     except ImportError:
@@ -75,7 +79,7 @@ def _complete(known: dict[str, Path]) -> None:
 
 
 def _command(name: str, given: Sequence[str]) -> int:
-    """Run a command that uses the scenario of the whole pass; return the exit status."""
+    """Run a command that simulates the whole pass, for example ``compare``; return the exit status."""
     from bristle_sim.cli import compare, design, limits
     from bristle_sim.cli.explore import entry
 
@@ -99,10 +103,10 @@ def _command(name: str, given: Sequence[str]) -> int:
 
 
 def overview() -> str:
-    """Return the name and question of each scenario in one line, and the way to run one.
+    """Return the text that lists the scenarios with their questions, the commands, and the usage.
 
-    The question is read from the text of the script, since the import of every script would take
-    seconds.
+    The question of a scenario is read from the text of its script, since the import of every script
+    would take seconds.
     """
     known = script_paths()
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}

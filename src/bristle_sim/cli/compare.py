@@ -1,5 +1,6 @@
-"""``bristle-sim compare A.toml B.toml``: a verdict on two tools, and the differences of keys and
-passes.
+"""``bristle-sim compare A.toml B.toml``: compares the passes of two tools.
+
+A verdict in one sentence precedes the tables of the parameters and the quantities that differ.
 """
 
 from __future__ import annotations
@@ -17,18 +18,20 @@ from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.units import displayed
 
-LEAST_PART = 1e-6  # a value that is a smaller fraction of the other one is rounding, without a relative difference
+LEAST_PART = (
+    1e-6  # a value below this fraction of the other value is rounding error; no difference is shown
+)
 
 VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
 """The quantities that the verdict compares, besides the lag."""
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Print the comparison, write its page if one is requested, and return the exit status.
+    """Print the comparison of two tools, write the requested files, and return the exit status.
 
     Raises:
         ValueError: for bad input.
-        OSError: if the page cannot be written; the message names the file.
+        OSError: if a file cannot be written; the message names the file.
     """
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
@@ -72,7 +75,9 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     numbers = csv_text(columns).removesuffix("\n")
 
     def write(option: str, target: Path) -> None:
-        """Draw the picture or write the page."""
+        """Draw the figure of both passes, or write the page of the comparison, as the option
+        requests.
+        """
         if option == "plot":
             from bristle_sim.render.pass_figure import pair_figure
             from bristle_sim.render.style import save_figure
@@ -118,14 +123,17 @@ def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
 
 
 def _difference(a: float | None, b: float | None) -> str:
-    """Return the relative difference of b from a in per cent or times; empty where a is 0 or rounding."""
+    """Return the difference (b - a)/|a| as text, in per cent or as a factor.
+
+    The text is empty if a is no larger than rounding error beside b.
+    """
     if a is None or b is None or abs(a) <= LEAST_PART * abs(b):
         return ""
     return relative_text((b - a) / abs(a), "+")
 
 
 def _row(first: Quantity, second: Quantity) -> list[str]:
-    """Return label, unit, both values and their relative difference."""
+    """Return a table row: label, unit, the values of both passes, and their relative difference."""
     a, b = first.simulated, second.simulated
     unit, size = readable_unit(first.unit, [a, b])
     shown = ["none" if each is None else f"{each / size:.6g}" for each in (a, b)]

@@ -1,5 +1,6 @@
-"""Completion in the shell of scenarios, options, and keys of ``--set`` and ``--sweep``; it needs
-the extra.
+"""Completion in the shell of scenarios, options and parameter names.
+
+It needs the package argcomplete, an optional dependency.
 """
 
 from __future__ import annotations
@@ -16,7 +17,12 @@ from bristle_sim.units import Choice
 
 
 def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
-    """Answer the shell and exit; ``names`` are the names of all scenarios and commands."""
+    """Print the possible completions of a partly typed command line for the shell, and exit.
+
+    Args:
+        scenario: the typed scenario; None if no scenario is typed yet.
+        names: the names of all scenarios and commands.
+    """
     parser = (
         argparse.ArgumentParser()
         if scenario is None
@@ -33,9 +39,10 @@ def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
 
 
 def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:
-    """Return the beginnings of assignments for ``--set`` or ``--sweep``: each key with ``=``.
+    """Return completions for ``--set`` or ``--sweep``: each parameter name with ``=``.
 
-    A key whose value is a word is completed with its words; it cannot be swept.
+    For ``--set``, a parameter that takes a word has one completion for each word. Such a parameter
+    cannot be swept.
     """
     found = []
     for key, (declared, _) in scenario.keys().items():

@@ -1,5 +1,6 @@
-"""``bristle-sim design``: the tool in given ranges whose pass has wanted quantities, and the
-sensitivity to its keys.
+"""``bristle-sim design``: finds the tool whose pass has the wanted quantities.
+
+It varies parameters in given ranges, and prints the sensitivity of the quantities to them.
 """
 
 from __future__ import annotations
@@ -24,16 +25,17 @@ OPTIONS = {
     "vary": ("KEY=FROM:TO", "a key of the tool and the range of its values"),
     "max": ("KEY=VALUE", "upper limit of a quantity, or of a key that is varied"),
 }
-"""Metavariable and help of options that may be repeated."""
+"""Placeholder of the value, and help text, of each option that may be repeated."""
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Print the answer and write the requested files; return the exit status, 1 if the wants
-    conflict.
+    """Find the tool, print the answer, write the requested files, and return the exit status.
+
+    The exit status is 1 if the wanted quantities conflict.
 
     Raises:
         ValueError: for bad input.
-        OSError: if a file cannot be written; the message names it.
+        OSError: if a file cannot be written; the message names the file.
     """
     for name, (metavar, words) in OPTIONS.items():
         parser.add_argument(f"--{name}", metavar=metavar, action="append", default=[], help=words)
@@ -58,7 +60,9 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         print_error("--plot: left out, as no two wants conflict")
 
     def write(option: str, target: Path) -> None:
-        """Draw the trade-off or write the tool."""
+        """Draw the trade-off between two wanted quantities, or write the tool, as the option
+        requests.
+        """
         if option == "plot":
             from bristle_sim.render.style import save_figure
 
@@ -76,7 +80,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
-    """Return the texts of assignments by name."""
+    """Split assignments NAME=VALUE, and return the typed values by name."""
     found = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
@@ -87,7 +91,7 @@ def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
 
 
 def _ends(key: str, text: str) -> list[str]:
-    """Return the two ends of the range in which a key may vary."""
+    """Split a typed range FROM:TO of a parameter, and return the texts of its two ends."""
     ends = text.split(":")
     if len(ends) != 2:
         raise ValueError(
@@ -97,7 +101,7 @@ def _ends(key: str, text: str) -> list[str]:
 
 
 def _fields(found: Design, values: Values) -> dict[str, Any]:
-    """Return the results for the JSON; ``values`` are those of the given tool's keys."""
+    """Return the entries of the JSON output; ``values`` are the parameters of the given tool."""
     keys = {key for part in tool_keys().values() for key in part}
     return {
         "outcome": found.report.outcome,
@@ -114,7 +118,10 @@ def _fields(found: Design, values: Values) -> dict[str, Any]:
 
 
 def _tables(found: Design) -> list[str]:
-    """Return the quantities of both tools, and their changes by 1 % of each key, in aligned lines."""
+    """Return the lines of a table of the quantities of the given tool and of the tool found.
+
+    Further columns hold the change of each quantity if a varied parameter grows by 1 %.
+    """
     head = [
         "quantity",
         "unit",

@@ -5,15 +5,16 @@ from bristle_sim.comparison import Report
 
 
 def plot(report: Report) -> Picture:
-    """Draw the impact over its normal impulse."""
+    """Draw the tip's velocities over the normal impulse of an impact."""
     from bristle_sim.render.impact_figure import impact_figure
 
     return impact_figure(report.subject)
 
 
 def film(report: Report, **size: int) -> Film:
-    """Film the impact in slow motion, with the printed 50 us of compression unless contact_duration
-    is given.
+    """Film an impact in slow motion; ``size`` is ``width`` and ``height`` in px.
+
+    If no contact duration is given, compression lasts the 50 us printed in the dissertation.
     """
     from bristle_sim.render.impact_film import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
@@ -22,12 +23,16 @@ def film(report: Report, **size: int) -> Film:
 
 
 def series(report: Report) -> Columns:
-    """Return the history of the impact, if its law resolves it in time."""
+    """Return the motion and forces of an impact over time, if its law resolves the impact in time."""
     return dict(report.subject.strikes[report.subject.law].contact.columns())
 
 
 def contact_series(report: Report) -> Columns:
-    """Return the history of the contact in a study of its force."""
+    """Return the motion and forces of the simulated contact over time, in a study of its force.
+
+    Raises:
+        ValueError: if there is no contact.
+    """
     if report.subject.contact is None:
         raise ValueError(report.subject.no_contact)
     return dict(report.subject.contact.record.columns())

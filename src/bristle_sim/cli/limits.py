@@ -1,4 +1,4 @@
-"""``bristle-sim limits KEY=FROM:TO``: the values of a key at which the outcome of the pass changes."""
+"""``bristle-sim limits KEY=FROM:TO``: finds the values of a parameter at which the outcome changes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from bristle_sim.units import Range, displayed, likely_key
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Print the limits, write them as JSON if requested, and return the exit status.
+    """Find the values of a parameter at which the outcome of the pass changes, and print them.
+
+    Write them as JSON if requested, and return the exit status.
 
     Raises:
         ValueError: for bad input.
@@ -56,7 +58,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[Change]) -> str:
-    """Return the sentence on the changes of the outcome between two values of a key."""
+    """Return a sentence that lists the changes of the outcome between two values of a parameter."""
     between = f"Between {displayed(declared, low)} and {displayed(declared, high)} of {declared.key} the outcome"
     places = [
         f"at {displayed(declared, each.at)} ({each.below}, then {each.above})" for each in changes

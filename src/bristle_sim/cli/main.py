@@ -1,4 +1,4 @@
-"""A scenario on the command line: options, order of work, interruption, exit status."""
+"""A scenario on the command line: reads options, runs the scenario, writes files, handles Ctrl-C."""
 
 from __future__ import annotations
 
@@ -30,17 +30,18 @@ from bristle_sim.parameters import Tool
 from bristle_sim.tool_file import write_tool
 from bristle_sim.units import Range
 
-# Exit statuses; the last is that of a shell after SIGINT.
+# Exit statuses. A shell reports INTERRUPTED for a command that Ctrl-C has ended.
 MISSED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:
-    """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130
-    (interrupted).
+    """Run a scenario from the command line and return its exit status.
 
-    ``program`` is the name of the command in messages; by default the name of the script.
+    The exit status is 0, or 1 if a quantity misses its tolerance, 2 for bad input, and 130 after an
+    interruption. ``program`` is the name of the command in messages; by default the name of the
+    script.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     remarks = list[str]()
@@ -95,7 +96,10 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
 
 def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str]) -> Values:
-    """Return the values of all keys by file and options; warnings are added to ``remarks``."""
+    """Return the values of all parameters, from the tool's file and the options.
+
+    Warnings, one line each, are added to the list ``remarks``.
+    """
     if options.parameters is not None:
         from_file, idle = scenario.assignments_from(options.parameters)
         options.set = [*from_file, *options.set]
@@ -110,14 +114,17 @@ def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str])
 
 
 INTERVAL = Range("interval", "s", 0.0, 1.0, False, "")
-MOST_ROWS = 1_000_000  # rows of a CSV at equal intervals
+MOST_ROWS = 1_000_000  # largest number of rows of a CSV file with equally spaced times
 
 
 def _even_columns(subject: Any, interval: str) -> Columns:
-    """Return the motion of a report's subject at equal intervals, typed with a unit or in s.
+    """Return the motion of a run at equally spaced times, as columns of a CSV file.
+
+    ``subject`` holds the run as ``trajectory``. ``interval`` is the typed time between two rows,
+    with a unit or in s.
 
     Raises:
-        ValueError: for an interval that is refused, or a subject without a motion.
+        ValueError: for a refused interval, or a subject without a motion.
     """
     import numpy as np
 
@@ -137,9 +144,7 @@ def _even_columns(subject: Any, interval: str) -> Columns:
 
 @dataclass
 class Work:
-    """A requested run of a scenario: values of its keys, files to write, and the command that
-    repeats it.
-    """
+    """A request to run a scenario: the parameter values, the files to write, and the command line."""
 
     scenario: Scenario
     options: argparse.Namespace
@@ -150,7 +155,7 @@ class Work:
     def deliver(self, report: Report, *, finished: bool) -> None:
         """Write the requested files and print the answer.
 
-        Of an interrupted run only the JSON is written.
+        After an interruption, only the JSON file is written.
         """
         options = self.options
         texts: dict[str, str] = {}
@@ -166,7 +171,7 @@ class Work:
         print_line(shown or in_words(report))
 
     def _csv(self, report: Report) -> str:
-        """Return the time series in the format of the file's suffix."""
+        """Return the text of the file that ``--csv`` requests, in the format of its suffix."""
         scenario = self.scenario
         assert scenario.series is not None
         write = scenario.formats.get(Path(self.options.csv).suffix.lower())
@@ -176,7 +181,7 @@ class Work:
 
 
 def _write(work: Work, report: Report, option: str, target: Path) -> None:
-    """Write the picture, film, tool or page that an option requests."""
+    """Write the figure, film, tool file or report page that an option requests."""
     scenario = work.scenario
     options = work.options
     if option == "plot":
@@ -206,7 +211,7 @@ def _write(work: Work, report: Report, option: str, target: Path) -> None:
 
 
 def draw(scenario: Scenario, report: Report, path: Path) -> None:
-    """Draw the figure of a report to a file, or its figures to a folder."""
+    """Draw the figure of a report to a file, or its several figures to a folder or PDF."""
     if scenario.plot is not None:
         from bristle_sim.render.style import save_figure
 

@@ -1,4 +1,4 @@
-"""The options of scenarios and commands: their parser, and the files that they name."""
+"""The command-line options of scenarios and commands, and the checks of the files they name."""
 
 from __future__ import annotations
 
@@ -18,25 +18,28 @@ KINDS = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
     "report": (".html",),
 }  # fmt: skip
-"""File suffixes that each option accepts; an empty tuple accepts any."""
+"""File suffixes that each option accepts; an empty tuple accepts any suffix."""
 
-ON_STANDARD_OUTPUT = ("json", "csv")  # options whose value - stands for standard output
+ON_STANDARD_OUTPUT = ("json", "csv")  # options for which the value - means standard output
 
 
 def flag(option: str) -> str:
-    """Return an option as it is typed."""
+    """Return the name of an option as the user types it, for example ``--write-tool``."""
     return f"--{option.replace('_', '-')}"
 
 
 def files_of(
     options: argparse.Namespace, formats: Sequence[str] = (), *, folder: bool = False
 ) -> dict[str, Path]:
-    """Return the files that the options name, after a check that each can be written.
+    """Return the output files that the options name, after a check that each can be written.
 
     Args:
-        options: the parsed options, some of which are absent or None.
-        formats: further suffixes of --csv.
-        folder: whether --plot names a folder, or a PDF.
+        options: the parsed options. An option that was not given is absent or None.
+        formats: suffixes that ``--csv`` accepts besides ``.csv``.
+        folder: whether ``--plot`` draws several figures, into a folder or a PDF.
+
+    Returns:
+        The path of each file by the name of its option.
 
     Raises:
         ValueError: in one line, for a file that cannot be written or has another suffix.
@@ -59,13 +62,14 @@ def files_of(
 
 
 Content = str | Callable[[str, Path], None]
-"""Content of a file: a text, or the function that writes it for an option to a path."""
+"""Content of a file: its text, or a function of option and path that writes the file."""
 
 
 def write_files(targets: Mapping[str, Path], contents: Mapping[str, Content]) -> None:
-    """Write the content of each option to its file, if it has one.
+    """Write each content to the file of its option; an option without a file is skipped.
 
-    Texts are written last. Standard error names the files other than the JSON.
+    ``targets`` are the files by option, ``contents`` the contents by option. Texts are written
+    last. Standard error lists the files except the JSON file.
 
     Raises:
         OSError: if a file cannot be written; the message names option and file.
@@ -86,10 +90,12 @@ def write_files(targets: Mapping[str, Path], contents: Mapping[str, Content]) ->
 
 
 def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
-    """Return the files that the options of a scenario name, after checks that each can be written
-    and none is named twice.
+    """Return the output files that the options of a scenario name, by option, after all checks.
 
-    Several options may name a device such as /dev/null.
+    Each file must be writable, and no file may be named twice, except a device such as /dev/null.
+
+    Raises:
+        ValueError: for a file that is refused, or options that contradict each other.
     """
     of_sweep = (options.workers is not None, options.store is not None, bool(options.quantity))
     if not options.sweep and any(of_sweep):
@@ -121,10 +127,10 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser that refuses bad input in one line, by ValueError."""
+    """Command-line parser that raises ValueError for bad input, with a message of one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise ValueError, which ``main`` reports in one line."""
+        """Raise ValueError with the message, and with advice on an unknown option."""
         unknown = message.removeprefix("unrecognized arguments: ")
         if unknown != message:
             setting = "=" in unknown and not unknown.startswith("-")
@@ -138,7 +144,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _size(text: str) -> dict[str, int]:
-    """Return width and height of a picture."""
+    """Return ``width`` and ``height``, px, of a picture from a text such as 1280x720."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if found is None:
         raise argparse.ArgumentTypeError(
@@ -152,7 +158,7 @@ def _size(text: str) -> dict[str, int]:
 
 
 def _frame_rate(text: str) -> float:
-    """Return a number of frames per second."""
+    """Return the number of frames per second from a text."""
     try:
         rate = float(text)
     except ValueError:
@@ -182,11 +188,11 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
               " show all points", APPENDED),
 }  # fmt: skip
-"""Metavariable, help and further settings of each option."""
+"""Placeholder of the value, help text, and further settings of argparse, for each option."""
 
 
 def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
-    """Add options of OPTIONS to a parser."""
+    """Add the options with the given names to a parser; :data:`OPTIONS` describes them."""
     for name in names:
         metavar, words, how = OPTIONS[name]
         parser.add_argument(flag(name), metavar=metavar, help=words, **how)
@@ -195,9 +201,10 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
 def parser_of(
     scenario: Scenario, program: str, *, sweeping: bool = False
 ) -> argparse.ArgumentParser:
-    """Return a parser of the options of a scenario, or of a sweep of it.
+    """Return the command-line parser of a scenario, or of a sweep of a scenario.
 
-    The other options have the value None.
+    An option of a file that the scenario cannot write is left out of the parser, and has the value
+    None.
     """
     parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
     left_out = set[str]()

@@ -1,6 +1,4 @@
-"""Output of a scenario: answer, table, remarks, JSON, CSV and progress; and an orderly end by a
-signal.
-"""
+"""Output of a scenario: text, JSON, CSV and progress; and an orderly end after a signal."""
 
 from __future__ import annotations
 
@@ -28,23 +26,24 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.readable import WIDTH, finite
 from bristle_sim.version import __version__, named_commit
 
-SILENCE = 15.0  # longest time between two reports on the progress of long work, s
+SILENCE = 15.0  # longest time between two printed reports on the progress of a computation, s
 SIGNALLED = (
     128  # exit status of a shell whose command was ended by a signal, less the signal's number
 )
-LATER = 1e-3  # time after which a signal that came at a bad moment is repeated, s
+LATER = 1e-3  # delay, s, after which a signal that arrived in a callback is repeated
 
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 if sys.platform != "win32":
     USUAL[signal.SIGHUP] = signal.SIG_DFL  # the terminal was closed
-"""Python's own handlers of signals, which are replaced."""
+"""Python's default handlers of the signals that end a computation in order, by signal."""
 
 
 @contextmanager
 def progress(program: str) -> Iterator[None]:
-    """Show the progress of long work on standard error.
+    """Show the progress of a long computation on standard error, as a context.
 
-    A terminal shows it in one changing line, any other stream in a new line at intervals.
+    A terminal shows the progress in a single line that is overwritten. Any other stream gets a new
+    line every SILENCE seconds.
     """
     if sys.stderr is None:
         yield
@@ -68,9 +67,10 @@ def progress(program: str) -> Iterator[None]:
 
 
 class _Progress(logging.Handler):
-    """Log handler that keeps the last report on the progress.
+    """Log handler that keeps the last report on the progress of a computation.
 
-    A terminal shows a report at once, any other stream after a silence.
+    A terminal shows each report at once. Any other stream shows the last report every SILENCE
+    seconds.
     """
 
     def __init__(self, program: str, *, terminal: bool) -> None:
@@ -81,7 +81,9 @@ class _Progress(logging.Handler):
         self.started = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a report, and show it on a terminal; print a warning at once."""
+        """Keep a report on the progress, and show it at once on a terminal; print a warning at
+        once.
+        """
         if record.levelno >= logging.WARNING:
             print_error(f"{self.program}: warning: {record.getMessage()}")
             return
@@ -90,7 +92,7 @@ class _Progress(logging.Handler):
             print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the last report and the elapsed time at intervals until the work has ended.
+        """Print the elapsed time and the last report every SILENCE seconds until ``ended`` is set.
 
         Nothing is printed while a progress bar is shown.
         """
@@ -109,9 +111,10 @@ class _Progress(logging.Handler):
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """Let SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP raise SystemExit.
+    """End a long computation in order after Ctrl-C or a signal of termination, as a context.
 
-    A signal with another handler is left alone.
+    SIGINT raises KeyboardInterrupt; SIGTERM and SIGHUP raise SystemExit. A signal whose handler the
+    caller has replaced keeps that handler.
     """
     before = {}
     hook = sys.unraisablehook
@@ -129,9 +132,10 @@ def ending_in_order() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """Raise the exception that ends the work.
+    """Raise the exception that ends the computation, as the handler of a signal.
 
-    Within a callback or the hook it would be lost; there the signal is repeated later.
+    Python discards an exception that is raised in a callback of the physics engine. If the signal
+    arrives there, the signal is repeated a little later instead.
     """
     while frame is not None:
         code = frame.f_code
@@ -151,8 +155,9 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 def _end_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat an end that was lost in a destructor or another callback; report any other exception
-    as usual.
+    """Repeat the signal of an exception that Python discarded in a destructor or callback.
+
+    An exception that does not stem from a signal is reported as usual.
     """
     if issubclass(lost.exc_type, KeyboardInterrupt):
         _try_again(signal.SIGINT)
@@ -167,7 +172,10 @@ def _try_again(number: int) -> None:
 
 
 def document(name: str, values: Mapping[str, Any], report: Report, *, finished: bool = True) -> str:
-    """Return the results as JSON, in SI units at full precision; an interrupted work is marked."""
+    """Return the results of a scenario as JSON, in SI units at full precision.
+
+    ``finished`` is false for an interrupted run, which the JSON then states.
+    """
     found = {
         "outcome": report.outcome,
         "quantities": [row.as_dict() for row in report.quantities],
@@ -182,7 +190,7 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
 
 
 def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -> str:
-    """Return the JSON of a scenario's results, with answer, version and key values first."""
+    """Return results as JSON text, headed by the answer, the version and the parameter values."""
     head = {
         "scenario": name,
         "answer": answer,
@@ -194,7 +202,10 @@ def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -
 
 
 def plain(value: Any) -> Any:
-    """Return values as JSON's own types; a number that is not finite becomes null."""
+    """Convert a value, and all values within it, to types that JSON can hold.
+
+    A number that is not finite becomes null.
+    """
     if isinstance(value, Mapping):
         return {key: plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
@@ -205,13 +216,14 @@ def plain(value: Any) -> Any:
 
 
 def format_value(value: Any) -> str:
-    """Return the value of a key as a person reads it."""
+    """Return a parameter's value as text with six digits, for a table."""
     return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Return a time series as CSV at full precision: names with units in the first row, then one
-    row for each sample.
+    """Return a time series as CSV text at full precision.
+
+    The first row has the names with units; each further row is one sample.
     """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
@@ -221,7 +233,7 @@ def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
 
 
 def in_words(report: Report) -> str:
-    """Return answer, table, outcome of an impact, if any, and remarks as text."""
+    """Return a report as text: answer, table of quantities, outcome of the impact, and remarks."""
     width = (
         max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
     )
@@ -243,20 +255,25 @@ def in_words(report: Report) -> str:
 
 
 def _wrapped(remark: str) -> list[str]:
-    """Return a remark in lines that fit; a remark in columns or lines is unchanged."""
+    """Return a remark as lines of limited width; a remark that has columns or several lines stays
+    whole.
+    """
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
     return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
 
 
 def write_text(target: Path, text: str) -> None:
-    """Write a text file that appears only when it is complete."""
+    """Write a text file; the file appears only when it is complete."""
     with complete_or_absent(target) as partial:
         partial.write_text(text + "\n", encoding="utf-8", newline="")
 
 
 def print_line(text: str) -> None:
-    """Print on standard output; a reader that closes it early, such as ``head``, causes no error."""
+    """Print a text on standard output.
+
+    A reader that closes the output early, such as ``head``, causes no error.
+    """
     try:
         print(text, flush=True)
     except OSError as error:
@@ -267,6 +284,6 @@ def print_line(text: str) -> None:
 
 
 def print_error(text: str) -> None:
-    """Print on standard error, if there is one; print() would otherwise use standard output."""
+    """Print a text on standard error; without a standard error, print nothing."""
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)

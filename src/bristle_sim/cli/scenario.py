@@ -1,6 +1,4 @@
-"""A scenario: its question, the keys of its run, the typed values, and the functions that show the
-answer.
-"""
+"""A scenario: a question, the parameters of its simulation, and the functions that show the answer."""
 
 from __future__ import annotations
 
@@ -25,38 +23,40 @@ Film = Any  # a film of bristle_sim.render
 Declaration = Range | Choice
 
 TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
-"""Classes whose declared fields are the keys of a tool."""
+"""Classes whose declared fields are the parameters of a tool."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """One question that a script answers on the command line.
 
-    Its functions import their modules when they are called. Help and bad input are therefore
-    answered at once, and Ctrl-C is handled even while libraries load.
+    A parameter is set by its key, a name such as ``hub_speed``. The functions of a scenario import
+    their modules when they are called. Help and bad input are therefore answered at once, and
+    Ctrl-C is handled even while libraries load.
 
     Attributes:
         name: name of the script, without suffix.
         question: the question in a sentence.
         run: function that answers the question. The declared fields of its arguments' classes are
-        the script's keys; for a Tool, the fields of all its parts. It may raise ValueError for
-        values that contradict each other.
+            the script's keys; for a Tool, the fields of all its parts. It may raise ValueError for
+            values that contradict each other.
         plot: function that returns the figure of a report.
         plots: function that draws several figures of a report into a folder or on the pages of a
-        PDF.
-        film: function that returns the film of a report, with ``width`` and ``height`` in px if
-        they are given.
-        series: function that returns the time series of a report, by name and unit, with one entry
-        for each sample; None without a motion.
-        formats: functions that return the lines of ``--csv`` in another format, by the suffix of
-            the
-        file's name.
-        tool: function that returns the tool found, if it differs from the given one.
+            PDF.
+        film: function that returns the film of a report; it accepts ``width`` and ``height``, px.
+        series: function that returns the time series of a report: columns by name and unit, with
+            one entry for each sample. None for a scenario without a motion.
+        formats: functions that return the text of ``--csv`` in another format, by the suffix of the
+            file's name.
+        tool: function that returns the tool that the scenario found, if it differs from the given
+            tool.
         defaults: values of keys that differ from the defaults of the parameter classes, each with
-        its source.
+            its source.
         without: keys of the arguments that have no effect on the answer.
-        highest: upper limits of keys below those of the parameter classes, each with its reason.
-        in_arrays: whether the quantities are those of a pass, which a sweep can compute in arrays.
+        highest: upper limits of keys that are below the limits of the parameter classes, each with
+            its reason.
+        in_arrays: whether the quantities are those of a pass. A sweep can then compute them in
+            arrays.
         options: keys with an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
@@ -84,15 +84,17 @@ class Scenario:
 
     @property
     def parts(self) -> tuple[type, ...]:
-        """Parameter classes whose declared fields are the keys."""
+        """Parameter classes whose declared fields are the scenario's parameters."""
         found: list[type] = []
         for kind in self.arguments.values():
             found += TOOL if kind is Tool else [kind]
         return tuple(found)
 
     def keys(self) -> dict[str, tuple[Declaration, Any]]:
-        """Return every key with its declaration and default; the declaration has the source of this
-        default.
+        """Return the declaration and the default value of every parameter, by key.
+
+        A key is the name of a parameter on the command line. The declaration states the source of
+        the default.
         """
         found = {}
         for part in self.parts:
@@ -111,10 +113,14 @@ class Scenario:
     def values_of(
         self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None
     ) -> dict[str, Any]:
-        """Return the value of every key.
+        """Return the value of every parameter, by key.
 
-        It is the default, the last value that the ``KEY=VALUE`` assignments give, or one of the
-        numbers.
+        Args:
+            assignments: texts ``KEY=VALUE``; the last one for a key counts.
+            numbers: values in SI units by key; they override the assignments.
+
+        Returns:
+            The values. A parameter that is not set has its default.
 
         Raises:
             ValueError: in one line, for an unknown key, a refused value, or a key without effect
@@ -151,7 +157,9 @@ class Scenario:
         return values
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
-        """Return one line for each unusual typed value, with the unit that may be meant."""
+        """Return a warning for each unusual typed value, with the unit that the user may have
+        meant.
+        """
         keys = self.keys()
         found = {}
         for assignment in assignments:
@@ -162,11 +170,14 @@ class Scenario:
     def assignments_from(
         self, path: str, option: str = "--parameters"
     ) -> tuple[list[str], list[str]]:
-        """Return the assignments in a tool's file, and a warning for each value that the scenario
-        does not use.
+        """Read a tool's file for this scenario.
 
-        If the wire's shape or the law of impact is the tool's default, the scenario keeps its own,
-        such as a bent wire.
+        If the file has the default tool's wire shape or law of impact, the scenario keeps its own,
+        for example a bent wire. ``option`` is the option in messages.
+
+        Returns:
+            Assignments ``KEY=VALUE`` of the parameters, and one warning for each value in the file
+                that has no effect on the scenario.
 
         Raises:
             ValueError: in one line, for a file that cannot be read or is not TOML, an unknown key,
@@ -200,21 +211,23 @@ class Scenario:
         return assignments, idle
 
     def answer(self, values: Values) -> Report:
-        """Run the scenario with arguments that are built from the values of keys."""
+        """Run the scenario with the given parameter values, and return its report."""
         arguments = {}
         for name, kind in self.arguments.items():
             arguments[name] = build_parameters(kind, values)
         return self.run(**arguments)
 
     def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
-        """Return declaration, value and default of every key, for a page."""
+        """Return declaration, value and default of every parameter, as rows of a table."""
         return [
             (declared, values[key], default) for key, (declared, default) in self.keys().items()
         ]
 
     def key_list(self) -> str:
-        """Return two or more lines for each key, 100 columns wide: default, unit and range, then
-        meaning and source.
+        """Return the text that describes every parameter, 100 columns wide.
+
+        Each parameter has its key, default, unit and range, and below them its meaning and the
+        source of the default.
         """
         rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
@@ -238,8 +251,9 @@ class Scenario:
 
 
 def build_parameters(kind: Any, values: Values) -> Any:
-    """Return a parameter object of a class, or a tool, with values of keys; an omitted field has
-    its default.
+    """Return a parameter object or a tool, built from the values of its parameters.
+
+    ``kind`` is its class. A parameter without a value has its default.
     """
     given = {}
     for name, (declared, _) in declared_fields(kind).items():

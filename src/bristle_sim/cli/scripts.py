@@ -1,7 +1,7 @@
-"""The scripts of the scenarios, and the scenario of each script.
+"""Finds the scripts of the scenarios, and loads the scenario of a script.
 
-A wheel has the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work tree has it beside
-``src``.
+An installed package has the scripts in ``bristle_sim/scenarios``. A work tree has them in
+``scenarios/`` beside ``src``.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from bristle_sim.cli.scenario import Scenario
 
 
 def script_paths() -> dict[str, Path]:
-    """Return the scripts of the scenarios by name, from the installed package or the work tree."""
+    """Return the paths of the scenarios' scripts by name, in the installed package or the work
+    tree.
+    """
     package = Path(__file__).parents[1]
     folder = package / "scenarios"
     if not folder.is_dir():
@@ -22,12 +24,12 @@ def script_paths() -> dict[str, Path]:
 
 
 def load_scenario(path: Path) -> Scenario:
-    """Return the scenario of a script."""
+    """Execute the script at a path, and return its scenario."""
     scenario = runpy.run_path(str(path), run_name=f"bristle_sim.scenarios.{path.stem}")["SCENARIO"]
     assert isinstance(scenario, Scenario)
     return scenario
 
 
 def main_scenario() -> Scenario:
-    """Return the scenario of the whole pass, which the further commands use."""
+    """Return the scenario of the whole pass, which the commands such as ``compare`` use."""
     return load_scenario(script_paths()["cue_and_impact"])

@@ -1,5 +1,6 @@
-"""``--sweep KEY=FROM:TO:N``: a scenario's quantities over one or two keys, as table, JSON, CSV,
-lines or maps.
+"""``--sweep KEY=FROM:TO:N``: runs a scenario over values of one or two parameters.
+
+The quantities are shown as table, JSON, CSV, lines or maps.
 """
 
 from __future__ import annotations
@@ -34,14 +35,20 @@ from bristle_sim.studies.scenario_sweep import (
 from bristle_sim.units import Range, likely_key
 
 MOST_POINTS = 10**6
-"""Largest number of values of a key."""
+"""Largest number of values of a swept parameter."""
 
 MOST_ROWS = 15
-"""Largest number of points shown in a terminal; files contain all."""
+"""Largest number of points shown in a terminal; files contain all points."""
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
-    """Sweep, write the requested files, and print the answer and the table.
+    """Run a scenario over values of one or two parameters, write the requested files, print the
+    answer.
+
+    Args:
+        scenario: the scenario.
+        options: the parsed options.
+        targets: the files to write, by option.
 
     Raises:
         ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it
@@ -67,7 +74,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     }
 
     def plot(_: str, target: Path) -> None:
-        """Draw the chosen quantities."""
+        """Draw the chosen quantities over the swept parameters."""
         from bristle_sim.render.style import save_figure
         from bristle_sim.render.sweep_figures import sweep_figure
 
@@ -84,8 +91,11 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Any]) -> Swept:
-    """Sweep in arrays where the scenario and its tool allow it, and no processes and no store are
-    requested; else run by run."""
+    """Compute a sweep: all points at once in arrays if possible, otherwise one run for each point.
+
+    ``axes`` holds the values of each swept parameter. Arrays serve only if scenario, tool and swept
+    parameters permit it, and neither worker processes nor a folder of stored points are requested.
+    """
     values = scenario.values_of(options.set)
     keys = {key for part in tool_keys().values() for key in part}
     alone = options.workers is None and options.store is None
@@ -98,7 +108,10 @@ def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Any]
 
 
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
-    """Return the report of a scenario at given values of its keys, which are no quantities then.
+    """Run a scenario at one point of a sweep, and return its report.
+
+    ``keys`` are the values of the swept parameters, which are removed from the quantities of the
+    report. ``assignments`` set the other parameters.
 
     Raises:
         ValueError: for a refused value.
@@ -109,7 +122,7 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
 
 
 def _axis(scenario: Scenario, text: str) -> tuple[str, Any]:
-    """Return a key and the values that KEY=FROM:TO:N names, in equal steps from end to end."""
+    """Return the swept parameter that KEY=FROM:TO:N names, and its N equally spaced values."""
     import numpy as np
 
     key, _, interval = text.partition("=")
@@ -132,7 +145,9 @@ def _axis(scenario: Scenario, text: str) -> tuple[str, Any]:
 
 
 def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
-    """Return the quantities that are shown: the requested ones, else those that change."""
+    """Return the names of the quantities to show: the requested ones, or all that vary in the
+    sweep.
+    """
     for name in requested:
         if found.values and name not in found.values:
             raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.values)}")
@@ -142,7 +157,10 @@ def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
 
 
 def table_columns(found: Swept) -> dict[str, list[Any]]:
-    """Return keys, quantities, outcomes and reasons by name and unit, one entry a point."""
+    """Return the columns of a sweep's table, by name and unit, with one entry for each point.
+
+    The columns are the swept parameters, the quantities, the outcome, and the reason of a failure.
+    """
     import numpy as np
 
     grids = np.meshgrid(*found.axes.values(), indexing="ij")
@@ -156,8 +174,11 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
 
 
 def _table(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the chosen quantities over one key at MOST_ROWS values, or the extremes of each over
-    two keys, in aligned lines."""
+    """Return the lines of the table that a terminal shows.
+
+    A sweep of one parameter has one row for each of at most MOST_ROWS points. A sweep of two
+    parameters has the extremes of each chosen quantity.
+    """
     import numpy as np
 
     if len(found.axes) > 1:
@@ -182,11 +203,13 @@ def _table(found: Swept, chosen: Sequence[str]) -> list[str]:
     return lines
 
 
-HEAD = 16  # letters in a line of a column's head, which has three
+HEAD = 16  # least width, in letters, of each of the three lines of a column's heading
 
 
 def _column(found: Swept, name: str, values: Any) -> list[str]:
-    """Return three lines of a column's head, with a readable unit, and its cells."""
+    """Return a column of the table as texts: three lines of heading with a readable unit, then the
+    values.
+    """
     unit, size = (
         display_unit(name, found.units[name])
         if name in found.axes
@@ -199,14 +222,18 @@ def _column(found: Swept, name: str, values: Any) -> list[str]:
 
 
 def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
-    """Return a title and parts in lines that fit the width, after an empty one; nothing without
-    parts."""
+    """Return a title and a list of words as lines of limited width, with an empty line before them.
+
+    Without words, return an empty list.
+    """
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
 
 
 def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the lowest and highest value of each quantity, and where they are."""
+    """Return the lines of a table of each quantity's lowest and highest value, and where they
+    occur.
+    """
     import numpy as np
 
     rows = [["quantity", "unit", "lowest", "at", "highest", "at"]]

@@ -1,5 +1,6 @@
-"""The bench: a page with a knob for every key of the tool, and the run that follows each change.
+"""The bench: an interactive page in the browser that shows the pass of a tool.
 
-``entry`` starts it, ``bench`` computes a run for typed values, ``server`` answers the browser.
+Each parameter of the tool has a control, and each change starts a new simulation. ``entry`` starts
+the bench, ``bench`` simulates a pass for the typed values, ``server`` answers the browser.
 ``render.report`` makes the page.
 """

@@ -1,4 +1,6 @@
-"""Runs for the bench: from the values of its knobs to the numbers and words on its page."""
+"""Simulations for the bench, the interactive page of a tool: from typed values to displayed
+results.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,7 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range, displayed
 
 OFTEN = ("hub", "bristle", "bar", "workpart")
-"""Parts whose knobs are visible when the page is loaded."""
+"""Parts of the tool whose controls are visible when the page is loaded."""
 
 SLIDERS = {
     "accuracy": (1e-10, 1e-2),
@@ -45,19 +47,20 @@ SLIDERS = {
     "tangential_compliance": (0.0, 1.5),
     "wire_links": (1.0, 12.0),
 }
-"""Ranges of sliders, SI units; other sliders run from a third to three times the first value."""
+"""Ranges of sliders, in SI units. Other sliders run from a third to three times the first value."""
 
 WHOLE = 1500
 PANEL_COLUMNS = 300
-"""Largest number of samples that a panel shows whole, and number of its columns for a longer run.
+"""Largest number of samples drawn without a selection, and number of columns for a longer run.
 
-A column is one or two pixels wide. It shows the first, last, least and largest value in its
-time."""
+A column of a panel is one or two pixels wide. It shows the first, last, least and largest value in
+its interval of time."""
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Return every key as a dictionary for the page; ``start`` holds the assignments of the first
-    tool.
+    """Return the description of every parameter's control on the page, one dictionary each.
+
+    ``start`` holds the assignments ``KEY=VALUE`` of the tool that is shown first.
     """
     values = pass_of.values_of(start)
     groups = {
@@ -72,8 +75,10 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
 
 
 def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
-    """Return the words of one key; for a number also its displayed unit, and its first value and
-    range in this unit.
+    """Return the description of one parameter's control: its texts and, for a number, unit and
+    range.
+
+    ``value`` is the first value, in SI units. ``group`` is the name of the group of controls.
     """
     words = {
         "key": declared.key,
@@ -112,7 +117,14 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Return the run of the first tool with the typed assignments."""
+    """Simulate the pass of the first tool with changed parameters, and return the results for the
+    page.
+
+    Args:
+        pass_of: the scenario of the whole pass.
+        start: assignments ``KEY=VALUE`` of the first tool.
+        typed: assignments that the user has typed; they override ``start``.
+    """
     values = pass_of.values_of([*start, *typed])
     report = pass_of.answer(values)
     run = report.subject.trajectory
@@ -142,24 +154,30 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
 
 
 def _change(declared: Range | Choice, before: Any, after: Any) -> list[str]:
-    """Return two values of a key in five digits, or in all if these are equal."""
+    """Return the texts of a parameter's values before and after a change.
+
+    The texts have five digits, or full precision if five digits do not tell the values apart.
+    """
     found = [displayed(declared, each) for each in (before, after)]
     return found if found[0] != found[1] else [_typed(declared, each) for each in (before, after)]
 
 
 def _typed(declared: Range | Choice, value: Any) -> str:
-    """Return the shortest text that is read as the value of a key, for example ``27 mm``."""
+    """Return a parameter's value as the shortest text that reads back exactly, for example ``27
+    mm``.
+    """
     if value is None or isinstance(declared, Choice):
         return format_value(value)
     return exact_text(value, declared.key, declared.unit)
 
 
 def series(run: Trajectory) -> dict[str, Any]:
-    """Return the curves of the panels, the marked instants, and the number of samples drawn.
+    """Return the curves of a pass over time for the page, with the events marked in them.
 
-    The curves are time, ms, retraction, degrees, rate relative to the hub, rad/s, tip speed, m/s,
-    and normal force, N. They contain only the samples that change a panel by at least a pixel.
-    ``marks`` are instants, ms, and names of events.
+    The curves are ``time``, ms, ``retraction``, degrees, ``rate`` relative to the hub, rad/s,
+    ``speed`` of the tip, m/s, and normal ``force``, N. Samples that would not change a displayed
+    curve are left out; ``drawn`` states the number of the others. ``marks`` are times, ms, with the
+    names of their events.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
@@ -181,8 +199,10 @@ def series(run: Trajectory) -> dict[str, Any]:
 
 
 def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
-    """Return the samples that a panel can show: in each of its columns the first, the last and
-    every curve's extremes.
+    """Return the indices of the samples that change a displayed curve.
+
+    The time is divided into equal intervals, one for each column of the panel. In each interval the
+    first sample, the last sample, and the extremes of every curve are kept.
     """
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], PANEL_COLUMNS + 1)[:-1])
     kept = set[int]()
@@ -196,7 +216,7 @@ def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
 
 
 def command(assignments: Sequence[str]) -> str:
-    """Return the command line that repeats the run."""
+    """Return the command line that repeats the simulation with the given assignments ``KEY=VALUE``."""
     return shlex.join(
         [
             "bristle-sim",
@@ -207,7 +227,7 @@ def command(assignments: Sequence[str]) -> str:
 
 
 COLOURS = {"outcome": "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
-"""Quantities that a map shows, and their words."""
+"""Quantities that a map can show, by name, with their labels."""
 
 DOWNLOADS = {
     "toml": "tool (TOML)",
@@ -217,7 +237,7 @@ DOWNLOADS = {
     "png": "picture (PNG)",
     "svg": "picture (SVG)",
 }
-"""Files of a run for download, by suffix."""
+"""Files that the page offers for download, by suffix, with their labels."""
 
 PRESETS = {
     "27 mm wire, 2500 rpm (Zhang 2020)": "",
@@ -227,17 +247,20 @@ PRESETS = {
     "35 mm wire, 1800 rpm": "hub_speed=1800 rpm&hub_radius=40 mm&bristle_length=35 mm&wire_diameter=0.9 mm"
     "&belt_stiffness=0.05 N m/rad&bar_radius=6 mm&bar_horizontal=66.59 mm&bar_vertical=33.02 mm",
 }
-"""Tools by their dimensions, with assignments as the query of an address; except Zhang's, they
-strike radially."""
+"""Example tools by label. The parameters that differ from the default tool are written KEY=VALUE,
+joined by &. All tools except Zhang's strike radially."""
 
 
 def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return a file of the run, in base64; ``kind`` is one of :data:`DOWNLOADS`."""
+    """Simulate a pass and return its results as a file, encoded in base64.
+
+    ``kind`` is the suffix of the file, one of :data:`DOWNLOADS`.
+    """
     return {"content": base64.b64encode(_file(pass_of, kind, assignments)).decode("ascii")}
 
 
 def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
-    """Return the content of a file of the run."""
+    """Simulate a pass and return the bytes of its results as a file; ``kind`` is the file's suffix."""
     values = pass_of.values_of(assignments)
     if kind == "json":
         return f"{document(pass_of.name, values, pass_of.answer(values))}\n".encode()
@@ -263,7 +286,7 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
 
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
-    """Return the assignments that change the default tool into a given tool."""
+    """Return the assignments ``KEY=VALUE`` that change the default tool into the given tool."""
     assignments = list[str]()
     known = pass_of.keys()
     for part, keys in tool_keys().items() if tool is not None else ():

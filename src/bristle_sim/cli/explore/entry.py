@@ -1,4 +1,7 @@
-"""The two entries to the bench: ``bristle-sim explore``, and ``bristle_sim.explore`` in a notebook."""
+"""The two ways to start the bench, the interactive page of a tool.
+
+They are the command ``bristle-sim explore``, and ``bristle_sim.explore`` in a notebook.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +22,16 @@ MOST_PORTS = 65535
 
 
 def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
-    """Show the bench in a notebook: knobs for every key of a tool, and its pass.
+    """Show an interactive page in a notebook: a control for every parameter of a tool, and its
+    pass.
 
     Args:
         tool: the first tool; by default that of the dissertation.
         height: height of the frame, px.
 
     Returns:
-        The frame, which a notebook shows. This process serves its page as long as it runs.
+        The frame, which a notebook shows. This Python process serves the page as long as the
+            process runs.
 
     Raises:
         ModuleNotFoundError: without the extra ``explore``.
@@ -41,7 +46,7 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Serve the bench until Ctrl-C, as ``bristle-sim explore``; return the exit status.
+    """Run ``bristle-sim explore``: serve the interactive page of a tool until Ctrl-C; return 0.
 
     Raises:
         ValueError: for bad input, or without the extra ``explore``.

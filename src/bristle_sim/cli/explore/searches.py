@@ -1,5 +1,7 @@
-"""Answers of the bench from many passes: a map over two keys, limits of one key, a bar for a radial
-strike, and a design.
+"""Answers of the bench, the interactive page of a tool, that need many simulated passes.
+
+They are a map over two parameters, the values of a parameter at which the outcome changes, the
+bar's position for a radial strike, a design, and a blasted surface.
 """
 
 from __future__ import annotations
@@ -31,34 +33,39 @@ from bristle_sim.studies.surface import surface
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import Range
 
-SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map, whose errors are far below one shade
+SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
 CELLS = 40  # number of cells along each side of the coarse map
 PARTS = 5  # number of fine cells along a side of a coarse cell
-SHADES = 254  # number of steps of a map's scale
+SHADES = 254  # number of steps of a map's colour scale
 EXTREMES = (1.0, 99.0)
-"""Percentiles at the ends of the scale, so that a single extreme value does not darken a map."""
+"""Percentiles of the values at the ends of the colour scale.
+
+A single extreme value therefore does not darken a map."""
 
 
 def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) -> dict[str, Any]:
-    """Return the map of a quantity over two keys, row by row from below.
+    """Return the map of a quantity over two parameters, as data for the page.
 
-    The fine map divides each side of a coarse cell into PARTS. It computes points in the cells
-    where the outcome changes or a linear interpolation is wrong by a shade; it interpolates the
-    other points.
+    The coarse map is simulated at each of its points. The fine map divides each side of a coarse
+    cell into PARTS. Its points are simulated in the cells where the outcome changes or a linear
+    interpolation is wrong by a shade, and interpolated in the other cells.
 
     Args:
-        pass_of: the scenario of the pass.
-        assignments: assignments of the tool.
-        on: JSON with ``x`` and ``y``, each a key and the ends of its range, and ``of``, the
-        quantity.
-        fine: 1 for the fine map.
+        pass_of: the scenario of the whole pass.
+        assignments: assignments ``KEY=VALUE`` of the tool.
+        on: JSON with ``x`` and ``y``, each a parameter and the ends of its range, and with ``of``,
+            the name of the quantity.
+        fine: "1" for the fine map, any other text for the coarse map.
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     ends = [_ends(pass_of, *asked[axis]) for axis in "xy"]
 
     def passes(*fractions: Array) -> tuple[Array, NDArray[Any], NDArray[Any]]:
-        """Return values, outcome codes and reasons at fractions of the ranges of x and y."""
+        """Simulate passes, and return values of the quantity, indices of the outcomes, and reasons.
+
+        A parameter's value is given as a fraction of its range, from 0 to 1.
+        """
         places = {
             key: low + (high - low) * each
             for (key, low, high), each in zip(ends, fractions, strict=True)
@@ -102,7 +109,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
 
 
 def _ends(pass_of: Scenario, key: str, *ends: str) -> tuple[str, float, float]:
-    """Return a key and the ends of its range, from texts with units."""
+    """Return a parameter's name and the ends of its range in SI units, from texts with units."""
     declared = pass_of.keys()[key][0]
     low, high = (float(declared.parse(each)) for each in ends)
     return key, low, high
@@ -113,9 +120,10 @@ def _coded(numbers: Array) -> str:
 
 
 def _rough(values: Array, codes: NDArray[Any], low: float, high: float) -> NDArray[np.bool_]:
-    """Return the coarse cells in which a linear interpolation may be wrong.
+    """Return the coarse cells in which a linear interpolation may be wrong by more than a shade.
 
-    Its error is h^2 f''/8 along each side, or the outcomes of the corners differ.
+    These are cells whose corners differ in outcome, and cells where the interpolation error, h^2
+    f''/8 along each side h, is too large. ``low`` and ``high`` are the ends of the colour scale.
     """
     kinds = 2 * codes + np.isnan(values)
     rough = maximum_filter(kinds, 3) != minimum_filter(kinds, 3)
@@ -126,7 +134,9 @@ def _rough(values: Array, codes: NDArray[Any], low: float, high: float) -> NDArr
 
 
 def _interpolated(values: Array, codes: NDArray[Any]) -> tuple[Array, NDArray[Any]]:
-    """Return values interpolated between the coarse points, and the outcomes of the nearest points."""
+    """Interpolate a coarse map to the fine points: the values linearly, the outcomes by the nearest
+    point.
+    """
     place = np.arange(CELLS * PARTS + 1) / PARTS
     weights = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(CELLS + 1)))
     nearest = np.ix_(*2 * [np.rint(place).astype(int)])
@@ -135,7 +145,7 @@ def _interpolated(values: Array, codes: NDArray[Any]) -> tuple[Array, NDArray[An
 
 
 def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
-    """Return the sentence on the values of the map's first key at which the outcome changes."""
+    """Find the values of the map's first parameter at which the outcome changes; return a sentence."""
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     key, low, high = _ends(pass_of, *json.loads(on)["x"])
     declared = pass_of.keys()[key][0]
@@ -145,9 +155,9 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
-    """Return the assignments of the tool with the wanted quantities, and the sentence on it.
+    """Find the tool whose pass has the wanted quantities; return its parameters and a sentence.
 
-    The keys of the map are varied in their ranges.
+    The two parameters of the map are varied in the ranges of the map.
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
@@ -162,8 +172,9 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the assignments that place the bar for a radial strike, at its distance from the hub's
-    centre.
+    """Return the bar's position for which the strike is radial, as texts of its two coordinates.
+
+    The bar keeps its distance from the hub's centre.
     """
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)
@@ -175,7 +186,7 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
 
 
 def surface_of(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the picture of a piece of the surface that the tool makes, in base64."""
+    """Simulate the surface that the tool blasts, and return its picture as PNG in base64."""
     from bristle_sim.render.style import save_figure
     from bristle_sim.render.surface_pictures import surface_figure
 
@@ -192,4 +203,4 @@ KINDS: dict[str, Callable[..., dict[str, Any]]] = {
     "radial": radial_bar,
     "surface": surface_of,
 }
-"""The searches, by the names of their requests."""
+"""The functions that answer requests of the page, by the name of the request."""

@@ -1,4 +1,7 @@
-"""The server of the bench. Each request carries the whole state, so users share no state."""
+"""The web server of the bench, the interactive page of a tool.
+
+Each request carries all values of the page, so the server keeps no state of its users.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +25,21 @@ from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.cli.scripts import main_scenario
 from bristle_sim.render.report import explore_page
 
-OF_THE_PAGE = ("pin", "on", "fine")  # parts of an address that are not keys of the tool
-READ_TIMEOUT = 30.0  # longest wait for further bytes of a request, s
+OF_THE_PAGE = ("pin", "on", "fine")  # parts of a request that are not parameters of the tool
+READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
 
 NAMES = ("localhost", "127.0.0.1", "::1")
-"""Names of this machine in requests to its own server.
+"""Names of this machine that a request may carry.
 
-Another page can let a name of its own point here (DNS rebinding); its requests carry that name and
-are refused."""
+A foreign page can make a name of its own point to this machine (DNS rebinding). Its requests carry
+that name and are refused."""
 
 
 def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
-    """Return the bench as a web application for a host; the first tool has the given assignments.
+    """Return the web application that serves the interactive page of a tool.
+
+    ``start`` holds the assignments ``KEY=VALUE`` of the tool that is shown first. ``host`` is the
+    address on which the server listens.
 
     Raises:
         ValueError: for a refused value.
@@ -66,7 +72,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
     @app.after_request
     def protect(response: Response) -> Response:
-        """Add the headers that limit a browser to the page's own script and this server."""
+        """Add the headers that restrict a browser to the page's own script and to this server."""
         response.headers["Content-Security-Policy"] = policy
         response.headers["X-Content-Type-Options"] = "nosniff"
         response.headers["Referrer-Policy"] = "no-referrer"
@@ -95,7 +101,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
     @app.get("/download/<kind>")
     def download(kind: str) -> Response:
-        """Answer with a file of the run."""
+        """Answer with the results of a pass as a file; ``kind`` is the file's suffix."""
         if kind not in bench.DOWNLOADS:
             return Response(status=404)
         found = workers.answer("", "download", kind, [*start, *typed()])
@@ -113,10 +119,11 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
 
 
 def meant_for(header: str, host: str, port: str) -> bool:
-    """Return whether a Host header names this server: this machine or its host, with its port.
+    """Return whether the Host header of a request names this server.
 
-    A server that listens on every address of the machine may be called by any address, since an
-    address cannot be made to point elsewhere.
+    It must name this machine or the address ``host``, with the server's port. If the server listens
+    on every address of the machine, any numerical address is accepted, since no other site can
+    redirect a numerical address to this server.
     """
     try:
         named = urlsplit(f"//{header}")
@@ -138,9 +145,7 @@ def _is_address(name: str) -> bool:
 
 
 def content_policy(page: str) -> str:
-    """Return the policy by which a browser runs only the page's own script and requests only this
-    server.
-    """
+    """Return the header value that restricts a browser to the page's own script and to this server."""
     scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
     digests = [
         base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts
@@ -155,10 +160,15 @@ def content_policy(page: str) -> str:
 
 
 def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0) -> BaseWSGIServer:
-    """Return a listening server of the bench, which answers each request in a thread of its own.
+    """Return a listening web server of the interactive page; each request has its own thread.
+
+    Args:
+        start: assignments ``KEY=VALUE`` of the tool that is shown first.
+        host: address on which the server listens.
+        port: port; 0 for any free one.
 
     Raises:
-        OSError: if it cannot listen on the host and port.
+        OSError: if the server cannot listen on the host and port.
         ValueError: for a refused value.
     """
     taken = io.StringIO()
@@ -172,16 +182,16 @@ def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0)
 
 
 class _Quiet(WSGIRequestHandler):
-    """Request handler without a log line for each request, and with the timeout READ_TIMEOUT."""
+    """Request handler that logs nothing and stops reading a request after READ_TIMEOUT seconds."""
 
     timeout = READ_TIMEOUT
 
     def log(self, type: str, message: str, *args: Any) -> None:
-        """Write nothing."""
+        """Suppress the log line of a request."""
 
 
 def serve(start: Sequence[str] = ()) -> str:
-    """Serve the bench from a thread of this process, and return its address.
+    """Serve the interactive page from a thread of this process, and return its address.
 
     Raises:
         ValueError: for a refused value.

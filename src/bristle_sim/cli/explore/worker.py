@@ -1,12 +1,15 @@
-"""Processes that compute for the bench, so that a run can be stopped and a fault ends a run but not
-the server.
+"""Processes that simulate for the bench, the interactive page of a tool.
 
-Their linear algebra has one thread. The systems of a run are of three rows, and threads that wait
-for each other made a move take three times as long while the map is computed.
+A process of its own lets the server stop a simulation, and a crash ends that simulation alone.
 
-A worker reads jobs from its standard input, one in each line, and writes its progress and its
-answer in one line each; all are JSON. A line with the number of a job stops that job. A worker ends
-when its input ends, and therefore with the server, however that ends.
+Linear algebra runs in one thread in each process. The systems of equations of a run have three
+rows; several threads, which wait for each other, made a run take three times as long while a map
+was computed.
+
+A process reads computations to do from its standard input, one in each line. It writes its progress
+and its answer in one line each. All lines are JSON. A line with the number of a computation stops
+that computation. The process ends when its input ends, and therefore with the server, however the
+server ends.
 """
 
 from __future__ import annotations
@@ -28,32 +31,32 @@ from typing import Any, BinaryIO
 from bristle_sim.studies.sweep_workers import THREADS
 
 TIME_LIMIT = 60.0
-"""Longest time of an answer, s.
+"""Time, s, after which a computation is ended.
 
-A run of the default tool takes 0.05 s, a run of a wire of four links some seconds."""
+A pass of the default tool takes 0.05 s to simulate, a pass of a wire of four links some seconds."""
 
-GRACE = 3.0  # longest time until a stopped job ends, s; after it the process is ended
-REPORTED = 0.2  # shortest time between two reports on the progress of a job, s
+GRACE = 3.0  # time, s, in which a stopped computation must end; then its process is ended
+REPORTED = 0.2  # shortest time between two reports on the progress of a computation, s
 STOPPED = "stopped by a newer run"
 
-MOST_RUNNING = 4  # largest number of simultaneous answers; further requests wait up to TIME_LIMIT
+MOST_RUNNING = 4  # largest number of simultaneous computations; further ones wait up to TIME_LIMIT
 MOST_IDLE = (
-    3  # largest number of workers without a job, each of about 100 MB: for run, map, and one more
+    3  # largest number of waiting processes, each of about 100 MB: for a run, a map and a spare
 )
 
 Answer = dict[str, Any]
 
 
 class Worker:
-    """A process that waits for jobs.
+    """A process that waits for computations from the server and does one at a time.
 
     Attributes:
-        reason: reason why the server has ended the process, in one line; empty otherwise.
-        progress: finished fraction of its job, as far as it is known.
+        reason: reason why the server has ended the process, in one line; otherwise empty.
+        progress: finished fraction of the present computation, as last reported.
     """
 
     def __init__(self) -> None:
-        """Start the process, which imports its modules."""
+        """Start the process, which then imports the modules that it needs."""
         self.reason = ""
         self.progress = 0.0
         self._number = 0  # of its job
@@ -66,8 +69,10 @@ class Worker:
         self._finalize = weakref.finalize(self, _end, self._process)
 
     def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
-        """Return the answer to a job; ``error`` is the line of a refusal, or of the end of the
-        process.
+        """Let the process do a computation, and return its result.
+
+        A result with the entry ``error`` gives the reason why the input was refused or why the
+        process ended.
         """
         sent = self._process.stdin
         received = self._process.stdout
@@ -101,11 +106,11 @@ class Worker:
 
     @property
     def alive(self) -> bool:
-        """Whether the process runs."""
+        """Whether the process still runs."""
         return self._process.poll() is None
 
     def stop(self) -> None:
-        """Stop the job; end the process if the job does not stop in time."""
+        """Stop the present computation; end the process if the computation does not stop in time."""
         number = self._number
         sent = self._process.stdin
         assert sent is not None
@@ -121,7 +126,7 @@ class Worker:
             self.end(STOPPED)
 
     def end(self, reason: str = "") -> None:
-        """End the process; the answer to its job then states the reason."""
+        """End the process; the present computation then returns the reason as its error."""
         self.reason = reason
         self._process.kill()
 
@@ -135,19 +140,20 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 class Workers:
-    """The workers of a server; one always waits, so that a new one costs no time."""
+    """The processes that compute for a server; a spare one is always started in advance."""
 
     def __init__(self) -> None:
-        """Start without workers; the first request starts one."""
+        """Begin without processes; the first request starts one."""
         self._idle: list[Worker] = []
         self._running: dict[str, Worker] = {}
         self._lock = threading.Lock()
         self._free = threading.BoundedSemaphore(MOST_RUNNING)
 
     def answer(self, page: str, kind: str, *arguments: Any) -> Answer:
-        """Return the answer to a job.
+        """Do a computation for a page in a browser, and return its result.
 
-        A newer job of the same page stops the older one. A page "" has no other jobs.
+        A new computation stops the earlier computation of the same page. An empty ``page`` stops
+        nothing.
         """
         with self._lock:
             if (older := self._running.get(page)) is not None:
@@ -161,7 +167,9 @@ class Workers:
             self._free.release()
 
     def progress(self, page: str) -> float:
-        """Return the finished fraction of the job of a page; 0 if it is unknown."""
+        """Return the finished fraction of a page's present computation; 0 if no progress is
+        reported.
+        """
         worker = self._running.get(page)
         return 0.0 if worker is None else worker.progress
 
@@ -187,7 +195,7 @@ class Workers:
 
 
 def work() -> None:
-    """Answer jobs until standard input ends, then end at once, even during a run."""
+    """Do computations until standard input ends; then end the process at once, even during a run."""
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
     )  # Ctrl-C ends the server, and therefore standard input
@@ -198,7 +206,7 @@ def work() -> None:
     watch = Watch(answers)
 
     def read() -> None:
-        """Read jobs and stops from standard input until it ends."""
+        """Read requests for computations, and for their stop, until standard input ends."""
         for line in sys.stdin.buffer:
             if line.startswith(b"["):
                 jobs.put(line)
@@ -234,15 +242,15 @@ def work() -> None:
 
 
 class StoppedError(Exception):
-    """Error: the server has stopped the job."""
+    """Raised when the server has stopped the present computation."""
 
 
 class Watch(logging.Handler):
-    """Log handler that reports the progress of a run, and ends the run if its job is stopped.
+    """Log handler that reports the progress of a computation and raises an error if it is stopped.
 
     Attributes:
-        number: number of the present job.
-        stopped: number of the last stopped job.
+        number: number of the present computation.
+        stopped: number of the computation that was stopped last.
     """
 
     def __init__(self, answers: BinaryIO) -> None:
@@ -253,10 +261,10 @@ class Watch(logging.Handler):
         self._reported = 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Report the fraction in a log record.
+        """Report the progress in a log record to the server.
 
         Raises:
-            StoppedError: if the job is stopped.
+            StoppedError: if the present computation is stopped.
         """
         if self.stopped == self.number:
             raise StoppedError(STOPPED)
