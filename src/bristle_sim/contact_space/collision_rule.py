@@ -15,20 +15,20 @@ from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.theory.numbers import checked_numbers
 from bristle_sim.units import shown
 
-# Largest collision type plus 1: types are machine words, and the last word means any type.
+# Largest collision type plus 1. Types are machine words, and the largest word means any type.
 MOST_TYPES = (1 << 64) - 1
 
 
 @dataclass(frozen=True, slots=True)
 class LocatedImpact(Impact):
-    """An impact with its time, place and bodies, as passed to ``report``.
+    """An impact with its time, location and bodies, as passed to ``report``.
 
     Attributes:
         time: instant of the touch, since the EnergeticContact was created.
         point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
         bodies: the dynamic body on which the impulse acts, and the body on which the opposite
-        impulse acts.
+            impulse acts.
     """
 
     time: float
@@ -40,11 +40,14 @@ class LocatedImpact(Impact):
 class CollisionRule:
     """Two collision types with their coefficients and their impact law.
 
-    All are checked, since a bad value can make the engine abort the process.
+    All arguments are checked, since a bad value can make the engine abort the process.
 
     Attributes:
-        friction: Coulomb's mu in compression and at rest.
-        chained: the user's own ``pre_solve`` of these types.
+        friction: Coulomb's coefficient of friction in compression and at rest.
+        restitution: coefficient of restitution.
+        restitution_friction: coefficient of friction in restitution.
+        tangential_compliance: ratio of the normal to the tangential contact stiffness.
+        chained: the user's own ``pre_solve`` callback for these types, or None.
 
     Raises:
         ValueError: for coefficients out of range, invalid collision types, or a law that is not
@@ -90,7 +93,14 @@ class CollisionRule:
     def impact(
         self, inverse_mass: Array, velocity: Vector, stick_compliance: float, *, rests: bool
     ) -> Impact:
-        """Return the impact by the pair's law; a contact that comes to rest has no restitution."""
+        """Return the impact of two shapes of these types by their law.
+
+        Args:
+            inverse_mass: inverse mass matrix of the contact point, order (normal, tangential).
+            velocity: (normal, tangential) velocity before the impact.
+            stick_compliance: change of the normal velocity per unit normal impulse in stick.
+            rests: whether the contact comes to rest, without restitution.
+        """
         return self._law(
             inverse_mass,
             velocity,

@@ -1,10 +1,10 @@
-"""Impact laws in any pymunk space: the engine finds contacts and keeps resting ones, a law resolves
-impacts.
+"""Impact laws in any pymunk space: the engine finds contacts and keeps contacts at rest, a law
+resolves impacts.
 
-Chipmunk restores a fraction of the approach velocity (Newton's restitution) and iterates Coulomb
-friction; where bodies are joined, this can create energy. Here the engine still finds the contacts
-and solves the joints. An approaching contact gets the impulse of an impact law, Stronge's by
-default, which acts at once on all bodies connected by joints.
+The engine, Chipmunk, restores a fraction of the approach velocity (Newton's restitution) and
+iterates Coulomb friction. Where bodies are joined, this can create energy. Here the engine still
+finds the contacts and solves the joints. An approaching contact gets the impulse of an impact law,
+Stronge's by default. The impulse acts at once on all bodies connected by joints.
 """
 
 from __future__ import annotations
@@ -31,16 +31,17 @@ class EnergeticContact:
         space: the pymunk space, in its own units. It can have one EnergeticContact, with any number
             of pairs.
         collision_type_a, collision_type_b: collision types of the shapes of the first pair.
-        friction: Coulomb's mu, >= 0.
-        restitution: energetic coefficient e*, in [0, 1].
-        restitution_friction: mu in restitution; equal to ``friction`` by default.
-        tangential_compliance: eta^2 as in ``energetic_impact``; impacts that are resolved at once
-            (see below) ignore it.
+        friction: Coulomb's coefficient of friction, >= 0.
+        restitution: energetic coefficient of restitution, in [0, 1].
+        restitution_friction: coefficient of friction in restitution; equal to ``friction`` by
+            default.
+        tangential_compliance: ratio of the normal to the tangential contact stiffness, as in
+            ``energetic_impact``. Impacts that are resolved at once (see below) ignore it.
         resting_speed: contacts that approach more slowly are left to the engine, with ``friction``
-        and no restitution, so that bodies come to rest. Contacts slower than the speed that gravity
-        adds in two steps are left to it too.
-        report: called with a :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for
-            each faster impact.
+            and no restitution, so that bodies come to rest. The engine also resolves contacts that
+            approach more slowly than the speed that gravity adds in two steps.
+        report: function that is called with a
+            :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each faster impact.
 
     Raises:
         ValueError: for coefficients out of range, for anything but a space and collision types, and
@@ -48,19 +49,20 @@ class EnergeticContact:
 
     Call :meth:`step`, always with the same duration, instead of ``space.step``, which leaves all
     contacts to the engine. Impacts of bodies that touch each other are resolved one by one at the
-    instants of touch, the earliest first; of simultaneous impacts the fastest is first. After
-    ``sequence.MOST`` impacts the rest are resolved at once. For a copied or unpickled space
-    :meth:`of` returns its EnergeticContact, without ``report``. Threads may step different spaces
-    at the same time; Chipmunk does not permit two threads in one space.
+    instants of touch, the earliest first. Of simultaneous impacts the fastest is first. After
+    ``sequence.MOST`` impacts the remaining ones are resolved at once. For a copied or unpickled
+    space :meth:`of` returns its EnergeticContact, without ``report``. Threads may step different
+    spaces at the same time; Chipmunk does not permit two threads in one space.
 
     Just before an impact, velocities are projected onto the joints. The projection and the impact
     only lose energy, but moving kinematic bodies, motors and surface velocities do work. Between
-    impacts the engine may gain energy: it solves joints iteratively, and corrects positions by
-    velocities (``error_bias``, ``collision_bias``; none at 1).
+    impacts the engine may gain energy: it solves joints iteratively, and it corrects positions by
+    velocities. The correction is off with ``error_bias`` and ``collision_bias`` at 1.
 
-    Every kind of joint takes part, a limit only if it pushes. Springs, joints with a finite
-    ``max_force`` and joints outside the space take no part. Your ``pre_solve`` for the same types
-    is called first, a ``pre_solve`` for any type (None) last.
+    Every kind of joint takes part in an impact, a joint at a limit only if the limit pushes.
+    Springs, joints with a finite ``max_force`` and joints outside the space take no part. Your
+    ``pre_solve`` callback for the same types is called first, a ``pre_solve`` for any type (None)
+    last.
     """
 
     def __init__(
@@ -117,9 +119,12 @@ class EnergeticContact:
 
         Args:
             collision_type_a, collision_type_b: collision types of the shapes; they may be equal.
-            friction, restitution, restitution_friction, tangential_compliance: as for the class;
-                ``law`` interprets them.
+            friction, restitution, restitution_friction, tangential_compliance: coefficients as for
+                the class, which are passed to ``law``.
             law: function with the arguments of :func:`~bristle_sim.theory.impact.energetic_impact`.
+
+        Raises:
+            ValueError: for coefficients out of range, and for a pair that has been added already.
         """
         given = (collision_type_a, collision_type_b)
         pair = CollisionRule(
@@ -137,10 +142,10 @@ class EnergeticContact:
         """Advance the space by one step of a duration >= 0, and resolve the impacts in the step.
 
         Warns:
-            RuntimeWarning: once, if a body moves so far in a step that it passes a shape of its
-            pair without a contact. The warning states a step that is short enough. All speeds are
-            read at most ``tunnelling.UNWATCHED_STEPS`` steps apart; a body that becomes fast
-            between two readings can pass unnoticed until the next reading.
+            RuntimeWarning: once, if a body moves so far in a step that it passes through a shape
+                with which it should collide. The warning states a step that is short enough. All
+                speeds are read at least every ``tunnelling.UNWATCHED_STEPS`` steps; a body that
+                becomes fast between two readings is unnoticed until the next reading.
         """
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
@@ -169,14 +174,15 @@ class EnergeticContact:
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
-        """Return the EnergeticContact of a space, for example of a copied space; None if it has
-        none.
+        """Return the EnergeticContact of a space, for example of a copied space.
+
+        Return None for a space without an EnergeticContact.
         """
         owners = (_owner(each.pre_solve) for each in space._handlers.values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 
     def detach(self) -> None:
-        """Return all contacts to the engine, and restore the callbacks that users had registered."""
+        """Leave all contacts to the engine again, and restore the callbacks of users."""
         self._attach()
         for types, pair in self.pairs.items():
             self.space._handlers[types].pre_solve = pair.chained
@@ -198,7 +204,10 @@ class EnergeticContact:
     def _notice(
         self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any
     ) -> None:
-        """Leave a contact at rest to the engine, and make the engine ignore an approaching contact."""
+        """Call the user's callback, then divide the engine's contacts into rest and impacts.
+
+        A contact at rest is left to the engine. An impact is noted, and the engine ignores it.
+        """
         try:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)

@@ -1,22 +1,23 @@
-"""Contact-space inverse mass of any pymunk bodies with any joints, and the impulse that acts on all
-of them at once.
+"""Inverse mass matrix at a contact of pymunk bodies with any joints, and the impulse that acts on
+all of them at once.
 
-With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and
-tangential velocity of the first body's point relative to the other's), an impulse p at the contact
-changes the velocities by dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In coordinates scaled by the
-square root of the mass this is a projection: the part (n, t) of M^-1/2 C^T that is orthogonal to
-the columns of A = M^-1/2 J^T gives
+With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (its rows give
+the normal and tangential velocity of the first body's point relative to the other body's point), an
+impulse p at the contact changes the velocities by dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In
+coordinates scaled by the square root of the mass this is a projection: the part (n, t) of M^-1/2
+C^T that is orthogonal to the columns of A = M^-1/2 J^T gives
 
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
-An orthogonal factorization [A M^-1/2 C^T] = Q R gives that part. The part of n that is also
+An orthogonal factorization [A M^-1/2 C^T] = Q R gives the part (n, t). The part of n that is also
 orthogonal to t is the motion in stick. Its square is the compliance in stick, K_nn - K_nt^2/K_tt.
-This difference loses its digits where a heavy body leaves a sticking tip hardly any compliance. The
-impulses are then large, and their effects nearly cancel in dV. The same dV follows without
-cancellation from the motion of the tip: t dv_t/K_tt, and the motion in stick.
+This difference loses its digits where a heavy body leaves a sticking contact point hardly any
+compliance. The impulses are then large, and their effects nearly cancel in dV. The same dV follows
+without cancellation from the motion of the contact point: it is t dv_t/K_tt plus the motion in
+stick.
 
-Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by
-row (Cox and Higham 1998). Static and kinematic bodies have no inverse mass.
+The rows of light bodies are the largest and come first, which keeps the factorization accurate row
+by row (Cox and Higham 1998). Static and kinematic bodies have zero inverse mass.
 """
 
 from __future__ import annotations
@@ -47,27 +48,29 @@ from bristle_sim.contact_space.joints import (
     span,
 )
 
-# Parts of the change of v_t, over v_t before and after, above which the tip's motion is used.
-# Two digits have cancelled there.
+# Ratio of the terms of the change of v_t to v_t before and after, above which the change of all
+# velocities is computed from the motion of the contact point: two digits have cancelled there.
 CANCELS = 100.0
 
-SINGULAR = (
-    64.0 * sys.float_info.epsilon
-)  # motion in stick over the normal column below which it is rounding
-WEAK = 1e-2  # motion in stick over the normal column below which its lost digits are restored
-# Opening rate of a joint at its limit, over the speeds of the bodies, above which it opens; a
-# smaller rate is rounding.
+# Motion in stick, as a fraction of the motion by a normal impulse without joints, below which it is
+# rounding error.
+SINGULAR = 64.0 * sys.float_info.epsilon
+# Motion in stick, as a fraction of the motion by a normal impulse, below which its lost digits are
+# restored.
+WEAK = 1e-2
+# Opening rate of a joint at its limit, over the speeds of the bodies, above which the joint opens.
+# A smaller rate is rounding error.
 OPENS = 1e-9
 
 
 class Limits(NamedTuple):
-    """Joints at a limit.
+    """The joints that are at a limit, and their impulses in an impact at the contact.
 
     Attributes:
-        rows: their rows.
-        response: impulse of each of them, which must be >= 0, per unit impulse at the contact, shape
-            (limits, 2), in the norm of the kinetic energy.
-        sizes: lengths of the contact's own rows in that norm, for comparison.
+        rows: Jacobian rows of the limits.
+        response: impulse of each limit per unit impulse at the contact, shape (limits, 2), in the
+            norm of the kinetic energy. The impulse of a limit must be >= 0.
+        sizes: lengths of the contact's own Jacobian rows in this norm, for comparison, shape (2,).
     """
 
     rows: list[JointRow]
@@ -77,19 +80,20 @@ class Limits(NamedTuple):
 
 @dataclass(slots=True)
 class ContactSpace:
-    """The data of a contact that an impact law uses.
+    """The data of a contact that an impact law uses, in the units of the space.
 
     Attributes:
-        inverse_mass: K, order (normal, tangential), 1/kg (in the scene's units).
-        velocity: (v_n, v_t) of the first body's point relative to the other's; v_n < 0 approaches.
+        inverse_mass: inverse mass matrix of the contact point, order (normal, tangential).
+        velocity: (normal, tangential) velocity of the first body's point relative to the other
+            body's point; a negative normal velocity approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit
             tangential impulse, shape (3 bodies, 2).
-        in_stick: the same change per unit normal impulse while the point does not slip, shape (3
-        bodies,).
-        stick_compliance: gain of v_n per unit normal impulse in stick, 1/kg; 0 if the point cannot
-            move.
-        limits: the joints that are at a limit; they are treated as rigid.
+        in_stick: the same change per unit normal impulse while the point does not slip, shape
+            (3 bodies,).
+        stick_compliance: change of the normal velocity per unit normal impulse while the point does
+            not slip; 0 if the point cannot move.
+        limits: the joints that are at a limit, which are treated as rigid; None without them.
     """
 
     inverse_mass: Array
@@ -101,8 +105,9 @@ class ContactSpace:
     limits: Limits | None = None
 
     def pulling_limit(self, impulse: Vector) -> JointRow | None:
-        """Return the limit that pulls hardest at a contact impulse; None if no limit pulls beyond
-        rounding.
+        """Return the joint limit that would pull hardest in an impact of given impulse.
+
+        A limit can only push. Return None if no limit pulls by more than rounding error.
         """
         if self.limits is None:
             return None
@@ -112,10 +117,9 @@ class ContactSpace:
         return rows[least] if pushes[least] < -OPENS * (sizes @ np.abs(impulse)) else None
 
     def apply(self, impulse: Vector, velocity_after: Vector) -> None:
-        """Apply an impulse to the velocities of all bodies.
+        """Change the velocities of all bodies by an impulse (normal, tangential) at the contact.
 
-        ``velocity_after``, the contact velocity after the impulse, keeps the result accurate under
-        cancellation.
+        The contact velocity after the impulse, ``velocity_after``, serves to avoid cancellation.
         """
         change = self.response @ impulse
         if self.stick_compliance > 0.0:
@@ -137,17 +141,16 @@ def contact_space(
     released: Collection[pymunk.Constraint] = (),
     connected: Connected | None = None,
 ) -> ContactSpace:
-    """Return the data of the contact of ``body`` at a world point with ``other``, or with a fixed
-    obstacle.
+    """Return the data of a contact that an impact law uses: inverse mass and contact velocity.
 
     Args:
         body: the body that the impulse acts on; it may be joined to others by any joints.
         point: world coordinates of the contact.
         normal: unit vector from the other body towards ``body``; the tangent is the normal turned
             clockwise.
-        other: the touched body, on which the opposite impulse acts.
-        surface_velocity: velocity of the other body's surface, as of a conveyor, less that of the
-        surface of ``body``; it is added to the motion of the bodies.
+        other: the touched body, on which the opposite impulse acts; None for a fixed obstacle.
+        surface_velocity: velocity of the other body's surface relative to the surface of ``body``,
+            in addition to the motion of the bodies, as of a conveyor.
         released: joints whose limits take no part.
         connected: the result of ``joined`` for the two bodies, if it is known already.
     """
@@ -183,7 +186,12 @@ def contact_space(
 def relative_motion(
     ends: Sequence[pymunk.Body], point: Vector, normal: Vector, surface_velocity: Vector
 ) -> tuple[list[tuple[Entry, ...]], Vector]:
-    """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
+    """Return the Jacobian rows of a contact and the relative velocity of its points.
+
+    Returns:
+        The rows for the velocity of the first body's point relative to the other body's point, in
+        the order (tangential, normal); and this velocity, in the order (normal, tangential).
+    """
     x, y = normal
     relative_x = -surface_velocity[0]
     relative_y = -surface_velocity[1]
@@ -200,10 +208,13 @@ def relative_motion(
 
 
 def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
-    """Return the part of the last two columns, (t, n), that is orthogonal to the joints' columns.
+    """Return the part of the contact's columns that is orthogonal to the columns of the joints.
+
+    The contact's columns are the last two of ``columns``, (tangential, normal). ``joints`` is the
+    number of the joints' columns before them.
 
     Returns:
-        An orthonormal basis of this part, and the triangle with part = basis @ triangle.
+        An orthonormal basis of this part, and the triangular matrix with part = basis @ triangle.
     """
     basis, triangle = np.linalg.qr(columns)
     pivots: list[float] = np.abs(triangle.diagonal()).tolist()
@@ -226,10 +237,14 @@ def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:
 
 
 def _in_stick(columns: Array, basis: Array, triangle: Array) -> tuple[Array, float]:
-    """Return the motion in stick per unit normal impulse, and the compliance in stick.
+    """Return the motion of the bodies while the contact point does not slip.
 
-    Both are 0 if the point cannot move in stick. A point whose tangential motion is rounding cannot
-    slip: normal impulses move it as in stick. Its tangential motion is set to zero in ``triangle``.
+    A point whose tangential motion is rounding error cannot slip, so normal impulses move it as in
+    stick. Its tangential motion is set to zero in ``triangle``.
+
+    Returns:
+        The scaled change of the bodies' velocities per unit normal impulse, and the change of the
+        contact's normal velocity. Both are 0 if the point cannot move in stick.
     """
     tangential, normal = np.abs(columns[:, -2:]).max(axis=0).tolist()
     if max(map(abs, triangle[:, 0].tolist())) <= SINGULAR * tangential:
@@ -241,12 +256,12 @@ def _in_stick(columns: Array, basis: Array, triangle: Array) -> tuple[Array, flo
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
-    """Restore the lost digits of the motion in stick, the last column of the basis, and of its
-    length.
+    """Restore the lost digits of the motion in stick by iterative refinement.
 
-    Nearly all of it is motion of the heavy bodies; the motion of the light ones is small compared
-    with the rounding of the whole. The other columns, the joints and stick, determine it. This
-    correction is accurate (iterative refinement).
+    The motion in stick is the last column of ``basis``, its length the last entry of ``triangle``.
+    Nearly all of it is motion of the heavy bodies. The motion of the light bodies is small compared
+    with the rounding error of the whole; the condition that joints and contact point do not move
+    along the other columns determines it.
     """
     others = basis[:, :-1]
     out = basis[:, -1]
@@ -256,9 +271,9 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
-    """Return whether a reached limit is opening already, so that it cannot push.
+    """Return whether a joint at its limit is opening already, so that the limit cannot push.
 
-    The rates are compared in the norm of the kinetic energy.
+    The opening rate is compared with the speeds of the bodies in the norm of the kinetic energy.
     """
     energies = [each.mass * each.velocity.dot(each.velocity) for each in bodies]
     energies += [

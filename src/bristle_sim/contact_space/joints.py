@@ -1,8 +1,8 @@
 """Velocity constraints of pymunk's joints, and the nearest velocities that obey them.
 
-A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y, angular velocity) of each body's
-mass centre. A joint transmits an impulse only if its force has no bound: in an instantaneous impact
-springs and joints with a finite ``max_force`` transmit none, nor does a joint outside a space.
+A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body's mass centre and its
+angular velocity. A joint transmits an impulse only if its force has no bound. In an instantaneous
+impact springs, joints with a finite ``max_force`` and joints outside a space transmit no impulse.
 Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only, while they
 are reached.
 
@@ -15,10 +15,11 @@ are reached.
 
 The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 
-After the engine's solver the joints open at some rate: its tolerance, and the velocity that it adds
-to correct positions. With A = M^-1/2 J^T the smallest change of M^1/2 V that closes the joints is
-dU = -A (A^T A)^+ (J V - b). With b = 0 (no motors) the energy falls by |dU|^2/2, as in a plastic
-impact of the joints. Limits take part only if they would be passed, and only push.
+After the engine's step the joints open at some rate, because of the solver's tolerance and of the
+velocities that it adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the
+smallest change of M^1/2 V after which the joints do not open is dU = -A (A^T A)^+ (J V - b). With b
+= 0 (no motors) the energy falls by |dU|^2/2, as in a plastic impact of the joints. Limits take part
+only if they would be passed, and only push.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
-"""A body and the factors of its v_x, v_y and angular velocity in one row of J."""
+"""A body, and the factors of its v_x, v_y and angular velocity in one row of the Jacobian J."""
 
 Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 """Dynamic bodies, the lightest first, and the joints that connect them."""
@@ -45,16 +46,19 @@ Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 _SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
 REACHED = 1e-9
-"""Largest distance from a limit that counts as reached, over the joint's length, or in rad;
-positions are rounded."""
-CLOSED = 1e-14  # opening rate below which it is rounding, as a fraction of the terms of its sum
+"""Distance from a joint's limit up to which the limit counts as reached, over the joint's length or
+in rad."""
+CLOSED = 1e-14  # opening rate over the terms of its sum, below which it is rounding error
 
-# Singular value over the largest below which a joint repeats other joints.
+# Singular value, as a fraction of the largest one, below which a joint repeats other joints.
 DEPENDENT = 1e-12
 
 
 class JointRow(NamedTuple):
-    """One row of J V = rate; for a limit, which can only push, of J V >= rate."""
+    """One row of a joint's velocity constraint: J V = rate, or J V >= rate for a limit.
+
+    ``entries`` hold the factors of the bodies' velocities V. A limit can only push.
+    """
 
     joint: pymunk.Constraint
     entries: tuple[Entry, ...]
@@ -62,9 +66,9 @@ class JointRow(NamedTuple):
     limit: bool = False
 
     def excess(self) -> tuple[float, float]:
-        """Return J V - rate at the bodies' velocities, and the sum of the sizes of its terms.
+        """Return the rate J V - rate at which the joint opens, and the scale of its rounding error.
 
-        The second number scales the rounding of the first.
+        The scale is the sum of the magnitudes of its terms.
         """
         value = -self.rate
         size = abs(self.rate)
@@ -77,13 +81,13 @@ class JointRow(NamedTuple):
 
 
 def world(body: pymunk.Body, point: Vector) -> Vector:
-    """Return the world coordinates of a body's point."""
+    """Return the world coordinates of a point that is given in a body's own coordinates."""
     place = lib.cpBodyLocalToWorld(body._body, point)
     return place.x, place.y
 
 
 def mass_centre(body: pymunk.Body) -> Vector:
-    """Return the world coordinates of a body's mass centre; ``position`` may be another point."""
+    """Return the world coordinates of a body's mass centre, which need not be its ``position``."""
     return world(body, lib.cpBodyGetCenterOfGravity(body._body))
 
 
@@ -98,10 +102,9 @@ def point_entries(
 
 
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
-    """Return the dynamic bodies that joints connect to ``ends``, the lightest first, and those
-    joints.
+    """Return all dynamic bodies that joints connect to ``ends``, and these joints.
 
-    Only joints that transmit impulses count.
+    The bodies include ``ends``; the lightest is first. Only joints that transmit impulses count.
     """
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
     bodies: dict[pymunk.Body, None] = {}
@@ -131,9 +134,13 @@ def _transmits_impulse(joint: pymunk.Constraint) -> bool:
 def scaled_columns(
     rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
 ) -> tuple[Array, Array]:
-    """Return M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
+    """Return Jacobian rows in coordinates that are scaled by the square root of the mass.
 
-    Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
+    Bodies of ``rows`` that are not among the dynamic ``bodies`` have zero inverse mass.
+
+    Returns:
+        M^-1/2 J^T, shape (3 bodies, rows), with the mass matrix M and the Jacobian J; and the
+        diagonal of M^-1/2.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
     scale = (
@@ -151,7 +158,9 @@ def scaled_columns(
 
 
 def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
-    """Return the Jacobian rows of a joint, J V = rate; a limit that is not reached has none.
+    """Return the rows of a joint's velocity constraint, J V = rate.
+
+    A joint with a limit that is not reached has no row for it.
 
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
@@ -164,16 +173,19 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 def _across(
     joint: pymunk.Constraint, ends: tuple[Vector, Vector], *directions: Vector, limit: bool = False
 ) -> list[JointRow]:
-    """Return the rows of the velocity of body a's end relative to body b's end along directions."""
+    """Return a joint's rows for the velocity of its end on body a relative to its end on body b.
+
+    ``ends`` are the world coordinates of the two ends. There is one row for each direction.
+    """
     a = point_entries(joint.a, ends[0], directions, 1.0)
     b = point_entries(joint.b, ends[1], directions, -1.0)
     return [JointRow(joint, pair, 0.0, limit) for pair in zip(a, b, strict=True)]
 
 
 def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
-    """Return the rows of a joint between two anchors.
+    """Return the rows of a pivot, pin or slide joint.
 
-    The anchors coincide, keep their distance, or keep it within limits.
+    Its two anchors coincide, keep their distance, or keep their distance within limits.
     """
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
@@ -199,7 +211,7 @@ def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
 
 
 def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
-    """Return the rows that keep the anchor of body b on a segment of body a."""
+    """Return the rows of a groove joint, which keeps an anchor of body b on a segment of body a."""
     start = world(joint.a, joint.groove_a)
     anchor = world(joint.b, joint.anchor_b)
     length, (x, y) = _between(start, world(joint.a, joint.groove_b))
@@ -215,7 +227,7 @@ def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
 
 
 def _turning(joint: Any) -> list[JointRow]:
-    """Return the row of a joint between two angles."""
+    """Return the row of a joint between the angles of two bodies; none at an inactive limit."""
     a = joint.a
     b = joint.b
     angle = b.angle - a.angle
@@ -245,9 +257,10 @@ def _turning(joint: Any) -> list[JointRow]:
 
 
 def of_length_one(columns: Array) -> tuple[Array, Array]:
-    """Return the columns scaled to length 1, and their lengths, with 1 for a length of 0.
+    """Return the columns scaled to length 1, and their lengths.
 
-    Joints of rotation and of translation have different units.
+    This makes joints of rotation and of translation, which have different units, comparable. A
+    column of zeros is not changed; its length is returned as 1.
     """
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
@@ -255,8 +268,9 @@ def of_length_one(columns: Array) -> tuple[Array, Array]:
 
 
 def span(columns: Array) -> Array:
-    """Return an orthonormal basis of the span of columns, shape (rows, rank); the columns may be
-    dependent.
+    """Return an orthonormal basis of the span of columns, shape (rows, rank).
+
+    The columns may be linearly dependent.
     """
     directions, sizes, _ = np.linalg.svd(of_length_one(columns)[0], full_matrices=False)
     return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
@@ -265,10 +279,13 @@ def span(columns: Array) -> Array:
 def joint_basis(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
 ) -> tuple[Array, Array]:
-    """Return a basis of the joints' scaled rows, shape (3 bodies, rank), and the diagonal of
-    M^-1/2.
+    """Return an orthonormal basis of the velocities that joints prevent, and its scale.
 
-    Reached limits are treated as rigid.
+    Limits that are reached are treated as rigid.
+
+    Returns:
+        The basis, shape (3 bodies, rank), in coordinates scaled by the square root of the mass; and
+        the inverse square root of the mass for each coordinate.
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
@@ -278,8 +295,9 @@ def joint_basis(
 def allowed_part(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array
 ) -> Array:
-    """Return the part of velocity changes, shape (3 bodies,), that the joints permit, by orthogonal
-    projection.
+    """Return the part of velocity changes that the joints permit, shape (3 bodies,).
+
+    It is the orthogonal projection in the norm of the kinetic energy.
     """
     rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
@@ -289,9 +307,9 @@ def allowed_part(
 def close_joints(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True
 ) -> None:
-    """Apply the velocity change of least kinetic energy after which no joint opens.
+    """Apply to bodies the velocity change of least kinetic energy after which no joint opens.
 
-    Limits are ignored unless ``with_limits`` is set.
+    Joints at a limit are ignored unless ``with_limits`` is set.
 
     Raises:
         RuntimeError: if no set of pushing limits is found.
@@ -310,7 +328,7 @@ def close_joints(
 
 
 def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
-    """Change (v_x, v_y, angular velocity) of bodies, shape (3 bodies,)."""
+    """Add ``change``, shape (3 bodies,), to v_x, v_y and the angular velocity of each body."""
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         raw = body._body
         velocity = lib.cpBodyGetVelocity(raw)
@@ -321,9 +339,10 @@ def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
 def _least_change(
     columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]
 ) -> Array:
-    """Return the shortest dU with rates + A^T dU = 0.
+    """Return the shortest vector dU with rates + A^T dU = 0, where A are the columns.
 
-    At a limit rates + A^T dU must be >= 0, and so must its impulse.
+    At a limit rates + A^T dU must be >= 0, and the impulse of the limit must be >= 0. ``rounding``
+    is the rounding error of the rates.
     """
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):

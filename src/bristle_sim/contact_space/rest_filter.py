@@ -1,6 +1,7 @@
 """The division of a step's contacts into contacts at rest, for the engine, and impacts, for a law.
 
-Contacts are read by direct engine calls, without wrappers, since a space at rest has many contacts.
+Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a space at
+rest has many contacts.
 """
 
 from __future__ import annotations
@@ -23,27 +24,29 @@ from bristle_sim.contact_space.touching import (
 )
 
 STEPS_OF_GRAVITY = 2.0
-"""Largest approach speed at rest, over the speed that gravity adds in one step.
+"""Largest approach speed that counts as rest, over the speed that gravity adds in one step.
 
 One step passes before the engine finds a new contact, and a bounce shorter than two steps cannot be
 resolved."""
 
-# Surface velocity of separation at which the engine's contact has no impulse.
+# Surface velocity along the normal that makes the engine take a contact to separate, so that the
+# contact has no impulse.
 OUT_OF_REACH = 1e100
 
 
 class RestFilter:
-    """Makes the engine ignore contacts that approach faster than contacts at rest.
+    """Divides the contacts of a step into contacts at rest and impacts, which the engine ignores.
 
     Attributes:
         space: the space.
-        resting_speed: approach speed below which a contact is at rest, as given by the user.
-        resting: largest approach speed at rest in this step; negative until the first contact.
+        resting_speed: approach speed up to which a contact is at rest, as given by the user.
+        resting: largest approach speed of a contact at rest in this step; negative until the first
+            contact.
         at_rest: arbiters and rules of this step's contacts that are left to the engine.
         impacts: contacts of this step that the engine ignores.
         skipped: shapes of the ignored contacts.
-        jammed: shapes of contacts that jammed in the last step; such contacts are left to the
-        engine while they last.
+        jammed: shapes of contacts that jammed in the last step. They are left to the engine while
+            they last.
         motion: motion in this step of the bodies of ignored contacts and of bodies joined to them.
     """
 
@@ -56,18 +59,17 @@ class RestFilter:
         self.impacts: list[Collision] = []
         self.skipped: set[Shapes] = set()
         self.jammed: set[Shapes] = set()
-        self._bodies: Any = (
-            None  # memory for an arbiter's bodies within a step; it cannot be copied
-        )
+        # Memory for the bodies of an arbiter, which exists only within a step: it cannot be copied.
+        self._bodies: Any = None
 
     def begin(self, resting_speed: float) -> None:
-        """Begin a step with a given resting speed."""
+        """Prepare for a step of the engine with a given resting speed."""
         self.resting_speed = resting_speed
         self.resting = -1.0
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
-        """End a step: jammed contacts that the engine has not found again are over."""
+        """End a step of the engine; jammed contacts that it has not found again are over."""
         self._bodies = None
         if self.jammed:
             self.jammed &= {frozenset(arbiter.shapes) for arbiter, _ in self.at_rest}
@@ -84,10 +86,10 @@ class RestFilter:
         return [*itertools.starmap(Collision, self.at_rest), *self.impacts]
 
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Let the engine resolve a contact at rest, or make it ignore an impact.
+        """Let the engine resolve a contact that is at rest, or make it ignore an impact.
 
-        At rest the contact has the rule's friction and no restitution. Contacts at rest are many,
-        so their shapes are not looked up.
+        A contact at rest has the friction of its rule and no restitution. Since contacts at rest
+        are many, their shapes are not looked up.
         """
         if self._bodies is None:
             return
@@ -105,9 +107,9 @@ class RestFilter:
             self._skip(rule, arbiter)
 
     def _skip(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Make the engine ignore a contact, but keep it and wake its bodies.
+        """Note an impact, and make the engine ignore it but keep the contact and wake its bodies.
 
-        The engine takes the contact to separate, without an overlap to reduce.
+        The contact is changed so that the engine takes it to separate, without an overlap.
         """
         for body in arbiter.bodies:
             self.motion.note(joined([body]))
@@ -123,10 +125,10 @@ class RestFilter:
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
-    """Return the approach speed of the fastest point, and the speeds of the bodies at that point.
+    """Return the approach speed of a contact's fastest point, and the bodies' speeds at this point.
 
-    The latter scale the rounding of the former. ``bodies`` is the memory to which the engine writes
-    the bodies.
+    The rounding error of the approach speed is proportional to the speeds of the bodies. ``bodies``
+    is memory to which the engine writes the bodies.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)

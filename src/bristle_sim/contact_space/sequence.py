@@ -1,9 +1,8 @@
-"""Impacts of one step, resolved one by one until no point approaches.
+"""Impacts of one step, resolved one by one until no contact point approaches.
 
-The earliest touch is first; of simultaneous touches the fastest is first.
-
-An impact at one point can drive others of the same bodies, or of bodies joined to them, into their
-surfaces. Bodies connected by contacts and joints are a group; groups are independent.
+The earliest touch is resolved first; of simultaneous touches the fastest is first. An impact at one
+point can make other points of the same bodies, or of bodies joined to them, approach their
+surfaces. Bodies connected by contacts and joints form a group; groups are independent.
 """
 
 from __future__ import annotations
@@ -21,16 +20,18 @@ from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, Shapes, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
-COLLAPSE = 12  # number of impacts at one point after which its group is resolved at once: some bounces have no end
-MOST = (
-    40  # number of impacts of a group after which it is resolved at once; bounds the cost of a step
-)
+# Number of impacts at one point after which its group is resolved at once, since some sequences of
+# bounces have no end.
+COLLAPSE = 12
+# Number of impacts of a group after which the group is resolved at once, which bounds the cost of a
+# step.
+MOST = 40
 
 
 class Groups:
-    """Contact points of a step, and the groups of bodies that they connect.
+    """The contact points of a step, and the groups of bodies that contacts and joints connect.
 
-    Contact points are read when an impact first reaches their bodies.
+    Contact points are read from the engine when an impact first reaches their bodies.
 
     Attributes:
         points: contact points of each body whose points have been read.
@@ -48,7 +49,10 @@ class Groups:
         self.impacts: dict[pymunk.Body, int] = {}
 
     def read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
-        """Read the contact points of bodies before their velocities change; return the new ones."""
+        """Read the contact points of bodies, and return those that were not read before.
+
+        They must be read before the velocities of the bodies change.
+        """
         new: list[TouchingPoint] = []
         for body in bodies:
             if body not in self.points:
@@ -62,13 +66,13 @@ class Groups:
         return new
 
     def head(self, body: pymunk.Body) -> pymunk.Body:
-        """Return the representative body of a body's group."""
+        """Return the body that represents the group of a given body."""
         while body in self._heads:
             body = self._heads[body]
         return body
 
     def unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Merge bodies into one group and add up their impacts."""
+        """Merge the groups of bodies into one group, and add up their numbers of impacts."""
         first, *others = dict.fromkeys(map(self.head, bodies))
         for each in others:
             self._heads[each] = first
@@ -79,13 +83,13 @@ class ImpactSequence:
     """Resolves the approaching contacts at the end of a step.
 
     Args:
-        contacts: contacts of the step, of which the engine ignores those in ``skipped``.
-        report: function that is called with each impact faster than rest, or None.
+        contacts: contacts of the step, divided into contacts at rest and impacts.
+        report: function that is called with each impact faster than a contact at rest, or None.
         end: time of the end of the step.
 
     Attributes:
-        struck: bodies with new velocities; the value is the time from the change of velocity to the
-        end of the step.
+        struck: for each body that an impact has moved, the time from its last impact to the end of
+            the step.
         jammed: shapes of contacts that no impulse can separate.
     """
 
@@ -120,7 +124,10 @@ class ImpactSequence:
                 self._strike(point)
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
-        """Measure points, and add them to the approaching points or remove them."""
+        """Update the approach speeds of points, and the set of points that must be resolved.
+
+        ``since`` is the time from the last change of velocities to the end of the step.
+        """
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             least = 0.0 if point.key in self._filter.skipped else self._filter.resting
@@ -133,8 +140,9 @@ class ImpactSequence:
                 self._approaching.pop(point, None)
 
     def _latest(self, point: TouchingPoint) -> float:
-        """Return the time before the end of the step since which both bodies have had their present
-        velocities.
+        """Return the time from the last impact of a point's bodies to the end of the step.
+
+        Without an impact it is the duration of the step.
         """
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
@@ -177,7 +185,7 @@ class ImpactSequence:
     def _strike_all(self, point: TouchingPoint) -> None:
         """Resolve all contacts of a point's group at once, at the end of the step.
 
-        The group includes bodies that are connected over further bodies.
+        The group includes bodies that are connected through other bodies.
         """
         groups = self._groups
         reached: dict[pymunk.Body, None] = {}
@@ -199,10 +207,13 @@ class ImpactSequence:
     def _impact(
         self, point: TouchingPoint, connected: Connected
     ) -> tuple[ContactSpace, Impact, bool]:
-        """Return the impact in which joint limits only push; a limit that would pull takes no part.
+        """Return the impact at a point, in which joint limits can only push.
+
+        A limit that would pull takes no part.
 
         Returns:
-            The contact space, the impact, and whether the point approaches as slowly as at rest.
+            The data of the contact, the impact, and whether the point approaches so slowly that it
+            counts as a contact at rest.
         """
         first, second = point.bodies
         place, normal, _ = point.overlap

@@ -33,22 +33,25 @@ from bristle_sim.contact_space.joints import (
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
 from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
-# Largest number of iterations times contacts: 640 iterations for a row of 40 balls, which needs
-# them, and some 10 ms of a step for any number of contacts.
+# Largest product of the numbers of iterations and contacts. It permits the 640 iterations that a
+# row of 40 balls needs, and takes some 10 ms of a step for any number of contacts.
 EFFORT = 25_000
-SETTLED = 1e-8  # change of the impulses in the last iteration, as a fraction of the largest impulse
+# Change of the impulses in an iteration, as a fraction of the largest impulse, at which the
+# iteration has converged.
+SETTLED = 1e-8
 
 
 def resolve_at_once(
     points: Sequence[TouchingPoint], connected: Connected, motion: StepMotion, resting: float
 ) -> list[Impact]:
-    """Apply the impact at all points to the velocities of the connected bodies.
+    """Resolve the impacts at all contact points of connected bodies at once.
 
-    The impact is at the end of the step; the engine's velocities are half a step ahead of it. An
-    approach at most as fast as ``resting`` has no restitution.
+    The velocities of the bodies are changed. The impact takes place at the end of the step; the
+    engine's velocities are half a step ahead of it. A point that approaches no faster than
+    ``resting`` has no restitution.
 
     Returns:
-        The record of each point. The sum of all works is the change of the kinetic energy.
+        The impact of each point. The sum of all works is the change of the kinetic energy.
     """
     from scipy.sparse import csr_array  # imported only where many contacts meet
 
@@ -70,7 +73,7 @@ def resolve_at_once(
     restitution[-before[:, 0] <= resting] = 0.0
 
     def gain(impulse: Array) -> Array:
-        """Return the change of the contact velocities, shape (m, 2), by impulses."""
+        """Return the change of the contact velocities by impulses at the contacts, shape (m, 2)."""
         return np.asarray(transposed @ (contacts @ impulse.ravel())).reshape(-1, 2)
 
     first = _plastic(gain, step, friction, before)
@@ -92,10 +95,13 @@ def resolve_at_once(
 def _plastic(
     gain: Callable[[Array], Array], step: Array, friction: Array, velocity: Array
 ) -> Array:
-    """Return the impulses, shape (m, 2), of a plastic impact that starts at given contact
-    velocities.
+    """Return the impulses of a plastic impact at m contacts, shape (m, 2).
 
-    ``gain`` returns the change of the contact velocities by impulses; ``step`` is 1/D.
+    Args:
+        gain: function that returns the change of the contact velocities by impulses.
+        step: step of the gradient method for each component of the impulses.
+        friction: coefficient of friction of each contact.
+        velocity: contact velocities before the impact, shape (m, 2).
     """
     impulse = ahead = np.zeros_like(velocity)
     momentum = 1.0
@@ -120,8 +126,10 @@ def _plastic(
 
 
 def _record(first: Array, second: Array, before: Array, middle: Array, after: Array) -> Impact:
-    """Return the record of a contact from its impulses of compression and of restitution, and its
-    velocities before, between and after them.
+    """Return the impact of one contact from its impulses and velocities, each (normal, tangential).
+
+    ``first`` and ``second`` are the impulses of compression and restitution. ``before``, ``middle``
+    and ``after`` are the velocities before, between and after these impulses.
     """
     nothing = np.zeros(2)
     impulses = np.array([first, nothing, second, nothing])

@@ -1,9 +1,10 @@
 """Motion of bodies in the engine's last step, and contact points, traced back to the instant of
 touch.
 
-The engine is a leapfrog: it moves positions by the old velocity, and then changes velocities. With
-V before a step of length h and V + g after it, V is the velocity at the middle of the step, and V +
-g the velocity half a step after its end. At the time s before the end of the step
+The engine integrates by the leapfrog method: it moves positions by the old velocity, and then
+changes velocities. With the velocity V before a step of length h and V + g after it, V is the
+velocity at the middle of the step, and V + g is the velocity half a step after the step's end. At
+the time s before the end of the step the position and the velocity are
 
     x_s = x - s (V_end - g)    and    V_s = V_end - (s/h + 1/2) g.
 
@@ -33,13 +34,14 @@ from bristle_sim.contact_space.joints import (
 )
 from bristle_sim.theory.impact import Impact
 
-APPROACH_ROUNDING = 1e-9  # approach over the bodies' speed at a point, below which it is rounding
+# Approach speed, as a fraction of the bodies' speed at a point, below which it is rounding error.
+APPROACH_ROUNDING = 1e-9
 
 HALVINGS = 4
-"""Largest number of trials in the search for a touch.
+"""Largest number of trials in the search for the instant of touch.
 
 Each trial goes back half as far as the trial before, until the shapes overlap."""
-# Largest time since a touch, over its estimate by the overlap and velocity at the end of the step.
+# Largest time since a touch, over its estimate from overlap and velocity at the end of the step.
 FARTHER = 1.5
 
 Shapes = frozenset[pymunk.Shape]
@@ -48,15 +50,16 @@ _BODY = ffi.typeof("cpBody *[1]")
 
 
 def room_for_bodies() -> tuple[Any, Any]:
-    """Return memory to which the engine writes the two bodies of an arbiter; threads must not share
-    it.
+    """Return memory to which the engine writes the two bodies of an arbiter.
+
+    Threads must not share this memory.
     """
     return ffi.new(_BODY), ffi.new(_BODY)
 
 
 Motion = tuple[float, float, float]
-"""v_x, v_y and angular velocity, or their changes in a step by forces, joints and contacts at
-rest."""
+"""Velocity components v_x and v_y and angular velocity of a body, or the changes of these in a step
+by forces, joints and contacts at rest."""
 
 NONE = (0.0, 0.0, 0.0)
 
@@ -68,11 +71,12 @@ def velocity_of(body: pymunk.Body) -> Motion:
 
 
 class StepMotion:
-    """Changes of velocity in a step of the bodies that impacts may set in motion.
+    """The changes of velocity, in one step, of the bodies that impacts may set in motion.
 
     Attributes:
-        duration: length of the step.
-        gains: change of velocity of each body; bodies that are not listed moved uniformly.
+        duration: duration of the step.
+        gains: change of each body's velocities in the step. Bodies without an entry moved
+            uniformly.
     """
 
     def __init__(self) -> None:
@@ -81,15 +85,15 @@ class StepMotion:
         self._groups: list[Connected] = []
 
     def note(self, connected: Connected) -> None:
-        """Record the velocities of jointed bodies before the engine changes them in the step."""
+        """Record the velocities of joined bodies before the engine changes them in the step."""
         if connected[0] and connected[0][0] not in self.gains:
             self._groups.append(connected)
             self.gains.update({body: velocity_of(body) for body in connected[0]})
 
     def finish(self, duration: float) -> None:
-        """Compute the gains after the step.
+        """Compute, after the step, the changes of velocity in it.
 
-        A part of a gain that the joints do not permit is a correction of the joints, not motion.
+        The part of a change that the joints do not permit is left out: it corrects the joints.
         """
         self.duration = duration
         for bodies, joints in self._groups:
@@ -105,23 +109,31 @@ class StepMotion:
                 )
 
     def clear(self) -> None:
-        """Discard the step's data."""
+        """Discard the data of the step."""
         self.gains.clear()
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return the number of gains between the velocity at a time before the end of the step and
-        that after the step.
+        """Return the time from an instant in the step to the engine's velocities, in steps.
+
+        ``time`` is the time from the instant to the end of the step. The engine's velocities are
+        half a step after this end.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
-        """Return a body's velocities after the step, their gains in it and the body's mass centre."""
+        """Return the motion of a body.
+
+        Returns:
+            The velocities after the step, their changes in the step, and the world coordinates of
+            the mass centre.
+        """
         return velocity_of(body), self.gains.get(body, NONE), mass_centre(body)
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies forward by a time, or back by a negative one, with the velocities within the
-        step.
+        """Move bodies by a time with the velocities that they had within the step.
+
+        A negative time moves the bodies back.
         """
         for body in bodies if time else ():
             raw = body._body
@@ -134,20 +146,25 @@ class StepMotion:
             lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
 
     def kick(self, bodies: Sequence[pymunk.Body], steps: float) -> None:
-        """Add a multiple of the gains to the velocities of bodies."""
+        """Add to the velocities of bodies their changes in the step, multiplied by ``steps``."""
         set_in_motion(bodies, steps * np.array([self.gains.get(each, NONE) for each in bodies]))
 
 
 class Overlap(NamedTuple):
-    """World coordinates of a contact, unit vector towards the first body, and depth of the overlap."""
+    """The geometry of a contact point.
+
+    ``point`` holds the world coordinates of the contact, ``normal`` the unit vector towards the
+    first body, and ``depth`` the depth of the overlap.
+    """
 
     point: Vector
     normal: Vector
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Extrapolate point and normal linearly from this overlap through another one; ``factor``
-        is 1 there.
+        """Return point and normal extrapolated linearly from this overlap through another overlap.
+
+        ``factor`` is 0 at this overlap and 1 at the other one.
         """
         x, y = self.point
         u, v = later.point
@@ -162,7 +179,7 @@ class Overlap(NamedTuple):
 
 
 def overlaps(contact: Any) -> list[Overlap]:
-    """Return the overlaps of the engine's contact points, with normals towards the first shape."""
+    """Return the geometry of the engine's contact points, with normals towards the first shape."""
     x, y = contact.normal.x, contact.normal.y
     found = []
     for index in range(contact.count):
@@ -175,22 +192,27 @@ def overlaps(contact: Any) -> list[Overlap]:
 
 
 Seen = tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector]
-"""The shapes of a contact, their overlaps, and the surface velocity of the second one less that of
-the first."""
+"""The two shapes of a contact, the geometry of its points, and the surface velocity of the second
+shape relative to the first shape."""
 
 
 def seen(arbiter: pymunk.Arbiter) -> Seen:
-    """Return the geometry of the engine's contact."""
+    """Return the geometry of a contact that the engine has found."""
     points = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
     return arbiter.shapes, overlaps(points), arbiter.surface_velocity
 
 
 @dataclass(slots=True, eq=False)
 class Collision:
-    """A contact that the engine found: its arbiter, its rule, and its geometry from before the
-    engine was made to ignore it, if it was.
+    """A contact that the engine found in a step.
 
     Outside callbacks an arbiter may have its shapes in the other order.
+
+    Attributes:
+        arbiter: the engine's object for the contact.
+        pair: rule of the two collision types.
+        before: geometry of an impact before the engine was made to ignore it; None for a contact at
+            rest.
     """
 
     arbiter: pymunk.Arbiter
@@ -202,8 +224,9 @@ class Collision:
         return [each for each in self.arbiter.bodies if each.body_type == pymunk.Body.DYNAMIC]
 
     def points(self) -> list[TouchingPoint]:
-        """Return the points where the shapes touch; an empty list for a sensor and for contacts
-        that users ignore.
+        """Return the points where the shapes touch.
+
+        The list is empty for a sensor and for a contact that the user's callback ignores.
         """
         shapes, found, (x, y) = self.before or seen(self.arbiter)
         if not self.arbiter.process_collision or shapes[0].sensor or shapes[1].sensor:
@@ -228,15 +251,15 @@ class TouchingPoint:
         pair: rule of the two collision types.
         shapes: the two shapes.
         bodies: the two bodies; the first is dynamic.
-        surface_velocity: velocity of the second body's surface, as of a conveyor, less that of the
-        first.
+        surface_velocity: velocity of the second body's surface relative to the first body's
+            surface, in addition to the motion of the bodies, as of a conveyor.
         overlap: point and normal at the end of the step or at the instant of touch, and depth at
-        the end of the step.
+            the end of the step.
         drift: speed at which the overlap grew during the step.
         time: time from the touch to the end of the step.
         approach: approach speed of the bodies at the touch.
-        speed: largest speed of the two bodies at the point so far, which scales the rounding of
-        ``approach``.
+        speed: largest speed of the two bodies at the point so far, to which the rounding error of
+            ``approach`` is proportional.
         impacts: number of impacts at the point so far.
     """
 
@@ -253,14 +276,14 @@ class TouchingPoint:
 
     @property
     def key(self) -> Shapes:
-        """The two shapes in any order."""
+        """The two shapes without an order, which identify the contact."""
         return frozenset(self.shapes)
 
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
-        """Compute the approach and the time of the touch from the present velocities.
+        """Compute the approach speed and the time of the touch from the present velocities.
 
-        ``since`` is the time before the end of the step at which velocities changed last. The touch
-        is at most ``latest`` before the end of the step.
+        ``since`` is the time from the last change of the velocities to the end of the step. The
+        touch is at most the time ``latest`` before the end of the step.
         """
         (at_x, at_y), (x, y), depth = self.overlap
         growth = self.surface_velocity[0] * x + self.surface_velocity[1] * y
@@ -284,8 +307,9 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move ``bodies`` back to the instant of touch, and correct that instant and the place on
-        the way.
+        """Move bodies back to the instant of touch, and correct the estimates of time and location.
+
+        The touch is at most the time ``latest`` before the end of the step.
         """
         time = self.time
         after = self._look() if time else None
@@ -305,10 +329,9 @@ class TouchingPoint:
         self.time = 0.0
 
     def _look(self) -> Overlap | None:
-        """Return the overlap of the shapes at the bodies' present places; None if they do not
-        touch.
+        """Return the overlap of the shapes at the bodies' present positions.
 
-        Of several overlaps it is the one nearest to the known point.
+        Of several overlaps it is the one nearest to the known point. Without an overlap it is None.
         """
         first, second = self.shapes
         first.cache_bb()
@@ -317,7 +340,10 @@ class TouchingPoint:
         return min(found, key=lambda each: math.dist(each.point, self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
-        """Return the record of an impact at the point; ``end`` is the time of the end of the step."""
+        """Return an impact at the point together with its time, location and bodies.
+
+        ``end`` is the time of the end of the step.
+        """
         place = end - self.time, self.overlap.point, self.overlap.normal, self.bodies
         entries = *[getattr(impact, each.name) for each in fields(Impact)], *place
         return LocatedImpact(*entries)

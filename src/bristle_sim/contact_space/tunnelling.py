@@ -1,11 +1,11 @@
-"""A warning of shapes that pass each other within one step.
+"""A warning if shapes pass through each other within one step.
 
 The engine looks for contacts only at the ends of steps. It separates two shapes in the direction of
-least overlap, which leads back only while their middles have not passed each other. With least
-extents a and b and the approach speed v, a step of length h is short enough if v h <= (a + b)/2. A
-body that moves farther is followed along the straight line of its next step. It passes a shape on
-this line if it does not touch the shape at the beginning and is beside or beyond it at the end.
-Other shapes are treated as at rest; rotation is not followed.
+least overlap. This is the right direction only while their middles have not passed each other. With
+the least widths a and b of the shapes and the approach speed v, a step of length h is short enough
+if v h <= (a + b)/2. A body that moves farther is followed along the straight line of its next step.
+It passes through a shape on this line if it does not touch the shape at the beginning and is beside
+or beyond the shape at the end. Other shapes are treated as at rest; rotation is neglected.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ import pymunk
 from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
 UNWATCHED_STEPS = 16
-"""Steps between two readings of all speeds while no body is fast.
+"""Number of steps from one reading of all speeds to the next while no body is fast.
 
-A reading takes 5 us, a step in flight 1 us."""
+A reading takes 5 us; a step without contacts takes 1 us."""
 
 Types = tuple[int, int]
 
 
 class TunnellingWatch:
-    """Warns once if a body passes a shape with which it should collide.
+    """Warns once if a body passes through a shape with which it should collide.
 
-    All speeds are read in every step while one of them is fast or the number of shapes has changed,
-    otherwise in each sixteenth step. Least extents are computed when the number of shapes changes.
+    All speeds are read in every step while a body is fast or the number of shapes has changed,
+    otherwise in every sixteenth step. The least widths of the shapes are computed when the number
+    of shapes changes.
 
     Attributes:
         warned: whether the warning has been given; speeds are not read after that.
@@ -44,8 +45,9 @@ class TunnellingWatch:
         self._least_extent = 0.0
 
     def watch(self, space: pymunk.Space, pairs: Collection[Types], duration: float) -> None:
-        """Check the speeds before a step of a given duration, and warn if a body passes a shape in
-        it.
+        """Warn if a body will pass through a shape in the step that begins.
+
+        ``duration`` is the duration of the step.
         """
         if self._unwatched and len(space._shapes) == self._shapes:
             self._unwatched -= 1
@@ -71,7 +73,7 @@ class TunnellingWatch:
     def _follow(
         self, space: pymunk.Space, pairs: Collection[Types], body: pymunk.Body, duration: float
     ) -> None:
-        """Warn if the body passes a shape in the step that begins."""
+        """Warn if one body will pass through a shape in the step that begins."""
         speed = body.velocity.length
         for shape in body.shapes:
             extent = least_extent(shape)
@@ -99,7 +101,7 @@ class TunnellingWatch:
 
 
 def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types]) -> bool:
-    """Return whether an overlap of two shapes would be a contact with an impact law."""
+    """Return whether an overlap of two shapes would be a contact that obeys an impact law."""
     types = (shape.collision_type, other.collision_type)
     ends: list[Any] = [shape.body, other.body]
     return (
