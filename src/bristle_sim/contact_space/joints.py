@@ -94,7 +94,11 @@ def mass_centre(body: pymunk.Body) -> Vector:
 def point_entries(
     body: pymunk.Body, point: Vector, directions: Iterable[Vector], sign: float
 ) -> list[Entry]:
-    """Return a body's entries in the Jacobian rows of a world point's velocity along directions."""
+    """Return the entries of one body in the Jacobian rows for the velocity of a contact or joint.
+
+    There is one row for the velocity of the world point along each direction. ``sign`` is 1 for the
+    first body and -1 for the other one.
+    """
     centre_x, centre_y = mass_centre(body)
     arm_x = point[0] - centre_x
     arm_y = point[1] - centre_y
@@ -227,7 +231,10 @@ def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
 
 
 def _turning(joint: Any) -> list[JointRow]:
-    """Return the row of a joint between the angles of two bodies; none at an inactive limit."""
+    """Return the row of a joint between the angles of two bodies.
+
+    The list is empty for a limit that is not reached.
+    """
     a = joint.a
     b = joint.b
     angle = b.angle - a.angle

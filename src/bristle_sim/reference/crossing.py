@@ -114,8 +114,8 @@ def _sign_changes(
 def _root(function: Function, left: float, right: float, already: float) -> float:
     """Return the root of a function between two times, s.
 
-    ``already`` is the function's value at ``left`` times the sign of its value at ``right``. If it
-    is not negative, the root is ``left``.
+    ``already`` is the function's value at ``left`` times the sign of its value at ``right``. If the
+    product is not negative, rounding error has moved the root to ``left``.
     """
     if already >= 0.0:  # by rounding, at the start of the search
         return float(left)

@@ -58,7 +58,7 @@ class Acting(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """Ratio of the tangential to the normal force in slip, -mu sign(v_t)."""
+        """Ratio of the tangential to the normal force in slip, -friction times the slip's sign."""
         return -self.friction * self.slip
 
 
@@ -169,9 +169,10 @@ def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> boo
 
 
 def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, still: float) -> bool:
-    """Return whether a contact that slips from rest accelerates in the sense of its slip.
+    """Return whether the tangential acceleration of a contact agrees with its assumed slip.
 
-    For a single link's contact at rest, return whether it stays at rest.
+    A contact that begins to slip must accelerate in the sense of its slip. A contact that rests
+    without friction must not accelerate. All other contacts agree.
     """
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True

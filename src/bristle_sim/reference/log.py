@@ -230,7 +230,7 @@ class Log:
         return self.records if len(self.records) == 1 else [self.records[point.piece]]
 
     def sample(self, instant: Instant) -> None:
-        """Store a state with the contact forces, unless it equals the last sample."""
+        """Store a sample, the state with the contact forces, unless it equals the last sample."""
         forces = np.zeros((len(self.records), 2))
         state = instant.state
         for number, each in enumerate(instant.system.sustained):

@@ -143,7 +143,7 @@ class Chain:
         return np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
 
     def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix at the links' directions e^{i theta}, kg m^2."""
+        """Return the mass matrix for given directions e^{i theta} of the links, kg m^2."""
         return np.asarray(
             (np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix
         )
@@ -215,7 +215,7 @@ class Chain:
     def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
         """Return the kinetic and the potential energy of all links, J.
 
-        The potential energy is that of belt, hinges and gravity.
+        Belt, hinges and gravity contribute to the potential energy.
         """
         twists = self._twists(angles, self._hub_angles(time))
         links = self.pieces.links

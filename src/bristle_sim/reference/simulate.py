@@ -36,7 +36,7 @@ requested = functools.partial(quantity, usual=ANY)
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """The checked arguments of a run."""
+    """The arguments of a run, checked against their ranges."""
 
     start_hub_angle: float = requested(START, "-1e6 <= start_hub_angle <= 1e6 rad")
     start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")

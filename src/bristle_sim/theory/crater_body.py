@@ -48,7 +48,7 @@ class Paraboloid:
 
     @property
     def lowest(self) -> float:
-        """Return x of the lowest point."""
+        """Return the coordinate x of the lowest point, m: the middle of the crater."""
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
