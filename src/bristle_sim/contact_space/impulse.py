@@ -88,9 +88,9 @@ class ContactSpace:
             body's point; a negative normal velocity approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit
-            tangential impulse, shape (3 bodies, 2).
+            tangential impulse, shape (3 * len(bodies), 2).
         in_stick: the same change per unit normal impulse while the point does not slip, shape
-            (3 bodies,).
+            (3 * len(bodies),).
         stick_compliance: change of the normal velocity per unit normal impulse while the point does
             not slip; 0 if the point cannot move.
         limits: the joints that are at a limit, which are treated as rigid; None without them.

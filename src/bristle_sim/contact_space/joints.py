@@ -143,7 +143,7 @@ def scaled_columns(
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have zero inverse mass.
 
     Returns:
-        M^-1/2 J^T, shape (3 bodies, rows), with the mass matrix M and the Jacobian J; and the
+        M^-1/2 J^T, shape (3 * len(bodies), rows), with the mass matrix M and the Jacobian J; and the
         diagonal of M^-1/2.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
@@ -291,7 +291,7 @@ def joint_basis(
     Limits that are reached are treated as rigid.
 
     Returns:
-        The basis, shape (3 bodies, rank), in coordinates scaled by the square root of the mass; and
+        The basis, shape (3 * len(bodies), rank), in coordinates scaled by the square root of the mass; and
         the inverse square root of the mass for each coordinate.
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
@@ -302,7 +302,7 @@ def joint_basis(
 def allowed_part(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array
 ) -> Array:
-    """Return the part of velocity changes that the joints permit, shape (3 bodies,).
+    """Return the part of velocity changes that the joints permit, shape (3 * len(bodies),).
 
     It is the orthogonal projection in the norm of the kinetic energy.
     """
@@ -335,7 +335,7 @@ def close_joints(
 
 
 def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
-    """Add ``change``, shape (3 bodies,), to v_x, v_y and the angular velocity of each body."""
+    """Add ``change``, shape (3 * len(bodies),), to v_x, v_y and the angular velocity of each body."""
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         raw = body._body
         velocity = lib.cpBodyGetVelocity(raw)

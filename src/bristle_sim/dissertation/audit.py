@@ -76,7 +76,9 @@ class AuditView(Declared):
 
 
 def audit_rows() -> tuple[AuditRow, ...]:
-    """Return all rows of the audit; every number is finite, and every place occurs once."""
+    """Return the rows of the audit of the dissertation's printed numbers, one for each place in the
+    text; all numbers are finite.
+    """
     from bristle_sim.dissertation import audit_chapter_2 as impact
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 

@@ -67,7 +67,8 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 class Closest(NamedTuple):
-    """The closest approach of wire and bar; all lengths are over the bristle's length.
+    """The closest approach of wire and bar; all lengths are divided by the bristle's
+    length.
 
     Attributes:
         gap: gap between the surfaces of wire and bar.

@@ -255,10 +255,10 @@ def _lowest(
     slopes: tuple[Array, Array],
     hop: Array,
 ) -> Array:
-    """Return the turn of the hub, rad, at which each gap is smallest between two ends of a bracket.
+    """Return the hub angle, rad, within each bracket at which the gap is smallest.
 
-    At the minimum the gap's rate is zero. ``hop`` gives the minimum of a gap that begins at zero,
-    and is NaN for all other gaps.
+    The minimum is located as a zero of the gap's rate. For a gap that begins at zero, ``hop`` is
+    already that angle; it is NaN for all other gaps.
     """
     turning = np.flatnonzero(np.isnan(hop))
     bottom = hop.copy()

@@ -54,8 +54,8 @@ class Link:
 
 
 class State(NamedTuple):
-    """The state of a mechanism: time, and absolute angle, rad, and rate of every link; engine
-    units.
+    """The state of a mechanism in engine units: the time, and the absolute angle (rad) and the rate
+    of each link.
     """
 
     time: float

@@ -144,8 +144,7 @@ class BarPair:
     corner: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        """Check that the bar is thick enough for the wire's side of it to be known despite rounding
-        errors.
+        """Check that the bar is so thick that rounding errors cannot put the wire on its other side.
 
         Raises:
             ValueError: if it is too thin.

@@ -83,8 +83,8 @@ class RigidContacts:
         """Return the forces, impulses and work of all contacts in one list, in the order of
         ``Sums``.
 
-        The normal force is the force in the last step. If the contact would have had to pull in any
-        step, it is the force in the last of these steps.
+        The normal force is that of the last step. For a contact that would have had to pull in one
+        or more steps, the normal force is that of the last step in which it would have pulled.
         """
         found = list[float]()
         for each in zip(*self._solver.impulses, strict=True):

@@ -215,12 +215,12 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
 
 
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
-    """Compute the strikes over a grid of bar positions that includes the tool's bar and the
-    directions found.
+    """Compute the strikes for a grid of bar positions, wide enough to contain the tool's own bar and
+    the bars in the directions found.
 
     Returns:
         The coordinates S_H and S_V of the bar, m, and the measures of the strikes by name, shape
-        (S_V, S_H), NaN without a cued strike.
+        (S_V, S_H); NaN where there is no cued strike.
     """
     assert found.tool.bar is not None
     directions = [found.radial.direction, found.fastest.direction]

@@ -103,10 +103,10 @@ class Design:
     check: Check
 
     def plot(self) -> Any:
-        """Return a matplotlib figure of the trade-off of two conflicting wants.
+        """Return a matplotlib figure of the trade-off between two wanted quantities that conflict.
 
         Raises:
-            ValueError: if there is no conflict of two wants.
+            ValueError: if no two wanted quantities conflict.
         """
         if not self.trade_off:
             raise ValueError("plot: must have two conflicting wants; all are met here")

@@ -56,7 +56,8 @@ class Study:
     Attributes:
         inputs: names of the inputs.
         outputs: names of the outputs.
-        values: outputs at the samples A and B, shape (outputs, 2 samples).
+        values: outputs at the points of sample A, then of sample B, shape (outputs, 2 n) with n
+            points in each sample.
         first_order, total: first-order and total indices, shape (outputs, inputs).
         first_order_interval, total_interval: ends of their 95 % intervals, shape (outputs, inputs,
             2).

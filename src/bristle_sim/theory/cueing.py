@@ -290,10 +290,11 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the position of the bar with centrifugal stiffness, and the motion up to the strike.
+    """Return the bar position and the motion up to the strike of a bristle that the hub's rotation
+    stiffens.
 
-    It is exact for an undamped belt; damping is neglected. ``retraction`` is the retraction at
-    release, rad.
+    Belt damping is neglected; for an undamped belt the result is exact. ``retraction`` is the
+    retraction at release, rad.
     """
     swing = (
         retraction,
