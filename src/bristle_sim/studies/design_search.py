@@ -79,7 +79,10 @@ class Question:
         return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
 
     def passes(self, fractions: Array) -> dict[str, Array]:
-        """Return the quantities of the passes at fractions of the parameters' ranges, by name."""
+        """Compute one pass for each set of parameter values, and return the results by name.
+
+        Each value is given as a fraction of its parameter's range, from 0 to 1.
+        """
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
     def present(self) -> Array:
