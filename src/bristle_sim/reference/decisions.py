@@ -126,8 +126,8 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
     """Return the stiffness of a wire's contacts with the workpart, N/m; None if they are rigid.
 
     At the first contact the stiffness is computed from the requested duration. For a rigid wire the
-    duration is related to the stiffness by the impact law; for a wire of several links it is that
-    of a frictionless contact with rigid hinges.
+    impact law relates the two. For a wire of several links the contact is taken to be frictionless,
+    and the hinges rigid.
     """
     system = instant.system
     chain = instant.system.chain

@@ -172,7 +172,7 @@ def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, st
     """Return whether the tangential acceleration of a contact agrees with its assumed slip.
 
     A contact that begins to slip must accelerate in the sense of its slip. A contact that rests
-    without friction must not accelerate. All other contacts agree.
+    without a friction force must not accelerate. All other contacts agree.
     """
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True

@@ -7,7 +7,7 @@ earlier value, and
     N = (k/e*^2) (delta - delta_r),    delta_r = (1 - e*^2) delta_max,
 
 otherwise, down to 0 at delta_r. The spring thus returns e*^2 of the work it took, for any motion of
-the bodies do (Stronge 1990).
+the bodies (Stronge 1990).
 
 Where the tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the contact
 point to a foot on the surface. While the foot stands, T = -(k/eta^2) (x - x_foot). Where this force
