@@ -1,5 +1,5 @@
-"""Figures, films without a display, and the report page; nothing here steps physics.
+"""Figures, films and HTML pages of results that are already computed; nothing here simulates.
 
-Public: ``pass_figure``, ``tool_films.PassFilm``, ``report.write_report``, the figures and films of
-the scenarios, and ``style.save_figure``.
+Films need no display. Public: ``pass_figure``, ``tool_films.pass_film``, ``report.write_report``,
+the figures and films of the scenarios, and ``style.save_figure``.
 """

@@ -1,4 +1,4 @@
-"""Figures of several bristles: three shapes at their strike, and a row whose wires touch."""
+"""Figures of several bristles: three shapes of wire at their strike, and a row whose wires touch."""
 
 from __future__ import annotations
 
@@ -40,8 +40,10 @@ MARKS: dict[str, dict[str, Any]] = {
 
 @style.styled()
 def bent_figure(bent: BentBristles) -> Figure:
-    """Draw wires at the strike and tip paths (mm), and displacements along the workpart in contact
-    (mm over us).
+    """Draw straight and bent wires at the strike, and the paths of their tips around the contact.
+
+    These lengths are in mm. A further panel shows each tip's displacement along the workpart during
+    the contact, in mm over time in us.
     """
     figure = style.blank_figure(16.0, 17.2)
     words = "to scale, from the point of strike"
@@ -147,8 +149,10 @@ LEAST = {
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
-    """Return the pitches to simulate, deg, from close bristles to beyond the least pitch of the
-    whole pass.
+    """Return the angles between neighbouring bristles, deg, at which the strike is simulated.
+
+    They extend from closely spaced bristles to beyond the least pitch without a touch in the whole
+    pass.
     """
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
@@ -169,7 +173,13 @@ LEAST_SPAN = 0.02
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
 ) -> Figure:
-    """Draw a row at two instants, and the strike of its last bristle over the pitch in degrees."""
+    """Draw a row of bristles at two instants, and the strike of its last bristle over the pitch.
+
+    Args:
+        row: the row of bristles.
+        pitches: angles between neighbouring bristles, deg.
+        strikes: quantities of the last bristle's strike by name, with one value for each pitch.
+    """
     figure = style.blank_figure(16.0, 13.4)
     last = f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
@@ -222,8 +232,10 @@ def neighbours_figure(
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
-    """Return names and times (s) of the first touch and of the last touch before the last bristle's
-    strike.
+    """Return the two instants at which the row is drawn, each as a name and a time, s.
+
+    They are the first touch between wires, and the last touch before the last bristle strikes. If
+    the wires do not touch, they are the strikes of the first and the last bristle.
     """
     front = row.bristles[0].event_time("strike")
     strike = row.bristles[-1].event_time("strike")

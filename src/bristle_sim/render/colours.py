@@ -1,4 +1,4 @@
-"""Colours of all pictures, which differ also to the colour-blind, and their order in series."""
+"""Colours of all pictures, distinguishable to the colour-blind, and their order for curves."""
 
 BLACK = "#1a1a1a"
 GREY = "#6b6b6b"

@@ -1,6 +1,7 @@
-"""Figure of error against CPU time, with one panel for each case.
+"""Figure of error against CPU time, with one panel for each test case.
 
-The methods of this project and the best method of each peer are coloured, the others are grey.
+The methods of this project and the best method of each other package are coloured. The other
+methods are grey.
 """
 
 from __future__ import annotations
@@ -52,7 +53,9 @@ LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 
 @styled()
 def cost_figure(measured: AccuracyCost) -> Figure:
-    """Draw every case of a study, in two columns; points without a finite error are left out.
+    """Draw error against CPU time for every test case of a study, in two columns.
+
+    Points without a finite error are left out.
 
     Raises:
         ValueError: if there is no case.
@@ -69,16 +72,22 @@ def cost_figure(measured: AccuracyCost) -> Figure:
 
 
 def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
-    """Return the smallest target error that any of the points reaches, and the cheapest such point.
+    """Return the smallest target error that any point reaches, and the cheapest point that reaches
+    it.
 
-    The point is None if no target is reached.
+    If no target is reached, the error is 1 and the point is None.
     """
     found = ((target, cheapest(points, target)) for target in TARGETS)
     return next((each for each in found if each[1] is not None), (1.0, None))
 
 
 def verdict(target: float, own: Point | None, peer: Point | None) -> str:
-    """Return the clause with the cheapest method of this project and of all peers at one error."""
+    """Return a phrase that compares CPU times at one error: this project's method and the best
+    other one.
+
+    Each ``Point`` is the cheapest measured setting; ``own`` is this project's, ``peer`` another
+    package's.
+    """
     if own is None:
         return "none of our methods is within 1"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
@@ -91,8 +100,9 @@ def _shown(point: Point) -> str:
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw a case with its legend; grey methods and the notes of the case are listed below the
-    legend.
+    """Draw the panel of a test case with its legend.
+
+    Below the legend are the names of the methods drawn in grey, and the notes on the case.
     """
     by_package: dict[str, list[Point]] = {}
     for point in (each for each in points if math.isfinite(each.error)):

@@ -28,8 +28,9 @@ LEAN = math.radians(11.5)
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
-    """Draw every estimate of the depth (um) beside the measured depth, and below them the chip to
-    scale.
+    """Draw every estimate of the crater depth, um, beside the measured depth.
+
+    A panel below shows the chip and the shear plane to scale.
     """
     figure = blank_figure(16.0, 14.1)
     rows = _estimates(study)
@@ -51,9 +52,9 @@ def crater_figure(study: CraterStudy) -> Figure:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
-    """Return name, depth (um) and colour of every estimate.
+    """Return name, depth (um) and colour of every estimate of the crater depth.
 
-    The work-energy sum, which is millimetres, is left out.
+    The sum of work and energy, which gives millimetres, is left out.
     """
     crater = study.crater
     force = study.parallel

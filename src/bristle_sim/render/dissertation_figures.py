@@ -1,6 +1,7 @@
-"""The dissertation's figures, one on a page or all on one sheet.
+"""Draws the dissertation's figures, each on a page of its own or all on one sheet.
 
-Closed forms are lines, results that check them are points, and the operating point is a dot.
+Closed forms are lines, numerical results that check them are points, and the operating point is a
+dot.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ Cells = Sequence[tuple[Redrawn, Panel | None]]
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
-    """Draw one figure or table on a page, with number, title and note at the head."""
+    """Draw one figure or table on a page, headed by its number, title and note."""
     cells = [(figure, panel) for panel in figure.panels or (None,)]
     page = _page(cells, min(len(cells), 3), PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
     width, height = page.get_size_inches() * 2.54
@@ -87,7 +88,7 @@ def draw(figure: Redrawn) -> Figure:
 
 @styled()
 def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
-    """Draw all figures on one sheet, with one panel in each cell."""
+    """Draw all figures side by side on one sheet, with one panel in each cell."""
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
     sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
     for (figure, _), axes in zip(cells, sheet.axes, strict=True):
@@ -98,7 +99,7 @@ def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
 
 
 def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
-    """Draw each figure on a page of one PDF, or into a folder as ``figure_2.7.png``.
+    """Draw each figure on a page of one PDF, or each to a file ``figure_2.7.png`` in a folder.
 
     A target that ends in .pdf is a PDF. A folder is created if it does not exist.
 
@@ -122,7 +123,7 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 def _page(
     cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float
 ) -> Figure:
-    """Draw panels and tables in rows of cells, with a key of points at the foot.
+    """Draw panels and tables in rows of cells, with a legend of the points at the foot.
 
     ``titles`` is the height of the titles above each row, cm.
     """
@@ -151,7 +152,7 @@ def _page(
 
 
 def _bold(figure: Redrawn) -> str:
-    """Return number and title of a figure, with the number in bold letters."""
+    """Return the heading of a figure, with its number in bold letters and its title."""
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"
@@ -180,7 +181,7 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:
-    """Draw a panel; its curves are named in a row above it, or inside it if the names are long."""
+    """Draw a panel; the names of its curves stand in a row above it, or inside it if they are long."""
     x, y = panel.x.factor, panel.y.factor
     names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
     for curve, color in zip(panel.curves, SERIES, strict=False):
@@ -221,8 +222,10 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
-    """Set the scales so that values that differ only by rounding look equal, and labels above marks
-    have room.
+    """Set the range of the y axis.
+
+    A curve that varies only by rounding error then looks constant, and labels above marks have
+    room.
     """
     values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
     low, high = float(values.min()), float(values.max())

@@ -1,6 +1,4 @@
-"""Drawing to scale in millimetres: views, a scale bar, moving arrows, and hub, wire, bar and
-workpart.
-"""
+"""Drawings to scale in millimetres: the tool's parts, wires, arrows and a scale bar."""
 
 from __future__ import annotations
 
@@ -40,10 +38,10 @@ class View(NamedTuple):
 
     @classmethod
     def around(cls, points: Sequence[ArrayLike], aspect: float | None, margin: float) -> View:
-        """Return the smallest view around arrays of points, shape (..., 2).
+        """Return the smallest rectangle that contains arrays of points, each of shape (..., 2).
 
-        ``aspect`` is the ratio of width to height, if given. ``margin`` is the free border as a
-        fraction of the points' larger extent.
+        ``aspect`` is the ratio of width to height, if prescribed. ``margin`` is the width of the
+        free border as a fraction of the points' larger extent.
         """
         every = np.concatenate([np.reshape(each, (-1, 2)) for each in points])
         (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
@@ -55,13 +53,14 @@ class View(NamedTuple):
         return cls(left - across, right + across, bottom - up, top + up)
 
     def apply(self, axes: Axes) -> None:
-        """Show this rectangle with equal scales on both axes."""
+        """Make axes show this rectangle, with equal scales in both directions."""
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("equal", adjustable="box")
 
 
 def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """Return the smallest view, mm, of the wires, of a bar near them and of the workpart's surface.
+    """Return the smallest rectangle, mm, that shows the wires, a bar near them and the workpart's
+    surface.
 
     ``lines`` holds the points of the wires, shape (..., 2), m.
     """
@@ -77,7 +76,9 @@ def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> V
 
 
 def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
-    """Add an arrow that :func:`point_arrow` moves; ``head`` is the size of its head in points."""
+    """Add an arrow that :func:`point_arrow` moves later; ``head`` is the size of its head in
+    points.
+    """
     arrow = FancyArrowPatch(
         (0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=head, shrinkA=0.0, shrinkB=0.0
     )
@@ -89,15 +90,13 @@ def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> Fancy
 def point_arrow(
     arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float], shortest: float
 ) -> None:
-    """Show an arrow from start to end, or hide it if it is shorter than ``shortest``."""
+    """Move an arrow to the given start and end, or hide an arrow shorter than ``shortest``."""
     arrow.set_visible(math.dist(start, end) > shortest)
     arrow.set_positions(start, end)
 
 
 def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
-    """Draw the still part of a film: the tool with the names of its parts, and a scale bar in place
-    of scales.
-    """
+    """Draw the background of a film: the tool with the names of its parts, and a scale bar."""
     view.apply(axes)
     axes.set_axis_off()
     draw_tool(axes, tool, view)
@@ -129,8 +128,9 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
-    """Draw the hub as the circle of the roots, with its sense of rotation; and bar and workpart, if
-    any.
+    """Draw hub, bar and workpart; the hub is the circle of the roots with its sense of rotation.
+
+    A tool without bar or workpart is drawn without them.
     """
     radius = tool.hub.radius * MILLIMETRES
     axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
@@ -155,7 +155,7 @@ def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
 
 
 def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
-    """Draw an accelerator bar; lengths in m, ``options`` as for a patch."""
+    """Draw an accelerator bar as a circle; lengths in m, ``options`` as for a patch of matplotlib."""
     look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
     axes.add_patch(
         Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options))
@@ -163,7 +163,8 @@ def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> N
 
 
 def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
-    """Write the names of hub, bar and workpart with a halo, so that they are legible on any ground.
+    """Write the names of hub, bar and workpart, outlined so that they are legible on any
+    background.
 
     ``letter_size`` is in points.
     """
@@ -195,16 +196,20 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
 
 
 def toward(angle: ArrayLike) -> Array:
-    """Return the unit vector (sin, -cos) of an angle from the downward direction, shape (*angle.shape, 2)."""
+    """Return the unit vector (sin, -cos) at an angle from the downward direction.
+
+    The angle is in rad. The result has the shape (*angle.shape, 2).
+    """
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return the points where neighbouring wires touch, from the hub's centre, shape (touches, 2),
-    mm.
+    """Return the points where neighbouring wires touch, from the hub's centre, mm, shape (touches,
+    2).
 
-    Centre lines have the shape (corners, 2), m. Two wires touch if a corner or an end of one is
-    within 1.05 diameters of the other line.
+    Two wires touch if a corner or an end of one wire is within 1.05 wire diameters of the other
+    wire's centre line. ``lines`` holds the centre lines, each of shape (corners, 2), m;
+    ``diameter`` is in m.
     """
     places = []
     for one, other in itertools.pairwise(lines):
@@ -230,7 +235,7 @@ def _foot(point: Array, line: Array) -> Array:
 class WireDrawing:
     """The drawing of a wire and its root.
 
-    With ``details`` it has the radial line through the root and the roots of other bristles too.
+    With ``details``, it also has the radial line through the root and the roots of other bristles.
     """
 
     def __init__(
@@ -242,7 +247,7 @@ class WireDrawing:
         alpha: float = 1.0,
         details: bool = False,
     ) -> None:
-        """Draw the wire to scale, plus half a point so that a thin wire is visible.
+        """Draw the wire to scale, half a point wider so that a thin wire is visible.
 
         ``axes`` must have their final limits.
         """
@@ -267,8 +272,9 @@ class WireDrawing:
             self.artists = [self.radial, self.ring, *self.artists]
 
     def place(self, centre_line: Array) -> None:
-        """Move the drawing to a centre line, given by its corners from the hub's centre, shape
-        (corners, 2), m.
+        """Move the drawing to a new position of the wire.
+
+        ``centre_line`` holds the corners of the wire from the hub's centre, shape (corners, 2), m.
         """
         corners = np.asarray(centre_line) * MILLIMETRES
         root = corners[0]

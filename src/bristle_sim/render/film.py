@@ -1,4 +1,4 @@
-"""Films without a display: slow motion, frames, and mp4 and gif files.
+"""Films in slow motion, drawn without a display and written to mp4 and gif files.
 
 Each frame redraws only the moving parts.
 """
@@ -47,10 +47,10 @@ GIF_SAMPLES = 30
 
 
 class TimeWarp(NamedTuple):
-    """Piecewise linear map from physical to film time.
+    """Piecewise linear map between the time of a run and the time in its film.
 
-    ``film`` and ``physical`` are times at common nodes, s, both ascending. ``slow_down`` is the
-    slope d film/d physical at the nodes.
+    ``film`` and ``physical`` are these times at common nodes, s, both ascending. ``slow_down`` is
+    the slope d film/d physical at the nodes.
     """
 
     film: Array
@@ -58,15 +58,17 @@ class TimeWarp(NamedTuple):
     slow_down: Array
 
     def physical_time(self, film_time: ArrayLike) -> Array:
-        """Return the instant of the run that is shown at a film time, s."""
+        """Return the time in the run, s, that is shown at a time in the film, s."""
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.physical))
 
     def film_time(self, physical_time: ArrayLike) -> Array:
-        """Return the film time at which an instant of the run is shown, s."""
+        """Return the time in the film, s, at which a time in the run, s, is shown."""
         return np.asarray(np.interp(np.asarray(physical_time), self.physical, self.film))
 
     def slow_down_at(self, film_time: ArrayLike) -> Array:
-        """Return the duration of film for one second of the run, at a film time."""
+        """Return the slow-down factor at a time in the film, s: seconds of film for one second of
+        the run.
+        """
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.slow_down))
 
 
@@ -79,11 +81,18 @@ def slow_motion(
     slower: float = 4.0,
     width: float = 0.04,
 ) -> TimeWarp:
-    """Return the time warp of a run from ``start`` to ``end`` in a film of ``duration`` seconds.
+    """Return the map from run time to film time for a film that slows down at chosen instants.
 
-    The slow-down is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)), with w = ``width``
-    (end - start) about each instant t_i of ``focus``. The factor s_0 makes its integral over the
-    run equal to the duration.
+    The slow-down factor is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)). The t_i are
+    the instants ``focus``, s, and w = ``width`` (end - start). The factor s_0 makes the integral of
+    s over the run equal to the duration of the film.
+
+    Args:
+        start, end: first and last time of the run, s.
+        duration: duration of the film, s.
+        focus: instants at which the film is slowest, s.
+        slower: slow-down at these instants over the slow-down far from them.
+        width: width of a slow part, as a fraction of the run.
 
     Raises:
         ValueError: if run or film have no duration, or ``slower`` is less than 1.
@@ -110,13 +119,13 @@ def slow_motion(
 class Film(ABC):
     """Base class of films.
 
-    A subclass draws the picture below the header and updates it for a film time.
+    A subclass draws the picture below the header and moves its parts to a given time.
 
     Attributes:
         size: default width and height of the picture, px.
         letter_size: height of the letters, px.
         moving: artists that are drawn in every frame, in this order, over all still artists.
-        hands: moving lines across panels over time, which mark the instant.
+        hands: vertical lines in the panels over time, which mark the present time.
         texts: caption and read-outs.
         canvas: canvas of the figure.
     """
@@ -134,8 +143,8 @@ class Film(ABC):
     ) -> None:
         """Prepare an empty picture.
 
-        ``colours`` are the colours of the read-outs after time and slow-down. ``clock`` is the unit
-        of time, by default ms.
+        ``colours`` are the colours of the read-outs other than time and slow-down. ``clock`` is the
+        unit of the displayed time, by default ms.
         """
         if not all(16 <= edge <= 8192 for edge in (width, height)):
             raise ValueError(
@@ -157,8 +166,9 @@ class Film(ABC):
         self.texts: tuple[str, ...] = ()
 
     def add_timeline(self, place: tuple[float, float, float, float], letters: float) -> Axes:
-        """Add a panel over the film's clock with a line at the instant; ``letters`` is the size of
-        its tick labels.
+        """Add a panel over the time of the run, with a vertical line that marks the present time.
+
+        ``letters`` is the size of its tick labels.
         """
         axes = self.figure.add_axes(place)
         axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
@@ -168,12 +178,12 @@ class Film(ABC):
 
     @abstractmethod
     def move(self, time: float) -> Sequence[str]:
-        """Move all parts to an instant of the run, s; return the caption and the texts of the
-        read-outs.
+        """Move all parts to a time in the run, s, and return the caption and the read-outs as
+        texts.
         """
 
     def show(self, film_time: float) -> None:
-        """Move all parts to a film time, s."""
+        """Move all parts to a time in the film, s."""
         time = float(self.warp.physical_time(film_time))
         slow = float(self.warp.slow_down_at(film_time))
         shown = time * self.clock.factor
@@ -184,7 +194,10 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a film time, s; the still parts are drawn once, in the first frame."""
+        """Return the picture at a time in the film, s.
+
+        The still parts are drawn once, for the first frame.
+        """
         self.show(film_time)
         if self._still is None:
             with styled():
@@ -210,7 +223,7 @@ class Film(ABC):
     def write(self, path: str | Path, fps: float = 30.0) -> Path:
         """Write the film to an mp4 or gif file, which appears only when it is complete.
 
-        The last instant is shown too.
+        The last frame shows the end of the run. ``fps`` is the number of frames per second.
 
         Raises:
             ValueError: for a file that cannot be written, an mp4 without imageio-ffmpeg, or
@@ -242,16 +255,16 @@ class Film(ABC):
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    """Return a font of matplotlib for Pillow, which draws text twenty times as fast as matplotlib."""
+    """Return a font of matplotlib for the library Pillow, which draws text twenty times as fast."""
     return ImageFont.truetype(
         str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size
     )
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
-    """Return the instants of the frames.
+    """Return the times of the frames, with a progress bar while they are drawn.
 
-    A progress bar counts them if standard error is a terminal and tqdm is installed.
+    The progress bar needs a terminal as standard error, and the package tqdm.
     """
     with contextlib.suppress(ImportError):
         if sys.stderr is not None and sys.stderr.isatty():

@@ -1,6 +1,4 @@
-"""Figures of forces over time: the force of chapter 3 with a simulated contact, and the whole
-tool's force on its workpart.
-"""
+"""Figures of contact forces over time: a simulated contact, and the whole tool on its workpart."""
 
 from __future__ import annotations
 
@@ -31,7 +29,10 @@ BESIDE = 0.25
 
 @styled()
 def force_figure(comparison: ForceComparison) -> Figure:
-    """Draw force over time (us): curve, measured points, simulated resultant and its components."""
+    """Draw contact force over time (us): chapter 3's curve, measured points, simulated force.
+
+    The simulated force is shown as the resultant and its components.
+    """
     curve = comparison.curve
     measured = comparison.measured
     contact = comparison.contact
@@ -105,10 +106,10 @@ PASSES = 12  # number of bristles that pass in the second panel
 
 @styled()
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
-    """Draw normal forces on the workpart, N, and the impulses of impacts, mN·s.
+    """Draw the normal forces of the tool on the workpart, N, and the impulses of its impacts, mN·s.
 
     Raises:
-        ValueError: for a tool whose bristle completes no turn.
+        ValueError: if ``whole`` is None, since the bristle completes no turn.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")

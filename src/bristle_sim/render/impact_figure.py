@@ -1,5 +1,6 @@
-"""Figure of a single impact: velocities of the tip over the normal impulse, by the energetic law
-and in time.
+"""Figure of a single impact: velocities of the tip over the normal impulse.
+
+The energetic law is compared with a contact that is resolved in time.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_ve
 
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
-    """Draw an impact in the impulse plane: the energetic law as lines, a contact resolved in time
-    as crosses.
+    """Draw the velocities of the tip over the normal impulse of an impact.
+
+    The energetic law is drawn as lines, a contact that is resolved in time as crosses.
     """
     figure = blank_figure(16.0, 7.4)
     surface = impacts.surface
@@ -66,8 +68,10 @@ def impact_figure(impacts: Impacts) -> Figure:
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
-    """Draw the straight lines of the energetic law over shaded phases, and a contact in time as
-    crosses.
+    """Draw the tip's velocities over the normal impulse, with the phases of the impact shaded.
+
+    ``course`` is the energetic law, drawn as straight lines. ``recorded`` is a contact resolved in
+    time, drawn as crosses.
     """
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
     impulse = scale_for(float(course.impulse[-1]), "N·s")
@@ -115,7 +119,9 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Shade the phases, and name compression and restitution above, slip and stick below."""
+    """Shade the phases of an impact, with compression and restitution named above, slip and stick
+    below.
+    """
     ends, (_, right) = (course.impulse * factor).tolist(), axes.get_xlim()
     halves: dict[str, tuple[float, float]] = {}
     named = []
@@ -140,7 +146,11 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Draw dashed lines at p_c, p_s and p_f; coincident lines share one label."""
+    """Draw dashed lines at the impulses p_c (end of compression), p_s (end of slip) and p_f
+    (final).
+
+    Coincident lines share one label.
+    """
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])
     for name, place in (("p_c", course.compression_end), ("p_s", course.slip_stop), ("p_f", last)):

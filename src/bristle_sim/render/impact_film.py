@@ -1,6 +1,4 @@
-"""Film of one impact in slow motion: the rods to scale, the tip enlarged, velocities and forces
-over time.
-"""
+"""Film of one impact in slow motion: the rods to scale, the tip enlarged, and curves over time."""
 
 from __future__ import annotations
 
@@ -55,15 +53,16 @@ ROD_LENGTH = 300.0
 class ContactMotion:
     """Motion and forces of an impact over time, in SI units.
 
-    The samples are joined by straight lines; at a jump of a force there are two.
+    Values between two samples are interpolated linearly. Where a force jumps, two samples have the
+    same time.
 
     Attributes:
         time: times from the first touch, s; negative before it.
         samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces
             on it (``normal_force``, ``tangential_force``, N), and its displacement since the first
-            touch, ``depth`` below the surface and ``along`` it, m.
-        phases: phases with their starts, for example ``compression slip``; the first is the
-            arrival, the last the outcome.
+            touch, ``depth`` below the surface and ``along`` the surface, m.
+        phases: phases of the impact with their start times, for example ``compression slip``. The
+            first is the arrival, the last is the outcome.
         touch_end: end of the contact, s.
     """
 
@@ -73,21 +72,24 @@ class ContactMotion:
     touch_end: float
 
     def largest(self, *names: str) -> float:
-        """Return the largest length of the vector whose components are these samples."""
+        """Return the largest magnitude over time of a vector whose components are the named
+        samples.
+        """
         return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
 
     @property
     def compression_end(self) -> float:
-        """Time of the deepest penetration from the first touch, s."""
+        """Time from the first touch to the deepest penetration, s."""
         return float(self.time[int(np.argmax(self.samples["depth"]))])
 
     def at(self, name: str, time: float) -> float:
-        """Return a sampled quantity at an instant, s."""
+        """Return a quantity at a time, s, interpolated between its samples."""
         return float(np.interp(time, self.time, self.samples[name]))
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return the samples of a contact, with free motion before and after it.
+    """Return motion and forces of a recorded contact over time, with free motion before and after
+    it.
 
     A tip that does not leave the surface remains at rest after the contact.
 
@@ -109,7 +111,9 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     touching = np.array([*samples.values()])
 
     def freely(state: Array, elapsed: float) -> Array:
-        """Return the state after free motion for some time, s: the same velocities, no forces."""
+        """Return the state after some time of free motion, s, with constant velocities and no
+        forces.
+        """
         normal, tangential, _, _, depth, along = state.tolist()
         return np.array(
             [normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed]
@@ -136,7 +140,8 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
 
 
 class TipDrawing:
-    """Drawing of the tip: surface and path to scale, the rod's end and the forces not to scale.
+    """Drawing of the enlarged tip: surface and path to scale, the rod's end and the forces not to
+    scale.
 
     ``moving`` holds the moving artists.
     """
@@ -187,7 +192,7 @@ class TipDrawing:
         axes.text(0.97, 0.02, "friction on the tip", color=TANGENTIAL, ha="right", **words)
 
     def move(self, time: float) -> None:
-        """Move the rod's end, its trail and the forces to an instant, s."""
+        """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
         motion = self._motion
         factor = self.scale.factor
         x, y = motion.at("along", time) * factor, -motion.at("depth", time) * factor
@@ -203,13 +208,13 @@ class TipDrawing:
 
 
 class ImpactFilm(Film):
-    """Film of an impact that the compliant law resolved in time.
+    """Film of an impact that the compliant law of contact resolves in time.
 
-    :func:`bristle_sim.studies.timed_contact.with_visible_contact` returns impacts with a visible
-    contact.
+    :func:`bristle_sim.studies.timed_contact.with_visible_contact` returns impacts that can be
+    filmed.
 
     Raises:
-        ValueError: if no such contact exists.
+        ValueError: if no contact is resolved in time.
     """
 
     size = (960, 540)
@@ -260,9 +265,10 @@ class ImpactFilm(Film):
         )
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move drawings and markers to an instant, s.
+        """Move drawings and markers to a time, s.
 
-        The arrow of the velocity ends at an arriving tip, and begins at a leaving tip.
+        The arrow of the velocity ends at the tip while the tip arrives, and begins at the tip when
+        it leaves.
         """
         motion = self.motion
         height = float(np.ptp(self.chain.get_ylim()))
@@ -320,11 +326,16 @@ class ImpactFilm(Film):
 def draw_chain(
     axes: Axes, centre_line: Array, hub_radius: float, letters: float
 ) -> FancyArrowPatch:
-    """Draw the rods at the strike, with the tip at the origin, and return the arrow of the tip's
-    velocity.
+    """Draw the rods at the strike, with the tip at the origin.
 
-    ``centre_line`` holds root, hinges and tip from the hub's centre, shape (corners, 2), m. The
-    hub's radius, m, is zero for a fixed root.
+    Args:
+        axes: axes of the drawing.
+        centre_line: root, hinges and tip from the hub's centre, shape (corners, 2), m.
+        hub_radius: the hub's radius, m; zero for a fixed root.
+        letters: size of the letters.
+
+    Returns:
+        The arrow of the tip's velocity.
     """
     points = centre_line - centre_line[-1]
     centre = -centre_line[-1]
@@ -351,8 +362,10 @@ def draw_chain(
 
 
 def _rod_outline(last_rod: Array) -> Array:
-    """Return the outline, in points, of a round-ended rod that leans as the last rod and touches
-    the origin from above.
+    """Return the outline of the last rod's end, in points, for the enlarged drawing of the tip.
+
+    The rod has a round end, which touches the origin from above, and the inclination of the last
+    rod.
     """
     towards_hinge = -last_rod / math.hypot(*last_rod)
     across = np.array([-towards_hinge[1], towards_hinge[0]])

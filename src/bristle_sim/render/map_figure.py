@@ -1,5 +1,6 @@
-"""Maps of the strike over the bar's position, with printed position, formula position and best
-positions.
+"""Maps of the quantities of a strike over the bar's position, with marked positions.
+
+The marks are the printed position, the position by the formula, and the best positions.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ work has no bound."""
 
 @styled()
 def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
-    """Draw lag, tip speed, normal work and crater depth over the bar's position.
+    """Draw lag, tip speed, normal work of compression and crater depth over the bar's position.
 
     ``x``, ``y`` and ``maps`` are the result of :func:`bristle_sim.studies.cue_map.position_map`.
     """
@@ -100,7 +101,9 @@ def _draw_map(
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
-    """Return the bar's directions by name, rad, each with the look of its mark."""
+    """Return the marked directions of the bar from the hub's centre, rad, by name, each with its
+    look.
+    """
     assert found.tool.bar is not None
     own = math.atan2(found.tool.bar.horizontal, found.tool.bar.vertical)
     bar = "printed position" if found.tool.bar == Bar() else "the tool's bar"
@@ -125,8 +128,10 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
 
 
 def _places_at(found: CueMap, directions: Array) -> Array:
-    """Return the bar positions in given directions, at the bar's distance from the hub's centre,
-    shape (2, n), mm.
+    """Return positions of the bar in given directions from the hub's centre, rad.
+
+    The distance from the hub's centre is that of the tool's bar. The result is in mm and has the
+    shape (2, n).
     """
     assert found.tool.bar is not None
     return (

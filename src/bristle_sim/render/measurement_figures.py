@@ -1,5 +1,7 @@
-"""Figures of simulations with measurements: spheres over the angle of incidence, and the strike
-with film and crater.
+"""Figures that compare simulations with measurements.
+
+They show the rebound of spheres over the angle of incidence, and a strike with its high-speed film
+and crater.
 """
 
 from __future__ import annotations
@@ -33,8 +35,10 @@ SPHERES = {
 
 @styled()
 def measured_figure(compliance: float) -> Figure:
-    """Draw velocity ratio, spin and rebound angle: measured points, and curves of the law with and
-    without compliance.
+    """Draw velocity ratio, spin and rebound angle of spheres over the angle of incidence.
+
+    Points are measured. Curves are the impact law, rigid along the surface and with the tangential
+    compliance ratio ``compliance``.
     """
     figure = blank_figure(16.0, 7.6)
     angle = np.linspace(0.5, 62.0, 400)
@@ -88,8 +92,9 @@ MEASURED_LINE, NEAREST, MOTION, EXPOSED = LOOKS.values()
 
 @styled()
 def film_map_figure(film: FilmMap) -> Figure:
-    """Draw maps of touches, compression time and crater depth, and below them the nearest pass as
-    filmed by a camera.
+    """Draw maps of the number of touches, the compression time and the crater depth.
+
+    Panels below show the pass that is nearest to the measurement, as a high-speed camera films it.
     """
     figure = blank_figure(16.0, 14.0)
     for number, (name, (title, words, _)) in enumerate(MAPS.items()):
@@ -136,7 +141,11 @@ def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
 
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
-    """Draw the wire blurred by each exposure, and the tip's height with the exposures marked."""
+    """Draw the camera's frames of the wire, blurred by the exposure, and the tip's height over
+    time.
+
+    The exposures are marked in the curve of the height.
+    """
     strike = film.run.event_time("strike") or 0.0
     ground = -MILLIMETRES * film.tool.workpart_depth
     lines = []

@@ -1,4 +1,7 @@
-"""The motion of a run as plain numbers, from which a page interpolates the same motion as :meth:`Trajectory.at`."""
+"""The motion of a run as numbers for an HTML page.
+
+The page interpolates between the numbers and shows the same motion as :meth:`Trajectory.at`.
+"""
 
 from __future__ import annotations
 
@@ -38,11 +41,15 @@ Indices = NDArray[np.intp]
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
-    """Return a pass up to the end of its story as JSON data: ms, mm, m/s and degrees; the hub's angle in rad.
+    """Return the motion of a pass as JSON data for an HTML page, up to the last instant shown.
 
-    Between the nodes the page interpolates centre line and retraction by cubic Hermite polynomials, and the force linearly.
-    Nodes are those samples, and instants between them, that make this exact to the digits shown. Two nodes at one instant are
-    the motion before and after it. ``drawn`` states the number of samples that are nodes, and the errors.
+    Times are in ms, lengths in mm, velocities in m/s, angles in degrees; the hub's angle is in rad.
+
+    The data hold the motion at chosen times, the nodes. Between nodes the page interpolates centre
+    line and retraction by cubic Hermite polynomials, and the force linearly. The nodes are chosen
+    such that the interpolation is exact to the digits shown. They are samples of the run and, where
+    needed, times between samples. Two nodes at the same time are the motion before and after a
+    jump. ``drawn`` states the number of samples that are nodes, and the errors.
     """
     end = story_end(run)
     nodes = _Nodes(run, end)
@@ -84,17 +91,18 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 class _Nodes:
-    """The nodes of a run's motion on a page.
+    """The nodes: the times of a run between which an HTML page interpolates the motion.
 
     Attributes:
-        time: s, ascending.
-        before, after: values and slopes before and after these instants, shape (2, nodes, columns); the columns are the line's
-            corners, mm, the retraction, degrees, and the force, N, whose slope is not used. Slopes are per ms.
-        drawn: the number of samples that are nodes, and the errors, in words.
+        time: times of the nodes, s, ascending.
+        before, after: values and time derivatives just before and after each node, shape (2, nodes,
+            columns). The columns are the corners of the centre line, mm, the retraction, degrees,
+            and the force, N. Derivatives are per ms; the derivative of the force is not used.
+        drawn: a text with the number of samples that are nodes, and the errors.
     """
 
     def __init__(self, run: Trajectory, end: float) -> None:
-        """Choose the nodes up to the first sample at the instant ``end`` or after it."""
+        """Choose the nodes, up to the first sample at or after the time ``end``, s."""
         self._interpolation = Interpolation(run)
         last = run.time[np.searchsorted(run.time, end)]
         samples = int(np.searchsorted(run.time, last, side="right"))
@@ -125,12 +133,15 @@ class _Nodes:
 
     @property
     def jumps(self) -> NDArray[np.bool_]:
-        """Whether the motion before and after each instant differs."""
+        """Whether the motion jumps at each node."""
         found = np.abs(self.after - self.before).max(axis=(0, 2)) > JUMP
         return np.asarray(found)
 
     def _kept_samples(self) -> Indices:
-        """Return the samples that are nodes; the page's interpolation between them passes through the others."""
+        """Return the indices of the samples that are nodes.
+
+        Interpolation between the nodes reproduces the other samples to the accuracy shown.
+        """
         kept = self.jumps
         kept[[0, -1]] = True
         while kept.sum() <= self._most:
@@ -155,7 +166,10 @@ class _Nodes:
         return np.flatnonzero(kept)
 
     def _add_between(self, kept: Indices) -> int:
-        """Keep these samples, add the nodes between them that the page needs, and return their number."""
+        """Set the nodes: the kept samples, and as many times between them as accuracy requires.
+
+        Return the number of nodes that are not samples.
+        """
         starts = self.time[kept[:-1]]
         ends = self.time[kept[1:]]
         at_start = self.after[:, kept[:-1]]
@@ -193,9 +207,15 @@ class _Nodes:
     def _wrong(
         self, length: Array, part: Array, start: Array, end: Array, motion: Array, allowed: Array
     ) -> NDArray[np.bool_]:
-        """Return for intervals of a length, s, whether the page's interpolation at a part of each is visibly wrong.
+        """Return for each interval whether the page's interpolation is visibly wrong at one point
+        of it.
 
-        ``start``, ``end`` and ``motion`` are the states at both ends and at that part.
+        Args:
+            length: lengths of the intervals, s.
+            part: position of the point in each interval, as a fraction of the length.
+            start, end: values and derivatives at both ends.
+            motion: true values and derivatives at the point.
+            allowed: largest errors of the values.
         """
         h, s = (MILLISECONDS * length)[:, np.newaxis], part[:, np.newaxis]
         (p, v), (q, w), (true, velocity) = start, end, motion
@@ -220,7 +240,10 @@ class _Nodes:
 
 
 def _states(motion: Motion) -> Array:
-    """Return values and slopes of the quantities that the page interpolates; m/s are mm/ms."""
+    """Return values and time derivatives of the quantities that the page interpolates.
+
+    Derivatives are per ms. Velocities therefore need no conversion, since 1 m/s is 1 mm/ms.
+    """
     rows = motion.time.size
     retraction, falling = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])
     force = motion.normal_force
@@ -230,12 +253,15 @@ def _states(motion: Motion) -> Array:
 
 
 def _force_error(run: Trajectory, contact: ContactRecord) -> float:
-    """Return the error that the page's force may have in a contact, N."""
+    """Return the largest permitted error of the interpolated force in a contact, N."""
     during = (run.time >= contact.time) & (run.time <= contact.time + contact.duration)
     largest = float(run.normal_force[during].max(initial=0.0)) if contact.duration else 0.0
     return max(FORCE_SHOWN, FORCE_RATIO * largest)
 
 
 def _force_digit(run: Trajectory, contact: ContactRecord) -> float:
-    """Return the last digit of the force that the page shows in a contact, N: a power of ten, ten times the error or more."""
+    """Return the place value of the last digit of the force that the page shows in a contact, N.
+
+    It is a power of ten, at least ten times the error of the force.
+    """
     return float(10.0 ** math.ceil(math.log10(10.0 * _force_error(run, contact)) - 1e-9))

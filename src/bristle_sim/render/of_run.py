@@ -1,4 +1,4 @@
-"""Figure, film and notebook views of a run, which :class:`Trajectory` calls."""
+"""Figure, film and notebook views of a run; the methods of :class:`Trajectory` call them."""
 
 from __future__ import annotations
 
@@ -23,22 +23,23 @@ MARGIN = 0.05  # free border of a summary's drawing, as a fraction of its larger
 
 
 def plot(run: Trajectory, until: float | None) -> Figure:
-    """Draw a run up to an instant, s; by default to the end of its story."""
+    """Draw a run up to a time, s; by default until shortly after the tip has left the workpart."""
     return pass_figure(run, run.tool, until=until)
 
 
 def film(
     run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]
 ) -> Path:
-    """Film a run; ``fps`` is frames per second, ``size`` in px."""
+    """Write a film of a run; ``fps`` is the number of frames per second, ``size`` is in px."""
     from bristle_sim.render.tool_films import pass_film
 
     return pass_film(run, run.tool, width=size[0], height=size[1], **options).write(path, fps)
 
 
 def view(run: Trajectory) -> Html:
-    """Return the motion with a slider as an HTML frame, whose style is separate from the notebook's
-    page.
+    """Return an HTML frame that shows the motion of a run with a slider.
+
+    The frame keeps its style separate from the notebook's page.
     """
     page = filled("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
     look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
@@ -46,9 +47,10 @@ def view(run: Trajectory) -> Html:
 
 
 def summary_page(run: Trajectory) -> str:
-    """Return the summary as HTML with a drawing to scale.
+    """Return the summary of a run as HTML, with a drawing to scale.
 
-    The drawing shows the tip path, the wire at the strike or at the end, and the tool if known.
+    The drawing shows the tip's path, the wire at the strike or at the end of the run, and the tool
+    if it is known.
     """
     contact = run.first_contact("workpart")
     tool = None

@@ -1,5 +1,6 @@
-"""Figure of a whole pass: the tool to scale with the tip's path, and retraction, relative speed and
-energy over time.
+"""Figure of a whole pass: the tool to scale with the tip's path, and curves over time.
+
+The curves are retraction, relative rate and energy.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 
 
 class _Mark(NamedTuple):
-    """A numbered instant, shown in every panel."""
+    """An event with its number and colour, which is marked in every panel."""
 
     number: int
     event: Event
@@ -57,13 +58,13 @@ class _Mark(NamedTuple):
 
 @styled()
 def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = None) -> Figure:
-    """Draw a pass: tool and tip path to scale (mm), and retraction, relative speed and energy over
-    time (ms).
+    """Draw a pass: tool and tip path to scale (mm), and curves over time (ms).
 
-    ``until`` is the last instant shown, s; by default shortly after the tip has left the workpart.
+    The curves are retraction, relative rate and energy. ``until`` is the last time shown, s; by
+    default shortly after the tip has left the workpart.
 
     Raises:
-        ValueError: if the trajectory has fewer than two instants.
+        ValueError: if the trajectory has fewer than two samples.
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
     marks = _marks(trajectory, float(course.time[-1]))
@@ -88,7 +89,10 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 @styled()
 def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
-    """Draw retraction, relative speed and tip speed of two passes over time (ms), with a mark at each strike."""
+    """Draw retraction, relative rate and tip speed of two passes over time (ms).
+
+    A dashed line marks each strike. ``names`` are the labels of the two passes.
+    """
     figure = blank_figure(16.0, 11.6)
     end = max(story_end(run) for run in runs)
     panels: list[Axes] = []
@@ -110,9 +114,9 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
 
 
 def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
-    """Return the panels over time by their labels.
+    """Return the contents of the panels over time, by the label of the panel.
 
-    A panel contains its lines by name; a line has values and plot options.
+    A panel has curves by name; a curve has its values and its plot options.
     """
     potential = (
         "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
@@ -133,7 +137,9 @@ def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[s
 
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
-    """Return the key events, numbered from 1; a start away from the radial direction has the number
+    """Return the events to mark, numbered from 1.
+
+    If the bristle starts away from the radial direction, the start is marked too, with the number
     0.
     """
     events = key_events(trajectory, until)
@@ -154,11 +160,10 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
-    """Move ascending positions apart until neighbours are at least ``gap`` apart, within the
-    bounds.
+    """Move ascending positions apart until neighbours are at least ``gap`` apart.
 
-    The result is the mean of pushing all to the right and pushing all to the left, which keeps
-    order and gap.
+    The result stays between ``lowest`` and ``highest``. It is the mean of two solutions, one that
+    moves positions only up and one that moves them only down; the mean keeps order and gap.
     """
     wanted = np.asarray(positions, dtype=float)
     offsets = gap * np.arange(wanted.size)
@@ -212,8 +217,9 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
 def _draw_tool(
     axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
 ) -> dict[str, dict[str, Any]]:
-    """Draw the tool with the tip's path and the wire at some instants; return the looks of the path
-    by name.
+    """Draw the tool, the tip's path, and the wire at some events.
+
+    Return the styles of the parts of the path by name, for the legend.
     """
     view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
     strike = run.event_time("strike")
@@ -273,8 +279,9 @@ def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | Non
 
 
 def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
-    """List the numbered instants, and below them the speeds at the strike or the reason why there
-    is none.
+    """Write the list of the marked events, and below them the velocities at the strike.
+
+    Without a strike, write the reason instead.
     """
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))

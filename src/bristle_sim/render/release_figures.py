@@ -1,6 +1,4 @@
-"""Figures of bristles that swing freely on the belt: released from rest, or thrown by their
-inertia.
-"""
+"""Figures of bristles that swing freely on the belt, released from rest or driven by their inertia."""
 
 from __future__ import annotations
 
@@ -32,11 +30,10 @@ PLAN = (8.6, 2.9, 7.2, 6.9)  # left, bottom, width and height of the drawing to 
 
 @styled()
 def cue_figure(timing: CueTiming) -> Figure:
-    """Draw retraction and relative speed over time with cue times, and the bar's positions to scale
-    (mm).
+    """Draw a bristle's release from rest over time, and the bar positions that follow from it.
 
-    ``timing`` is a release from rest up to the highest relative speed, with the positions that
-    follow from it.
+    Panels over time show retraction and relative rate up to the highest relative rate. The bar
+    positions are drawn to scale (mm).
 
     Raises:
         ValueError: if the trajectory has no duration.
@@ -127,7 +124,9 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
 
 @styled()
 def inertia_figure(driven: InertiaDriven) -> Figure:
-    """Draw retractions, degrees, and rates relative to the hub, rad/s."""
+    """Draw retraction (degrees) over the turn of the hub, and relative rate (rad/s) over
+    retraction.
+    """
     figure = blank_figure(16.0, 8.2)
     turn = add_panel(
         figure,

@@ -1,5 +1,7 @@
-"""HTML pages that open offline: the report of a scenario, a comparison of two passes, a run's
-motion, and the bench.
+"""HTML pages that open without a network connection.
+
+They are the report of a scenario, a comparison of two passes, the motion of a run, and the
+interactive page of a tool.
 """
 
 from __future__ import annotations
@@ -133,10 +135,15 @@ def write_comparison(
     rows: Sequence[Sequence[str]],
     verdict: str,
 ) -> None:
-    """Write the comparison of two passes as a page, which appears only when it is complete.
+    """Write the comparison of two passes as an HTML page, which appears only when it is complete.
 
-    ``changed`` holds key and both values of each key that differs. ``rows`` holds label, unit, both
-    values and difference of each number.
+    Args:
+        path: file of the page.
+        names: names of the two tools.
+        reports: reports of the two passes.
+        changed: a row for each parameter that differs: its key and both values.
+        rows: a row for each quantity: label, unit, both values, and their difference.
+        verdict: the result of the comparison in a sentence.
 
     Raises:
         OSError: if the file cannot be written; the message names it.
@@ -159,18 +166,21 @@ def write_comparison(
 
 
 def explore_page(knobs: Sequence[dict[str, Any]], **choices: Mapping[str, str]) -> str:
-    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`.
+    """Return the HTML of the interactive page of a tool, which requests simulations from its
+    server.
 
-    The page requests runs from its own server. ``choices`` are words by name: the ``presets``, the
-    ``downloads`` and the map's ``quantities``.
+    ``knobs`` are the controls, from :func:`bristle_sim.cli.explore.bench.knobs`. ``choices`` are
+    labels by name: the example tools ``presets``, the files ``downloads``, and the ``quantities``
+    of the map.
     """
     return filled("explore.html.jinja", keys=knobs, **choices)
 
 
 def filled(template: str, **content: Any) -> str:
-    """Return a template filled with content.
+    """Return the text of a template file, filled with content.
 
-    Its filters keep a number and its unit on one line, and permit a line break after an underscore.
+    Filters in the template keep a number and its unit on one line, and permit a line break after an
+    underscore.
     """
     loader = jinja2.PackageLoader("bristle_sim.render", ".")
     strict = jinja2.StrictUndefined
@@ -188,10 +198,9 @@ def _write(path: Path, template: str, **content: Any) -> None:
 
 
 def verdict(report: Report) -> str:
-    """Return the sentence with the number of comparisons within their tolerance, and the names of
-    the others.
+    """Return a sentence on how many compared quantities are within their tolerance.
 
-    It is empty if no comparison has a tolerance.
+    It names the quantities that are not. It is empty if no comparison has a tolerance.
     """
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]
@@ -207,7 +216,10 @@ def _embedded_figures(
     plot_is_folder: bool = False,
     name: str = "the run",
 ) -> list[Markup]:
-    """Return the figures as HTML: an SVG is placed in the page, any other picture is encoded."""
+    """Draw the figures of a report, and return them as HTML without external files.
+
+    An SVG becomes part of the page; any other picture is encoded in base64.
+    """
     found = []
     with TemporaryDirectory() as folder:
         target = Path(folder)

@@ -1,4 +1,4 @@
-"""Choice of the events that a picture labels, and captions of the phases between them."""
+"""The phases and events of a run that a picture names, with their captions."""
 
 from __future__ import annotations
 
@@ -31,15 +31,17 @@ _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpa
 
 
 class Phase(NamedTuple):
-    """An interval of the run and its caption; it lasts until the start (s) of the next phase."""
+    """A phase of a run: its start, s, and its caption; it lasts until the next phase starts."""
 
     start: float
     caption: str
 
 
 def story_end(trajectory: Trajectory) -> float:
-    """Return the last instant shown of a pass, s: shortly after the last touch of the workpart, or
-    the end.
+    """Return the last time of a pass that pictures show, s.
+
+    It is shortly after the tip last touches the workpart, or the end of the run if there is no
+    strike.
     """
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])
     touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
@@ -54,10 +56,11 @@ def story_end(trajectory: Trajectory) -> float:
 
 
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
-    """Return the labelled events in order of time, at most nine.
+    """Return the events that pictures label, in order of time, at most nine.
 
-    Each name has at most one event up to the strike and one after it: the first of several, but the
-    last of several releases, which follow a few taps.
+    An event name occurs at most once up to the strike and once after it. Of several events with the
+    same name the first is kept; of several releases the last is kept, since earlier releases end
+    brief touches.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
@@ -69,10 +72,9 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 
 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
-    """Return the phases of a run with their captions, in order of time; the first starts with the
-    run.
+    """Return the phases of a run with their captions, in order of time, from the start of the run.
 
-    ``strike_shown`` is the time, s, for which the caption of the strike is shown.
+    ``strike_shown`` is the time, s, for which an instantaneous strike keeps its caption.
     """
     start = float(trajectory.time[0])
     events = _notable(trajectory)
@@ -125,7 +127,7 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
 
 def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
-    """Return whether a touch of an obstacle begins a sustained contact or locks the wire."""
+    """Return whether a touch of bar or workpart begins a sustained contact or is a jam."""
     return any(
         each.obstacle == obstacle
         and (each.law == "sustained" or each.outcome == "jam")
@@ -135,13 +137,14 @@ def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
-    """Return the phase at an instant, s."""
+    """Return the phase of a run at a time, s."""
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the notable events, without releases at the instant of a touch, which belong to a
-    bounce.
+    """Return the notable events, without releases that belong to a bounce.
+
+    Such a release is simultaneous with its touch.
     """
     touches = dict[str, float]()
     found = []

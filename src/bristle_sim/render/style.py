@@ -1,8 +1,8 @@
-"""The common look of pictures: letters, panels with titles and notes, readable units, and files.
+"""The common look of pictures: fonts, panels with titles and notes, readable units, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
-pyplot is not imported. Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8
-point text.
+pyplot is not imported. Sizes are printed centimetres. A full-width figure is 16 cm wide with text
+of 7 to 8 points.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the look, as a context or as a decorator of functions that build or save figures."""
+    """Apply the common look of pictures, as a context or as a decorator of drawing functions."""
     with mpl.rc_context(_LOOK):
         yield
 
 
 class NotebookFigure(Figure):
-    """Figure that a notebook shows without pyplot.
+    """Figure that a notebook shows although pyplot is not imported.
 
-    matplotlib registers its own pictures only if pyplot is imported.
+    matplotlib itself makes figures visible to a notebook only if pyplot is imported.
     """
 
     def _repr_png_(self) -> bytes:
@@ -67,7 +67,7 @@ class NotebookFigure(Figure):
 
 
 def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0) -> Figure:
-    """Return an empty figure of a printed size in cm."""
+    """Return an empty figure with the given printed size, cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
     with styled():
         return NotebookFigure(figsize=size, dpi=dots_per_inch)
@@ -76,8 +76,9 @@ def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0
 def axes_at(
     figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any
 ) -> Axes:
-    """Add axes at a position in cm from the figure's lower left corner; ``options`` as for
-    ``Figure.add_axes``.
+    """Add axes at a position, cm, from the figure's lower left corner.
+
+    ``options`` are those of ``Figure.add_axes``.
     """
     across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
     with styled():
@@ -91,9 +92,9 @@ def add_panel(
     subtitle: str = "",
     **options: Any,
 ) -> Axes:
-    """Add axes with a title that begins with the next letter of the figure.
+    """Add axes with a title, in front of which stands the next letter of the alphabet.
 
-    ``place`` is (left, bottom, width, height), cm.
+    ``place`` is (left, bottom, width, height), cm. ``subtitle`` is a smaller line of the title.
     """
     letter = "abcdefghij"[sum(bool(axes.get_title(loc="left")) for axes in figure.axes) % 10]
     axes = axes_at(figure, *place, **options)
@@ -103,7 +104,9 @@ def add_panel(
 
 
 def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
-    """Add a legend of named lines and marks, by default in one row at the foot; ``place`` as for
+    """Add a legend, by default in one row at the foot.
+
+    ``looks`` holds the style of each entry by name. ``place`` are options of matplotlib's
     ``legend``.
     """
     handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
@@ -129,7 +132,7 @@ def draw_colours(
 def note(
     axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any
 ) -> None:
-    """Write small words beside a point; ``offset`` is in points."""
+    """Write a short text in small letters beside a point; ``offset`` from the point is in points."""
     axes.annotate(
         words,
         place,
@@ -139,26 +142,27 @@ def note(
 
 
 def say(axes: Axes, words: str) -> None:
-    """Write the reason in the middle of an empty panel, and remove its ticks."""
+    """Write a text in the middle of an empty panel, for example the reason why it is empty."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
 def signed(value: float, decimals: int, width: int = 0) -> str:
-    """Return the text of a number, with a true minus sign unless it rounds to zero."""
+    """Return a number as text with a true minus sign; a number that rounds to zero has no sign."""
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
 class Scale(NamedTuple):
-    """Unit of shown numbers, and factor from the plain unit to it."""
+    """Unit in which numbers are shown, and the factor that converts to it."""
 
     factor: float
     unit: str
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the scale on which a number is between 1 and 1000, for example 1.2 mN·s for 1.2e-3 N
-    s.
+    """Return the unit prefix and factor with which a number lies between 1 and 1000.
+
+    For example, 1.2e-3 N s becomes 1.2 mN·s.
     """
     size = abs(largest)
     if not 0.0 < size < math.inf:
@@ -170,7 +174,9 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Write a figure as png, svg or pdf, by the suffix of the path; equal figures give equal bytes.
+    """Write a figure to a png, svg or pdf file, chosen by the suffix of the path.
+
+    Equal figures give identical files.
 
     Raises:
         ValueError: for another suffix or a missing folder.
@@ -184,8 +190,10 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def span_at_least(axes: Axes, fraction: float) -> None:
-    """Widen the y axis to at least a fraction of its largest value, and write its numbers without
-    an offset.
+    """Widen the range of the y axis to at least a fraction of its largest value.
+
+    Rounding error in a constant then does not look like scatter. The tick labels have no common
+    offset.
     """
     low, high = axes.get_ylim()
     missing = fraction * max(abs(low), abs(high)) - (high - low)

@@ -1,6 +1,4 @@
-"""A blasted surface: its height map lit from the side, a profile with its section lengths, its
-course, and a film of it forming.
-"""
+"""Pictures of a blasted surface: its height map, a profile, roughness over time, and a film."""
 
 from __future__ import annotations
 
@@ -41,8 +39,10 @@ PIXELS = 1000  # of the film's height map along the slide, at most
 
 @styled()
 def surface_figure(made: BlastedSurface) -> Figure:
-    """Draw the height map, a profile along the slide with its section lengths, and Rz and coverage
-    over time.
+    """Draw the height map of a blasted surface, a profile along the slide, and curves over time.
+
+    The profile has its roughness section lengths marked. The curves are the roughness Rz and the
+    coverage.
     """
     figure = blank_figure(16.0, 16.2)
     blasting = made.blasting
@@ -64,8 +64,8 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt at which so many strikes have fallen on the piece of ground,
-    s.
+    """Return the time under the belt, s, at which a number of strikes has fallen on the simulated
+    area.
     """
     part = made.blasting.track_width / made.blasting.ground_width
     return np.asarray(strikes) * (part / made.strike_rate)
@@ -76,8 +76,9 @@ def _colours(heights: Array) -> Normalize:
 
 
 def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
-    """Return the picture of a ground, coloured by depth and lit from the left, of one in ``every``
-    cells along the slide.
+    """Return the height map as a picture, coloured by depth and lit from the left.
+
+    The picture has one in ``every`` cells along the slide.
     """
     shown = MICRO * ground.heights[:, ::every]
     steps = {"dx": every * MICRO * ground.step, "dy": MICRO * ground.cell}
@@ -109,8 +110,9 @@ def _draw_map(axes: Axes, made: BlastedSurface) -> None:
 
 
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
-    """Draw the profile in the middle: heights less their Gaussian mean line, and highest and lowest
-    of each section length.
+    """Draw the profile through the middle of the surface, with the Gaussian mean line subtracted.
+
+    The highest and lowest points of each section length are marked.
     """
     ground = made.ground()
     cutoff = made.blasting.cutoff_wavelength
@@ -132,7 +134,7 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 
 
 def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
-    """Draw Rz and coverage over the time under the belt; return the axes of the coverage."""
+    """Draw roughness Rz and coverage over the time under the belt; return the axes of the coverage."""
     time = time_of(made, made.course["strikes"])
     axes.axhspan(
         MICRO * MEASURED_RZ[0], MICRO * MEASURED_RZ[1], color=GREY, alpha=0.2, linewidth=0.0
@@ -152,9 +154,7 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
 
 
 class SurfaceFilm(Film):
-    """The ground while the belt passes over it, lit from the left, with Rz and coverage over time
-    below.
-    """
+    """Film of a surface while the belt passes over it, with Rz and coverage over time below."""
 
     size = (800, 500)
 
@@ -166,7 +166,7 @@ class SurfaceFilm(Film):
         height: int = 500,
         duration: float = FILM_SECONDS,
     ) -> None:
-        """``duration`` is the film's, s."""
+        """Draw the surface before the strikes; ``duration`` is the duration of the film, s."""
         self.made = made
         self.times = time_of(made, 1.0 + np.arange(made.depths.size))
         warp = slow_motion(0.0, float(self.times[-1]), duration)
@@ -200,7 +200,10 @@ class SurfaceFilm(Film):
         return _lit(self.ground, self.norm, self.every)
 
     def move(self, time: float) -> Sequence[str]:
-        """Let the strikes fall up to an instant, s; begin anew where the film goes back."""
+        """Apply all strikes up to a time, s.
+
+        If the time is earlier than the present time, begin again with the unblasted surface.
+        """
         number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))
         done = len(self.ground.taken)
         if number < done:

@@ -1,6 +1,4 @@
-"""Figures of a scenario's quantities over one key or two, of distributions under spread inputs, and
-of trade-offs.
-"""
+"""Figures of quantities over one or two parameters, of distributions under scatter, of trade-offs."""
 
 from __future__ import annotations
 
@@ -50,10 +48,9 @@ of the scale."""
 
 @style.styled()
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
-    """Draw the outcome and a panel for each quantity: a line with gaps, or a map with white cells,
-    where there is no value.
+    """Draw the outcome and each quantity over one or two swept parameters, one panel each.
 
-    Lines have gaps and maps white cells where there is no value.
+    Where a quantity has no value, a line has a gap and a map has white cells.
 
     Raises:
         ValueError: if no point has a result.
@@ -95,7 +92,7 @@ MANY = 60  # points of a line that are drawn without marks
 def _draw_values(
     axes: Axes, values: Array, label: str, unit: str, x: Array, y: Array | None
 ) -> str:
-    """Draw a quantity as a line over x, or as a map over x and y; return its title."""
+    """Draw a quantity as a line over x, or as a map over x and y; return the title of its panel."""
     if y is None:
         shown, title, _ = _readable(values, label, unit)
         axes.plot(x, shown, ".-" if len(x) < MANY else "-", color=BLUE, markersize=4.0)
@@ -108,7 +105,11 @@ def _draw_values(
 
 
 def _colour_range(values: Array) -> tuple[float, float, str]:
-    """Return the ends of a map's colours, and which of them values exceed."""
+    """Return the lowest and highest value of a map's colour scale, and at which ends values exceed
+    it.
+
+    The third result is "neither", "min", "max" or "both", as matplotlib's colour bars take it.
+    """
     known = values[np.isfinite(values)]
     low, high = float(known.min()), float(known.max())
     inner, outer = (float(each) for each in np.percentile(known, PERCENTILES))
@@ -119,8 +120,10 @@ def _colour_range(values: Array) -> tuple[float, float, str]:
 
 
 def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
-    """Draw the outcomes as a map, or as a strip over one key, with a key of those that occur at the
-    figure's foot."""
+    """Draw the outcomes as a map over two parameters, or as a strip over one.
+
+    A legend of the outcomes that occur stands at the foot of the figure.
+    """
     assert found.outcome is not None
     order = sorted(OUTCOMES)
     codes = np.searchsorted(order, found.outcome)
@@ -146,8 +149,10 @@ def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
 
 
 def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
-    """Draw the outcome and every quantity of passes over the one key, or the two, along the
-    axes."""
+    """Draw outcome and quantities of many passes over one or two of their parameters.
+
+    ``keys`` names the parameters along the axes.
+    """
     axes = {key: many.keys[key].ravel() for key in keys}
     values = {name: getattr(many, name) for name in QUANTITIES_OF_PASSES}
     units = {key: key_unit(key) for key in keys} | QUANTITIES_OF_PASSES
@@ -169,8 +174,9 @@ KEY = {
 
 @style.styled()
 def tolerance_figure(study: Study) -> Figure:
-    """Draw a histogram of each output with mean and 95 % interval, and the indices of its most
-    important inputs.
+    """Draw a histogram of each output, and the sensitivity indices of its most important inputs.
+
+    The histogram shows the mean and the 95 % interval.
     """
     height = ROW * len(study.outputs) + 1.4
     figure = style.blank_figure(16.0, height)
@@ -210,8 +216,10 @@ KEY_HEIGHT = 3.0  # height of the panel of a key, cm
 
 @style.styled()
 def trade_off_figure(found: Design) -> Figure:
-    """Draw the best compromises of two conflicting wants, with the wanted and the nearest point,
-    and the keys along them.
+    """Draw the best compromises between two wanted quantities that conflict.
+
+    Marks show the wanted point and the nearest point that can be reached. Further panels show the
+    varied parameters along the compromises.
     """
     across, *rows = [*found.conflict, *found.varied]
     height = 0.7 + KEY_HEIGHT * (len(rows) + 1)
@@ -239,7 +247,10 @@ def trade_off_figure(found: Design) -> Figure:
 
 
 def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
-    """Return values in a readable unit, their label with it, and its size."""
+    """Return values in a readable unit, their label with this unit, and the unit's size.
+
+    The size is the value of the unit in the original unit.
+    """
     is_key = any(label in keys for keys in tool_keys().values())
     shown, size = (
         display_unit(label, unit) if is_key else readable_unit(unit, values.ravel().tolist())

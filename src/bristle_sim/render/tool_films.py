@@ -28,7 +28,7 @@ bristle's strike, as a fraction of the time before."""
 
 
 class ToolFilm(Film):
-    """Film of a tool with any number of wires and links, with rings where wires touch each other."""
+    """Film of a tool with one or several wires; rings mark where wires touch each other."""
 
     @styled()
     def __init__(
@@ -48,16 +48,15 @@ class ToolFilm(Film):
 
         Args:
             tool: tool with hub, bar and workpart as drawn.
-            wires: for each wire the function that returns its motion at an instant (s), and its
-            colour.
-            view: part of the tool that is shown, mm.
-            warp: the film's times.
-            story: the captions.
-            readings: function that returns the read-outs from the motions of all wires; they have
-            the colour of the last wire if there are several.
+            wires: for each wire the function that returns its motion at a time (s), and its colour.
+            view: rectangle that is shown, mm.
+            warp: map between the time of the run and the time in the film.
+            story: phases of the run with their captions.
+            readings: function that returns the read-outs from the motions of all wires. With
+                several wires, the read-outs have the colour of the last wire.
             size: width and height of the picture, px.
             trail: motion of a single wire, whose tip leaves a trail; the wire's radial line and
-            other roots are shown too.
+                other roots are shown too.
             strike: position of the star that marks the strike, m.
         """
         super().__init__(warp, *size, (wires[-1][1] if len(wires) > 1 else BLACK, BLACK))
@@ -87,7 +86,7 @@ class ToolFilm(Film):
         ]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires, trail, star and rings to an instant, s."""
+        """Move wires, trail, star and rings to a time in the run, s."""
         now = [motion(time) for motion in self._motions]
         caption = phase_at(self.story, time).caption
         lines = [each.centre_line for each in now]
@@ -117,8 +116,8 @@ def pass_film(
         run, tool: the pass.
         width, height: size of the picture, px.
         duration: duration of the film, s.
-        slower: slow-down of the strike over that of the rest.
-        until: last instant shown, s.
+        slower: slow-down at the strike over the slow-down elsewhere.
+        until: last time of the run shown, s.
     """
     motion = Interpolation(run)
     contact = run.first_contact("workpart")
@@ -157,8 +156,10 @@ def _retraction(motion: Motion, whose: str = "") -> str:
 def row_film(
     row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0
 ) -> ToolFilm:
-    """Return a film of a row of bristles, from the first touch of the bar to shortly after the last
-    strike.
+    """Return a film of a row of bristles, in slow motion at touches and strikes.
+
+    It lasts from the first bristle's touch of the bar to shortly after the last bristle's strike.
+    ``width`` and ``height`` are in px, ``duration`` is in s.
     """
     motions = [Interpolation(run) for run in row.bristles]
     colors = (SERIES * 2)[: len(row.bristles)]

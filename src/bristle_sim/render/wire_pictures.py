@@ -1,5 +1,6 @@
-"""Figure and film of the strike of a wire that bends, with the rigid bristle: force, measures and
-the bending wave.
+"""Figure and film of the strike of a wire that bends, compared with a rigid bristle.
+
+They show the contact force, quantities of the strike, and the bending wave in the wire.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the force of one strike, and its measures over the contact's duration and the number of
-    links.
+    """Draw the contact force of one strike of a bending wire, and quantities of many strikes.
+
+    The quantities are impulse, peak force, duration and crater depth, over the contact's duration
+    and over the number of links that model the wire.
     """
     figure = style.blank_figure(16.0, 13.6)
     size = (6.3, 4.6)
@@ -111,7 +114,7 @@ GRID = 400  # number of instants of the force curves and of the map of bending m
 
 
 class WireFilm(Film):
-    """Film of a wire's strike, from the first touch until the bending wave has returned."""
+    """Film of a bending wire's strike, from the first touch until the bending wave has returned."""
 
     size = (960, 540)
     letter_size = 15.0
@@ -141,7 +144,7 @@ class WireFilm(Film):
         self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires and arrow to an instant, s."""
+        """Move wires and the arrow of the force to a time, s."""
         (touch, force), runs = _force(self.struck.wire), (self.struck.wire, self.struck.rigid)
         pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in runs)
         self.rigid.place(_centre_line(self.struck.rigid, time))
@@ -192,16 +195,16 @@ def _force(run: Any) -> tuple[Array, Array]:
 
 
 def _centre_line(run: Any, time: float) -> Array:
-    """Return root, joints and tip of a strike at an instant, m, by linear interpolation."""
+    """Return root, hinges and tip of the wire at a time, m, by linear interpolation in time."""
     columns = run.centre_line.reshape(run.time.size, -1).T
     return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
 
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
-    """Draw bending moments over time and position, with the root on top.
+    """Draw the bending moment in the wire over time and position, with the root on top.
 
     Returns:
-        Time of the wave's arrival at the hinge next to the root, s.
+        Time at which the bending wave arrives at the hinge next to the root, s.
     """
     bristle = struck.strike.tool.bristle
     run = struck.wire
