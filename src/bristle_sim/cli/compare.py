@@ -18,9 +18,8 @@ from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.units import displayed
 
-LEAST_PART = (
-    1e-6  # a value below this fraction of the other value is rounding error; no difference is shown
-)
+# A value below this fraction of the other value is rounding error; no difference is shown
+LEAST_PART = 1e-6
 
 VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
 """The quantities that the verdict compares, besides the lag."""

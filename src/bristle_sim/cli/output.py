@@ -27,9 +27,8 @@ from bristle_sim.readable import WIDTH, finite
 from bristle_sim.version import __version__, named_commit
 
 SILENCE = 15.0  # longest time between two printed reports on the progress of a computation, s
-SIGNALLED = (
-    128  # exit status of a shell whose command was ended by a signal, less the signal's number
-)
+# Exit status of a shell whose command was ended by a signal, less the signal's number
+SIGNALLED = 128
 LATER = 1e-3  # delay, s, after which a signal that arrived in a callback is repeated
 
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}

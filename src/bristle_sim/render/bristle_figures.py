@@ -137,7 +137,7 @@ def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
     slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
 
 
-BESIDE = 0.02  # distance from a least pitch, on either side, at which the strike is computed, deg
+BESIDE = 0.02  # distance, deg, from a least pitch to the pitches on either side at which the strike is simulated
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
@@ -145,7 +145,7 @@ LEAST = {
     "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
 }
-"""Label and dashes of the line at each least pitch; the label applies to larger pitches."""
+"""Label and dashes of the line at each least pitch. The label is true of all larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
@@ -165,7 +165,7 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
-# least span of an axis over its largest value; less would show rounding as scatter
+# Least span of an axis over its largest value; a smaller span would show rounding error as scatter.
 LEAST_SPAN = 0.02
 
 

@@ -18,6 +18,6 @@ OUTCOMES = {
     "does not strike": GREY,
     "refused": LIGHT,
 }
-"""The colour of each outcome in words, on pages and maps."""
+"""Colour of each outcome, as worded in sentences, on pages and maps."""
 
 SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)

@@ -28,12 +28,12 @@ PANEL = (6.3, 5.6)
 HEAD = 1.35
 ROW = 11.0
 NOTES = 2.75
-"""Size of a panel, height of its title and verdict, height of a row of panels, and distance of the
-notes below a panel, cm."""
+"""Lengths in cm: width and height of a panel, height of its title and verdict, height of a row of
+panels, and distance of the notes below a panel."""
 
-OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order
+OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
-OTHERS = "#c4c4c4"  # colour of the other methods of peers
+OTHERS = "#c4c4c4"  # colour of the other methods of other packages
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
 PALE: dict[str, Any] = {
@@ -43,10 +43,10 @@ PALE: dict[str, Any] = {
     "markersize": 2.0,
     "zorder": 1,
 }
-"""Looks of this project's curves, of the best curve of each peer, and of the others."""
+"""Styles of this project's curves, of the best curve of each other package, and of other curves."""
 
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
-"""Target errors, smallest first; packages are compared at the first target that is reached."""
+"""Target errors, smallest first. Packages are compared at the first target that a method reaches."""
 
 LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 

@@ -25,25 +25,25 @@ from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, s
 SHEET_DOTS_PER_INCH = 100.0  # a sheet is then 1300 pixels wide, legible on a screen without zooming
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
-"""Width and height of a panel with its scales, cm: one of several on a page, and a single one."""
+"""Width and height, cm, of a panel with its scales: on a page of several panels, and alone."""
 
 PANEL = (1.7, 1.2, 2.15, 1.7)
-"""Left and lower edge of a panel within its cell, and differences of the cell's width and height to
-the panel's, cm."""
+"""Left and lower edge of a panel within its cell, cm, and the width and height, cm, by which the cell
+is larger than the panel."""
 
 FOOT = 1.0
 HEAD = 1.2
 TITLES = 1.2
-"""Heights of the key of points, of a page's title and note, and of the titles in a sheet's row, cm."""
+"""Heights, cm, of the legend of points, of a page's title and note, and of the titles in a row."""
 
-# difference of the widths of a table and a panel, cm: the room of the panel's scale
+# Width, cm, by which a table is wider than a panel, as it needs no room for a scale.
 TABLE_MARGIN = 1.2
-NOTHING = 1e-12  # largest value, in the unit shown, that is rounding of zero
+NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
 OPERATING_POINT: dict[str, Any] = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
     "linestyle": "none",
 }  # fmt: skip
-"""Look of a mark without a label: a blue dot, as the dissertation marks its operating point."""
+"""Style of a mark without a label: a blue dot, as the dissertation marks its operating point."""
 
 _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
 """Offset of a mark's label, in points, and alignment of the label, by side."""

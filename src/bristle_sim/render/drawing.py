@@ -20,12 +20,13 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, note, scale_for
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
-BAR_SHOWN = 2.0  # largest distance of a shown bar from the hub's centre, over that of the wires
+# Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
+BAR_SHOWN = 2.0
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
-"""Look of parts at rest: a workpart or the bracket of a hinge."""
+"""Style of parts at rest: a workpart or the bracket of a hinge."""
 
 
 class View(NamedTuple):

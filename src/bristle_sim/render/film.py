@@ -32,11 +32,10 @@ from bristle_sim.render.colours import BLACK
 from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
 
 HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
-"""Largest number of frames per second, by kind of film; a gif counts time in hundredths of a
-second."""
+"""Largest number of frames per second, by file suffix. A gif counts time in hundredths of a second."""
 
 LONGEST_FILM = 3600.0  # longest film, s
-NODES = 4001  # number of instants of a time warp; a bump as short as 1/1000 of the run is smooth
+NODES = 4001  # number of nodes of a TimeWarp; a slow part as short as 1/1000 of the run is smooth
 HEADER = 0.135  # height of caption and read-outs above the drawing, as a fraction of the picture
 # left edges of the read-outs, as fractions of the picture's width
 LEFTS = (0.02, 0.25, 0.47, 0.735)

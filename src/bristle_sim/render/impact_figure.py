@@ -21,7 +21,8 @@ PHASE_COLOURS = {
     "compression slip": "#e6eef6", "compression reverse slip": "#d3e2f0", "compression stick": "#dadde6",
     "restitution slip": "#eff5e8", "restitution reverse slip": "#e0ecd2", "restitution stick": "#e7e7df",
 }  # fmt: skip
-NARROWEST_NAMED = 0.09  # width of the narrowest phase with a name, as a fraction of the panel
+# Width of the narrowest phase whose name is shown, as a fraction of the panel
+NARROWEST_NAMED = 0.09
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
 

@@ -36,12 +36,12 @@ MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick
 # Free motion shown before and after the contact, as fractions of its duration.
 BEFORE = 0.10
 AFTER = 0.18
-STILL = 1e-6  # largest velocity that is drawn as zero, over the fastest
+STILL = 1e-6  # largest velocity that is drawn as zero, over the largest velocity
 ARROW = 0.13  # length of the arrow of the largest velocity, over the height of the drawing
 # length of the arrow of the largest force, as a fraction of the drawing's height
 LONGEST_FORCE = 0.28
 LETTERS = 15.0  # height of the letters in a picture of default size, px
-# least depth at separation that the picture explains, as a fraction of the largest depth
+# Least depth at separation for which the picture has an explanation, over the largest depth.
 CRATER = 0.02
 # Radius and length of the enlarged end of the rod, not to scale, points in a picture of default
 # size.

@@ -33,11 +33,12 @@ ARC: dict[str, Any] = {
     "color": GREY,
     "linewidth": 0.7,
     "dashes": (3, 2),
-}  # look of the arc of bar positions at one distance from the hub
-ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # look of the line of zero lag
+}  # style of the arc of bar positions at the bar's distance from the hub's centre
+ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # style of the line of zero lag
 COLOUR_PERCENTILE = 97.0
-"""Percentile of the values at which the colours end; beyond it are the few points near a jam, where
-work has no bound."""
+"""Percentile of the values at the end of the colour scale.
+
+The few values beyond it belong to points near a jam, where the work grows without bound."""
 
 
 @styled()

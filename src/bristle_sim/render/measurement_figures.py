@@ -70,11 +70,12 @@ MAPS = {
     "compression_time": ("compression (µs)", "of the first touch", MICROSECONDS),
     "crater_depth": ("crater (µm)", "the deepest", 1e6),
 }
-"""Title, note and factor of each map."""
+"""Title, note and conversion factor of each map."""
 
-# largest value, over the measured one, on which the contour is based: it would follow a jump
+# Values larger than this multiple of the measured one are left out of the contour, which would follow
+# their jump.
 MOST_ABOVE = 3.0
-SMEAR = 9  # number of positions of the wire in an exposure
+SMEAR = 9  # number of positions of the wire that are drawn for one exposure
 LOOKS: dict[str, dict[str, Any]] = {
     "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
     "nearest pair": {

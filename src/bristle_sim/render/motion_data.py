@@ -17,25 +17,29 @@ from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS
 from bristle_sim.trajectory import ContactRecord, Interpolation, Motion, Trajectory
 
-ROUNDS = 12  # most times that an interval between two samples is halved
+ROUNDS = 12  # largest number of times that an interval between two samples is halved
 TRIED = 0.4  # fraction of an interval where the page's interpolation is tried: errors do not cancel there
 
 LINE_SHOWN = 0.001
 RETRACTION_SHOWN = 0.001
 FORCE_SHOWN = 0.0007
 SPEED_SHOWN = 0.01
-"""Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, degrees, N, and m/s of the tip."""
+"""Largest errors of the page's interpolation: centre line, mm; retraction, degrees; force, N; tip
+speed, m/s. Each is at most a tenth of the last digit that the page shows."""
 
 FORCE_RATIO = 1e-4
-"""Error of the force over the contact's largest force, if that is more than FORCE_SHOWN. A contact in time of 0.4 ns reaches 10 MN;
-its force to 0.7 mN would take a hundred thousand nodes."""
+"""Permitted error of the force, over the largest force in the contact, where it exceeds FORCE_SHOWN.
 
-MOST_NUMBERS = 100_000  # numbers in a page's motion; 12 bytes each leave it below 2 MB
-LOOSENING = 4.0  # factor of the errors while the motion has more numbers than that
-MOST_LOOSENED = 4.0**6  # factor of the errors at most: four millimetres
+A contact that lasts 0.4 ns reaches 10 MN. To give its force to 0.7 mN would take a hundred thousand
+nodes."""
 
-STRIKE_SHOWN = 0.01  # part of the run for which an impact at an instant is shown
-JUMP = 1e-9  # smallest difference of the motion before and after an instant that is a jump, in the page's units
+# Largest number of numbers in a page's motion; at 12 bytes each it stays below 2 MB
+MOST_NUMBERS = 100_000
+LOOSENING = 4.0  # factor by which the errors grow until the motion has at most MOST_NUMBERS
+MOST_LOOSENED = 4.0**6  # largest factor of the errors; the centre line's is then four millimetres
+
+STRIKE_SHOWN = 0.01  # time for which an instantaneous impact is shown, as a fraction of the run
+JUMP = 1e-9  # smallest difference before and after an instant that counts as a jump, in the page's units
 
 Indices = NDArray[np.intp]
 

@@ -19,7 +19,7 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.pictures import Html
 
 POINTS = 300  # number of points of the tip's path in a summary's drawing, besides the samples
-MARGIN = 0.05  # free border of a summary's drawing, as a fraction of its larger extent
+MARGIN = 0.05  # width of the free border of a summary's drawing, as a fraction of its larger extent
 
 
 def plot(run: Trajectory, until: float | None) -> Figure:

@@ -34,13 +34,12 @@ from bristle_sim.trajectory import Event, Motion, Trajectory
 DRAWING = (8.1, 6.6)
 PANEL = (13.4, 2.9)
 ROW = 3.2
-"""Width and height of the tool's drawing and of a panel over time, and distance of the panels,
-cm."""
+"""Lengths in cm: width and height of the tool's drawing, width and height of a panel over time, and
+distance from one panel to the next."""
 
 BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
 _WIRES = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
-"""Events at which the tool's drawing shows the wire, with the wire's colour; other events are
-grey."""
+"""Events at which the tool's drawing shows the wire, with their colour. Other events are grey."""
 
 _LOOKS: dict[str, dict[str, Any]] = {
     "wire, in the colour of its instant": {"color": GREY, "linewidth": 3.0},

@@ -32,7 +32,7 @@ from bristle_sim.units import Choice, Range
 from bristle_sim.version import __version__, named_commit
 
 Parameter = tuple[Range | Choice, Any, Any]
-"""Declaration of a key, its value in this run, and its default."""
+"""Declaration of a parameter, its value in this run, and its default."""
 
 LIBRARIES = (
     "numpy",
@@ -63,7 +63,9 @@ def write_report(
     plot_is_folder: bool = False,
     video: Path | None = None,
 ) -> None:
-    """Write a report as one self-contained page, which appears only when it is complete.
+    """Write a report as one self-contained HTML page, which appears only when it is complete.
+
+    A slider shows the motion if the report's subject has a ``tool`` and a ``trajectory``.
 
     Args:
         path: file of the page.
@@ -71,13 +73,11 @@ def write_report(
         name: name of the scenario.
         question: question of the scenario.
         command: command that writes the page again.
-        parameters: the scenario's parameters.
-        plot: function that draws the figure to a path, or all figures to a folder; if it fails, a
-            remark gives the reason.
-        plot_is_folder: whether ``plot`` takes a folder.
+        parameters: the scenario's parameters, each with its declaration, value and default.
+        plot: function that draws the figure to a path, or all figures to a folder. If drawing
+            fails, a remark on the page gives the reason.
+        plot_is_folder: whether ``plot`` draws all figures to a folder.
         video: path of a finished film.
-
-    A slider shows the motion if the report's subject has a ``tool`` and a ``trajectory``.
 
     Raises:
         OSError: if a file cannot be written; the message names it.

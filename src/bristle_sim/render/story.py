@@ -12,10 +12,10 @@ from bristle_sim.trajectory import Event, Trajectory
 MOST_LABELS = 9  # largest number of labels that fit above a panel of full width
 AFTERMATH = 0.12  # time shown after the tip has left the workpart, as a fraction of the time before
 SAME_INSTANT = 1e-9  # largest interval between events that are simultaneous, s
-# Largest angle from radial at the start of a bristle that the hub carries; beyond it the belt
-# throws the bristle, rad.
+# Largest angle, rad, from the radial direction at the start of a bristle that turns with the hub.
+# Beyond this angle the belt throws the bristle.
 CARRIED = math.radians(1.0)
-LAGGING = 0.01  # largest relative rate at the start of a bristle that turns with the hub, over the hub speed
+LAGGING = 0.01  # largest relative rate, over the hub speed, of a bristle that starts by turning with the hub
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}

@@ -44,7 +44,7 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
     "crater_depth": ("crater depth", "µm", 1e6),
 }
-"""Quantities of a strike: title, unit shown, and factor to that unit."""
+"""Quantities of a strike: title, unit shown, and the factor that converts SI units to it."""
 
 
 @contextmanager

@@ -30,11 +30,11 @@ from bristle_sim.studies.surface import MEASURED_RZ, BlastedSurface
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles
 
 MICRO = 1e6  # micrometres in a metre
-DEEPEST = 1.0  # percentile of the heights at which the colours end
+DEEPEST = 1.0  # percentile of the heights at the lower end of the colour scale
 LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # from the left, against the slide
 MAP = "cividis"
 FILM_SECONDS = 6.0
-PIXELS = 1000  # of the film's height map along the slide, at most
+PIXELS = 1000  # largest number of pixels of the film's height map along the slide
 
 
 @styled()

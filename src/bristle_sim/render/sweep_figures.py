@@ -32,7 +32,7 @@ from bristle_sim.studies.scenario_sweep import Swept
 from bristle_sim.studies.tolerances import Study
 from bristle_sim.studies.whole_pass import QUANTITIES
 
-# panels in a row, and their size with its margins, cm
+# Number of panels in a row, and the width and height, cm, of a panel with its margins.
 COLUMNS = 3
 WIDTH = 6.0
 HEIGHT = 5.2
@@ -42,8 +42,8 @@ TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 OUTCOME = "outcome"
 
 PERCENTILES = (1.0, 99.0)
-"""Percentiles between which a map's colours lie where values beyond them would take more than half
-of the scale."""
+"""Percentiles at which a colour scale is cut off, at an end where the values beyond would take more
+than half of the scale."""
 
 
 @style.styled()
@@ -86,7 +86,7 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     return figure
 
 
-MANY = 60  # points of a line that are drawn without marks
+MANY = 60  # least number of points of a line for which the points have no marks
 
 
 def _draw_values(
@@ -211,7 +211,7 @@ def tolerance_figure(study: Study) -> Figure:
     return figure
 
 
-KEY_HEIGHT = 3.0  # height of the panel of a key, cm
+KEY_HEIGHT = 3.0  # height of the panel of a parameter, cm
 
 
 @style.styled()

@@ -20,11 +20,11 @@ from bristle_sim.trajectory import Interpolation, Motion, Trajectory
 if TYPE_CHECKING:
     from bristle_sim.studies.neighbours import NeighbourRow
 
-CAPTION_SHOWN = 0.5  # film time for which the caption of the strike is shown, s
+CAPTION_SHOWN = 0.5  # time in the film for which the caption of the strike is shown, s
 ROW_SLOWER = 10.0
 ROW_AFTER = 0.15
-"""Slow-down of touches and strikes in a row over that of the rest; and time shown after the last
-bristle's strike, as a fraction of the time before."""
+"""Film of a row: slow-down at touches and strikes over the slow-down elsewhere; and time shown after
+the last bristle's strike, as a fraction of the time before."""
 
 
 class ToolFilm(Film):

@@ -33,7 +33,7 @@ LOOKS = {
     "time_in_touch": ("duration", GREEN, "^"),
     "crater_depth": ("crater", PURPLE, "D"),
 }
-"""Name, colour and marker of each measure."""
+"""Label, colour and marker of each quantity of a strike."""
 
 LINK_COLOURS = (ORANGE, GREEN, BLUE)
 
@@ -108,7 +108,8 @@ def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
 
 
 LONGEST_FORCE = 0.22  # length of the arrow of the largest force, over the height of the drawn wires
-# bending moment at the hinge next to the root at the wave's arrival, over the largest
+# The bending wave has arrived when the moment at the hinge next to the root exceeds this fraction of
+# the largest moment.
 ARRIVED = 0.1
 GRID = 400  # number of instants of the force curves and of the map of bending moments
 

@@ -40,9 +40,8 @@ REPORTED = 0.2  # shortest time between two reports on the progress of a computa
 STOPPED = "stopped by a newer run"
 
 MOST_RUNNING = 4  # largest number of simultaneous computations; further ones wait up to TIME_LIMIT
-MOST_IDLE = (
-    3  # largest number of waiting processes, each of about 100 MB: for a run, a map and a spare
-)
+# Largest number of waiting processes, each of about 100 MB: for a run, a map and a spare
+MOST_IDLE = 3
 
 Answer = dict[str, Any]
 
