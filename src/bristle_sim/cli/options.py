@@ -201,10 +201,9 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
 def parser_of(
     scenario: Scenario, program: str, *, sweeping: bool = False
 ) -> argparse.ArgumentParser:
-    """Return the command-line parser of a scenario, or of a sweep of a scenario.
+    """Return the command-line parser of a scenario; ``sweeping`` is whether the scenario is swept.
 
-    An option of a file that the scenario cannot write is left out of the parser, and has the value
-    None.
+    An option that has no effect on the scenario is left out of the parser, and has the value None.
     """
     parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
     left_out = set[str]()

@@ -131,10 +131,10 @@ def ending_in_order() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """Raise the exception that ends the computation, as the handler of a signal.
+    """Handle a signal by raising the exception that ends the computation.
 
     Python discards an exception that is raised in a callback of the physics engine. If the signal
-    arrives there, the signal is repeated a little later instead.
+    arrives there, it is repeated a little later instead.
     """
     while frame is not None:
         code = frame.f_code

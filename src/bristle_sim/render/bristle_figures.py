@@ -234,8 +234,8 @@ def neighbours_figure(
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     """Return the two instants at which the row is drawn, each as a name and a time, s.
 
-    They are the first touch between wires, and the last touch before the last bristle strikes. If
-    the wires do not touch, they are the strikes of the first and the last bristle.
+    They are the first touch between wires, and the last touch before the last bristle strikes.
+    Where a touch is missing, the strike of the first or of the last bristle takes its place.
     """
     front = row.bristles[0].event_time("strike")
     strike = row.bristles[-1].event_time("strike")

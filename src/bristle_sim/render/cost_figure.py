@@ -85,8 +85,8 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     """Return a phrase that compares CPU times at one error: this project's method and the best
     other one.
 
-    Each ``Point`` is the cheapest measured setting; ``own`` is this project's, ``peer`` another
-    package's.
+    ``own`` is the cheapest measured setting of this project that reaches the error ``target``,
+    ``peer`` the cheapest one of another package.
     """
     if own is None:
         return "none of our methods is within 1"

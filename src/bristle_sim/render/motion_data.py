@@ -170,7 +170,8 @@ class _Nodes:
         return np.flatnonzero(kept)
 
     def _add_between(self, kept: Indices) -> int:
-        """Set the nodes: the kept samples, and as many times between them as accuracy requires.
+        """Set the nodes to the kept samples and as many times between them as the accuracy
+        requires.
 
         Return the number of nodes that are not samples.
         """

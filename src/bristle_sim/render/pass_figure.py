@@ -48,7 +48,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 
 
 class _Mark(NamedTuple):
-    """An event with its number and colour, which is marked in every panel."""
+    """An event of the pass that every panel marks, with its number and colour."""
 
     number: int
     event: Event

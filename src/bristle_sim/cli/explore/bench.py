@@ -117,12 +117,11 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Simulate the pass of the first tool with changed parameters, and return the results for the
-    page.
+    """Simulate the pass of a tool with changed parameters, and return the results for the page.
 
     Args:
         pass_of: the scenario of the whole pass.
-        start: assignments ``KEY=VALUE`` of the first tool.
+        start: assignments ``KEY=VALUE`` of the tool that the page shows first.
         typed: assignments that the user has typed; they override ``start``.
     """
     values = pass_of.values_of([*start, *typed])

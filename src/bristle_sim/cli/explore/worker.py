@@ -58,7 +58,7 @@ class Worker:
         """Start the process, which then imports the modules that it needs."""
         self.reason = ""
         self.progress = 0.0
-        self._number = 0  # of its job
+        self._number = 0  # of the present computation
         self._process = subprocess.Popen(
             [sys.executable, "-c", f"from {__name__} import work; work()"],
             stdin=subprocess.PIPE,
@@ -134,7 +134,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     process.kill()
     process.wait()
     for pipe in (process.stdin, process.stdout):
-        with contextlib.suppress(OSError):  # a job that was never read
+        with contextlib.suppress(OSError):  # a request that was never read
             pipe.close() if pipe is not None else None
 
 
