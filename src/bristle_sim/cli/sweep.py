@@ -42,8 +42,9 @@ MOST_ROWS = 15
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
-    """Run a scenario over values of one or two parameters, write the requested files, print the
-    answer.
+    """Run a scenario over values of one or two parameters, and show its quantities.
+
+    The requested files are written. Standard output shows the answer and a table.
 
     Args:
         scenario: the scenario.

@@ -82,11 +82,10 @@ def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
 
 
 def verdict(target: float, own: Point | None, peer: Point | None) -> str:
-    """Return a phrase that compares CPU times at one error: this project's method and the best
-    other one.
+    """Return a phrase that compares the CPU times of two methods at one error.
 
-    ``own`` is the cheapest measured setting of this project that reaches the error ``target``,
-    ``peer`` the cheapest one of another package.
+    ``own`` is the cheapest measured setting of this project that reaches the error ``target``.
+    ``peer`` is the cheapest one of another package.
     """
     if own is None:
         return "none of our methods is within 1"

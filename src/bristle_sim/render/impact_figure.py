@@ -147,10 +147,9 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Draw dashed lines at the impulses p_c (end of compression), p_s (end of slip) and p_f
-    (final).
+    """Draw dashed lines at the normal impulses where compression ends, slip ends and contact ends.
 
-    Coincident lines share one label.
+    The lines are labelled p_c, p_s and p_f. Coincident lines share one label.
     """
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])

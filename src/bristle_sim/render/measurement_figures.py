@@ -37,8 +37,8 @@ SPHERES = {
 def measured_figure(compliance: float) -> Figure:
     """Draw velocity ratio, spin and rebound angle of spheres over the angle of incidence.
 
-    Points are measured. Curves are the impact law, rigid along the surface and with the tangential
-    compliance ratio ``compliance``.
+    Points are measured. Curves are the law of impact for a contact that is rigid along the surface,
+    and for one whose ratio of tangential to normal compliance is ``compliance``.
     """
     figure = blank_figure(16.0, 7.6)
     angle = np.linspace(0.5, 62.0, 400)

@@ -247,9 +247,9 @@ def trade_off_figure(found: Design) -> Figure:
 
 
 def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
-    """Return values in a readable unit, their label with this unit, and the unit's size.
+    """Return values in a readable unit, their label with this unit, and the conversion factor.
 
-    The size is the value of the unit in the original unit.
+    The factor is the readable unit expressed in the original unit, by which the values are divided.
     """
     is_key = any(label in keys for keys in tool_keys().values())
     shown, size = (

@@ -174,7 +174,7 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     """Return the bar's position for which the strike is radial, as texts of its two coordinates.
 
-    The bar keeps its distance from the hub's centre.
+    The bar keeps its distance from the hub's centre. In a radial strike the lag is zero.
     """
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)
