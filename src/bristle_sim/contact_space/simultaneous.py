@@ -46,12 +46,13 @@ def resolve_at_once(
 ) -> list[Impact]:
     """Resolve the impacts at all contact points of connected bodies at once.
 
-    The velocities of the bodies are changed. The impact takes place at the end of the step; the
-    engine's velocities are half a step ahead of it. A point that approaches no faster than
+    The function changes the velocities of the bodies. The impact takes place at the end of the
+    step; the engine's velocities are those of half a step later. A point that approaches no faster than
     ``resting`` has no restitution.
 
     Returns:
-        The impact of each point. The sum of all works is the change of the kinetic energy.
+        The impact of each point. The work done at all points adds up to the change of the kinetic
+        energy.
     """
     from scipy.sparse import csr_array  # imported only where many contacts meet
 

@@ -110,10 +110,10 @@ class Measurement(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory(Declared):
-    """The simulated contact that is compared with a force curve.
+    """Settings of the simulated contact whose force is compared with a given force curve.
 
-    If ``speed_ratio`` is None, the ratio is chosen such that the contact has the curve's impulse in
-    compression. If ``compression_time`` is None, the curve's time to the highest force is used.
+    If ``speed_ratio`` is None, it is chosen so that the impulse of the contact's compression equals
+    that of the curve. If ``compression_time`` is None, the curve's time to its peak is used.
     """
 
     speed_ratio: float | None = quantity(

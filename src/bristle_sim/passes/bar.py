@@ -57,8 +57,11 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
     """Return the hub angle chi from the bar's direction, rad, at which an undeflected wire first
     touches the bar.
 
-    The wire touches with its flank where S sin chi = -R, and with its end where S^2 + (1 + rho)^2 -
-    2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is too short to reach the bar.
+    All lengths are divided by the bristle's length: the hub's radius rho is ``radius``, the distance
+    S from the hub's axis to the bar's centre is ``distance``, and the sum R of the radii of bar and
+    wire is ``reach``. The wire touches with its flank where S sin chi = -R, and with its end where
+    S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is too short
+    to reach the bar.
     """
     foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
     cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))
@@ -124,10 +127,10 @@ class Levers(NamedTuple):
 
 
 def levers(passes: Passes, pose: Pose) -> Levers:
-    """Return the velocity of the wire's surface at its touch of the bar, and the derivative of this
-    velocity.
+    """Return the velocity of the point of the wire's surface that touches the bar, and the lever
+    arms by which the wire's rate changes this velocity.
 
-    The normal points from the bar to the wire; the tangent is the normal turned clockwise.
+    Both have a normal and a tangential component. The normal points from the bar to the wire; the tangent is the normal turned clockwise.
     """
     near = closest(passes, pose)
     normal_x = -near.x / near.distance

@@ -41,8 +41,9 @@ class RigidContacts:
 
     Attributes:
         scene: the scene.
-        closed: the contacts. The sense of slip of each contact is the one that friction opposes
-            until an event changes it; None means no friction, or a single link that does not slip.
+        closed: the contacts. Each has a sense of slip, which stays the same until the next event;
+            friction acts against it. The sense is None for a contact without friction, and for the
+            contact of a single link that does not slip.
     """
 
     symmetric = True  # rigid contacts act alike forwards and backwards in time

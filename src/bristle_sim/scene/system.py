@@ -69,7 +69,7 @@ class Plan:
     first_interval: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """Compute the shortest intervals from the accuracy."""
+        """Compute the plan's three short time intervals from the requested accuracy."""
         self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
         self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
         longest = max(self.instant, self.longest_interval / MOST_GROWTH)

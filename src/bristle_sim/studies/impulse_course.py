@@ -113,9 +113,9 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return the velocities over the normal impulse of a contact simulated over time.
+    """Return the velocities as functions of the normal impulse, for a contact simulated in time.
 
-    The normal impulse is the integral of cubics through the force of each phase.
+    The normal impulse is the integral of cubic splines through the force samples of each phase.
     """
     impulse = cubics(history.time, history.normal_force).antiderivative()(history.time)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

@@ -181,8 +181,9 @@ def least_pitch(
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
     """Return three theoretical least pitches, in ascending order.
 
-    Above them wires do not touch until the bristle in front strikes, until the follower strikes,
-    and in the whole pass. Their values are None if ``unsearched`` gives a reason.
+    At a pitch above the first, neighbouring wires do not touch before the leading bristle strikes;
+    above the second, not before the following bristle strikes; above the third, not at any time in
+    the pass. The values are None if :func:`unsearched` gives a reason.
     """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()

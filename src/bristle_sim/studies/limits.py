@@ -34,8 +34,8 @@ class Change:
         at: the value, in SI units.
         below: outcome below the value.
         above: outcome above the value.
-        confirmed: whether the simulation gives these outcomes a ten-thousandth of the range below
-            and above the value, or closer if the next change is near.
+        confirmed: whether the simulation gives these outcomes just below and just above the value.
+            The offset is a ten-thousandth of the searched range, or less if the next change is near.
     """
 
     at: float

@@ -208,8 +208,8 @@ NAMED = 3  # largest number of quantities, and of reasons, in an answer
 
 
 def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
-    """Return a sweep's answer: how the first of the chosen quantities change, where the outcome
-    changes, why points lack results, and the check.
+    """Return a sweep's answer in words: how the first few chosen quantities change, where the
+    outcome changes, why some points have no results, and how far the simulation agrees.
     """
     over = " and ".join(
         f"{key} from {shown_value(found, key, values[0])} to {shown_value(found, key, values[-1])}"

@@ -211,9 +211,9 @@ def _own_strike(tool: Tool) -> Crater:
 
 
 def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float) -> BlastedSurface:
-    """Return the surface with its measures.
+    """Return the blasted surface with its roughness, coverage, removed volume and area rate.
 
-    ``rate`` is the number of strikes of the tool a second.
+    ``rate`` is the number of strikes that the tool makes per second.
     """
     ground = found.ground
     depths = found.depths

@@ -33,12 +33,12 @@ def evaluated(
 ) -> Generator[tuple[Point, Outcome], None, None]:
     """Yield points with their outcomes as they are finished.
 
-    Until one point has results, only one batch is in progress, so that the shapes of the results do
-    not depend on the workers.
+    Only one batch runs until a point has returned results. This point fixes the shapes of the
+    results, so they do not depend on which worker finishes first.
 
     Raises:
         ValueError: if the function cannot be pickled for the workers.
-        RuntimeError: if the workers do not answer any more.
+        RuntimeError: if the workers stop responding.
     """
     client = client_of(workers)
     own = client is None and not isinstance(workers, Executor)

@@ -134,8 +134,9 @@ class TimedContact:
 
     @property
     def peak_force(self) -> float:
-        """Largest magnitude of the resultant force, N; it occurs at the deepest penetration, which
-        is a sample.
+        """Largest magnitude of the resultant force, N.
+
+        It occurs at the instant of deepest penetration, which is one of the samples.
         """
         return float(self.force.max())
 

@@ -131,10 +131,10 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     """Return the energy that impacts, friction and the belt's damping dissipate in one revolution,
     J.
 
-    The works of impacts are those of the impact law. The works of friction in sustained contacts
-    are sums over the steps of the simulation. The work of damping is the integral of c alpha'^2,
-    with the belt's damping c and the relative angle alpha, by splines between the instants at which
-    the acceleration jumps.
+    The losses in impacts are those of the impact law. The work of friction in sustained contacts is
+    summed over the steps of the simulation. The work of damping is the integral of c alpha'^2, with
+    the belt's damping c and the relative angle alpha. Splines are fitted separately between the
+    instants at which the acceleration jumps, and integrated.
     """
     lost = -sum(sum(each.work or ()) for each in run.contacts)
     if not tool.belt_damping:

@@ -290,8 +290,8 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the bar position and the motion up to the strike of a bristle that the hub's rotation
-    stiffens.
+    """Return the cue of a bristle that the hub's rotation stiffens: the bar's position, and the
+    bristle's motion up to the strike.
 
     Belt damping is neglected; for an undamped belt the result is exact. ``retraction`` is the
     retraction at release, rad.

@@ -136,7 +136,9 @@ def with_bar(radius: float) -> Tool:
 
 
 def _meets(accuracy: float) -> Finding:
-    """Compare the instants at which bristles touch bars and the workpart with those by geometry."""
+    """Compare the simulated instants at which bristles touch bars and the workpart with the instants
+    that geometry gives.
+    """
     settings = Settings(accuracy=accuracy, samples_per_period=1)
     # Angles of a radial bristle to the workpart's normal at the touch, rad.
     touches = [(TOOL.replace(bar=None), "strike", -math.acos(TOOL.workpart_depth / TIP))]
