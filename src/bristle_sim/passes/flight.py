@@ -221,7 +221,7 @@ def _closing(
     slopes: tuple[Array, Array],
     leaves: Chosen,
 ) -> Array:
-    """Return the turn of the hub, rad, at which each gap closes between two ends of a bracket.
+    """Return the hub angle, rad, within each bracket at which the gap closes.
 
     Newton's method starts from inverse cubic interpolation of the gaps and their rates at the ends.
     A gap that begins at zero is divided by the turn, so that only its next zero remains.
