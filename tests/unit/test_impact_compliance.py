@@ -318,6 +318,18 @@ class TestBristle:
         """mu >= tan gamma and a stiff spring: it swings about a balance inside the cone, and nothing ends the contact."""
         assert self.strike(0.5, 0.01).outcome_name == "stiction"
 
+    @pytest.mark.parametrize("mu", [0.5, 1.0, 2.0])
+    def test_the_impulse_of_a_bristle_that_stays_is_that_of_a_rigid_point(self, mu: float) -> None:
+        """Slip stops it: sin(gamma) p_n + mu cos(gamma) p_n is its momentum. What balances afterwards moves nothing."""
+        held = self.strike(mu, 0.01)
+        impulse = 1.0 / (math.sin(GAMMA) + mu * math.cos(GAMMA))
+        assert held.impulse_normal == pytest.approx(impulse, rel=1e-12)
+        assert held.impulse_tangential == pytest.approx(-mu * impulse, rel=1e-12)
+        assert held.phase_impulse[2:].tolist() == [0.0, 0.0]
+        assert float(
+            held.phase_work_normal.sum() + held.phase_work_tangential.sum()
+        ) == pytest.approx(-0.5)
+
 
 GAMMA = math.radians(23.4)
 

@@ -20,6 +20,10 @@ jumps onto the cone. A point that is pressed deeper than before loads again, wit
 are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
 begin and end without force, or lose their force, so energy never grows.
 
+A point of one degree of freedom may never leave the surface: friction holds both springs compressed
+(stiction). Its impulses are those up to the instant at which it comes to rest, as for a rigid point.
+The static forces that follow do not move it, and their impulse grows without end.
+
 As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
 impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
 reverses, since T takes a time of that order from one edge of the cone to the other; the impulse
@@ -218,7 +222,11 @@ class _Contacts:
         approach = before.approach[ends]
         pressed = loading[ends] | (speed < -KNIFE_EDGE * approach)
         parted = np.where((event == APART) & (speed > 0.0), REBOUND, NO_REBOUND)
-        self.outcome[at[ends]] = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
+        outcome = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
+        self.outcome[at[ends]] = outcome
+        stays = at[ends[outcome == STICTION]]  # at rest since its compression ended
+        self.by_row[:, stays, 2:] = 0.0
+        self.slips[stays, 2:] = 0.0
         return over
 
     def turn(
