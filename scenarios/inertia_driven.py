@@ -7,10 +7,11 @@ must the pulley turn for the tip speed of the bar-cued tool?
 
 import sys
 
-from bristle_sim.cli import Film, Picture, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import CONTACT_KEYS, SHAPE_KEYS, SURFACE_KEYS, Comparison, Tool
 from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
@@ -27,15 +28,26 @@ def plot(report: Report) -> Picture:
     return inertia_figure(report.subject)
 
 
+def thrown(report: Report) -> Trajectory:
+    """Return the motion of the bristle from its entry into the pulley until it is radial again."""
+    if report.subject.radial is None:
+        raise ValueError(
+            "motion: the bristle must become radial again; its inertia throws it beyond the limit of retraction"
+        )
+    motion: Trajectory = report.subject.radial.trajectory
+    return motion
+
+
+def series(report: Report) -> Columns:
+    """Return the simulated motion."""
+    return dict(thrown(report).columns())
+
+
 def film(report: Report, **size: int) -> Film:
     """Film the bristle thrown by its inertia, from its entry into the pulley until it is radial."""
     from bristle_sim.render.tool_films import pass_film
 
-    if report.subject.radial is None:
-        raise ValueError(
-            "film: the bristle must become radial again; its inertia throws it beyond the limit of retraction"
-        )
-    run = report.subject.radial.trajectory
+    run = thrown(report)
     return pass_film(run, run.tool, **size)
 
 
@@ -44,6 +56,7 @@ SCENARIO = Scenario(
     question="How fast is the tip of a bristle that inertia drives, without a bar?",
     run=run,
     plot=plot,
+    series=series,
     film=film,
     without=(*SHAPE_KEYS, *SURFACE_KEYS, *CONTACT_KEYS, "gravity", "hub_turn"),
     defaults={

@@ -318,19 +318,17 @@ def differences(quantities: Sequence[Quantity]) -> str:
 
 
 def agreement(quantities: Sequence[Quantity]) -> str:
-    """Return the answer, in words, to the question whether the simulated values agree with the
-    closed forms.
+    """Return a clause on how far the closed forms agree with the simulated values.
 
-    It is, for example, ``Yes, to 2e-16``, or it names the quantity that differs most.
+    It is, for example, ``the closed form agrees to 2e-16``, or it names the quantity that differs
+    most.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each for each in judged if not each.ok]
     if judged and not missed:
         worst = max(abs(each.relative_difference or 0.0) for each in judged)
-        return f"Yes, to {worst:.0e}" if worst else "Yes, to the last digit"
+        return (
+            f"the closed form agrees to {worst:.0e}" if worst else "the closed form agrees exactly"
+        )
     differing = most_different(missed or quantities, "theory", "by formula")
-    return (
-        f"{'No' if missed else 'Not exactly'} ({differing})"
-        if differing
-        else "There is no closed form"
-    )
+    return f"the closed form differs ({differing})" if differing else "there is no closed form"

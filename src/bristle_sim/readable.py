@@ -23,10 +23,10 @@ SMALLEST_PREFIX = {"N s": "m", "N": "m"}
 """Smallest customary prefix by unit; it is n for all other units."""
 
 CUSTOMARY = {
-    "m^2": ("mm^2", 1e-6),
-    "m^3": ("mm^3", 1e-9),
-    "m^3/s": ("mm^3/s", 1e-9),
-    "m^2/s": ("m^2/h", 1.0 / 3600.0),
+    "m^2": ("mm²", 1e-6),
+    "m^3": ("mm³", 1e-9),
+    "m^3/s": ("mm³/s", 1e-9),
+    "m^2/s": ("m²/h", 1.0 / 3600.0),
 }
 """Units that are always shown in another unit, with the conversion factor: the size of the shown
 unit in the given one."""

@@ -188,7 +188,10 @@ def test_the_largest_relative_difference_of_each_side_is_named() -> None:
 def test_agreement_follows_from_the_rows() -> None:
     near = Quantity("a", "N", 1.0 + 1e-12, 1.0, tolerance=1e-9)
     far = Quantity("b", "N", 2.0, 1.0, tolerance=0.1)
-    assert agreement([near]) == "Yes, to 1e-12"
-    assert agreement([near, far]) == "No (b 2 N, by formula 1 N)"
-    assert agreement([Quantity("c", "N", 1.5, 1.0)]) == "Not exactly (c 1.5 N, by formula 1 N)"
-    assert agreement([Quantity("c", "N", 1.5)]) == "There is no closed form"
+    assert agreement([near]) == "the closed form agrees to 1e-12"
+    assert agreement([near, far]) == "the closed form differs (b 2 N, by formula 1 N)"
+    assert (
+        agreement([Quantity("c", "N", 1.5, 1.0)])
+        == "the closed form differs (c 1.5 N, by formula 1 N)"
+    )
+    assert agreement([Quantity("c", "N", 1.5)]) == "there is no closed form"

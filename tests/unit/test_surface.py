@@ -307,7 +307,7 @@ def test_the_answer_compares_with_the_measurement():
         Hub(), Bristle(), Crater(), Blasting(**SMALL, areal_ratio=1.0), Settings()
     )
     assert found.answer.startswith("This tool makes Rz ")
-    assert "m^2/h" in found.answer
+    assert "m²/h" in found.answer
     assert found.answer.endswith("measured 62 to 83 µm.")
     assert [each.name for each in found.quantities if each.ok is False] == []
 

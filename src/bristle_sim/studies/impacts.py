@@ -312,13 +312,14 @@ def _report(
         tuple("-" if value is None else format(value, form) for value, form in each)
         for each in pairs
     )
-    impulse = f"its normal impulse is {amount(one.impulse[0], 'N s')}{impulse_caution(one)}"
+    impulse = f"a normal impulse of {amount(one.impulse[0], 'N s')}{impulse_caution(one)}"
     known = (
-        "The formulas are for a contact that is rigid along the surface"
+        "the formulas are for a contact that is rigid along the surface"
         if impacts.elastic
         else agreement(rows)
     )
-    answer = f"{known}: the tip {one.outcome_in_words}, {impulse}, and the {turning} then turns at {amount(turned, 'rad/s')}."
+    motion = f"the {turning} then turns at {amount(turned, 'rad/s')}"
+    answer = f"The tip {one.outcome_in_words}, with {impulse}; {motion}, and {known}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
     if impacts.elastic:
         remarks.append("theory: of a contact that is rigid along the surface")
