@@ -34,7 +34,7 @@ class EqualByValue:
 
 def _equal(one: Any, two: Any) -> bool:
     if isinstance(one, np.ndarray):
-        return np.array_equal(one, two, equal_nan=True)
+        return np.array_equal(one, two, equal_nan=one.dtype.kind == "f")
     if isinstance(one, dict) and isinstance(two, dict):
         return one.keys() == two.keys() and all(_equal(each, two[key]) for key, each in one.items())
     return bool(one == two)

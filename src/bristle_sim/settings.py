@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from numbers import Integral
 
 from bristle_sim.declared import ANY, Declared, quantity
 from bristle_sim.units import shown
@@ -61,8 +62,9 @@ class Settings(Declared):
             value = getattr(self, name)
             if value is None and name == "samples_per_period":
                 continue
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
                 raise ValueError(f"{name} = {shown(value)}: must be a whole number of at least 1")
+            object.__setattr__(self, name, int(value))
         if self.samples > MOST_SAMPLES:
             raise ValueError(
                 f"samples_per_period = {shown(self.samples_per_period)}: must be at most {MOST_SAMPLES:g}"

@@ -126,6 +126,8 @@ class Range:
             number = float(value)
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
+        except TypeError:  # NumPy's durations count as whole numbers, but are not numbers
+            raise self.refusal(value) from None
         if not self._holds(number):
             raise self.refusal(
                 number if typed is None else typed, self._likely_display_unit(number, typed)
@@ -210,7 +212,7 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     )
     meant = _meant_unit(
         declared,
-        given if isinstance(given, str) else f"{given:g}",
+        given if isinstance(given, str) else f"{float(given):g}",
         default or math.sqrt(least * most),
     )
     return f"{declared.key} = {value:.6g}{unit}{ratio}{meant}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pint
 import pytest
 
 import bristle_sim as bs
@@ -109,6 +110,7 @@ def test_a_tool_out_of_range_spoils_no_other():
         ({"wire_links": 4}, "wire_links"),
         ({"knee_angle_deg": 10.0}, "knee_angle_deg"),
         ({"contact": "compliant"}, "contact"),
+        ({"contact_duration": 1e-5}, "contact_duration"),
         ({"belt_stiffness": 1e6}, "belt_stiffness"),
         ({"belt_stiffness": 1e-4}, "quarter turn"),
     ],
@@ -130,12 +132,25 @@ def test_a_tool_that_the_method_cannot_do_is_refused_with_the_reason(
         {"hub_speed": [1j]},
         {"hub_speed": {}},
         {"hub_speed": [1.0, 2.0], "friction": [0.1, 0.2, 0.3]},
+        {"hub_speed": [[1.0], [1.0, 2.0]]},
+        {"hub_speed": pint.UnitRegistry().Quantity([2000.0, 2500.0], "rpm")},
+        {"friction": [0.3, None]},
         {"accuracy": 2.0},
     ],
 )
 def test_a_request_without_meaning_raises_one_line(values: dict[str, object]):
-    with pytest.raises(ValueError, match=r"^[^\n]+$"):
+    with pytest.raises(ValueError, match=f"^[^\n]*{next(iter(values))}[^\n]+$"):
         bs.ensemble(**values)  # type: ignore[arg-type]
+
+
+def test_an_array_may_omit_single_values_of_an_optional_key():
+    many = bs.ensemble(bristle_mass=[None, "80 mg"], restitution_friction=[0.2, None])
+    alone = (bs.ensemble(restitution_friction=0.2), bs.ensemble(bristle_mass=8e-5))
+    np.testing.assert_allclose(
+        many.normal_final_impulse, [each.normal_final_impulse for each in alone], rtol=1e-9
+    )
+    assert many == bs.ensemble(bristle_mass=[None, 8e-5], restitution_friction=[0.2, None])
+    assert many != bs.ensemble(bristle_mass=[None, 8e-5], restitution_friction=[0.3, None])
 
 
 def test_keys_broadcast_and_blocks_join(monkeypatch: pytest.MonkeyPatch):

@@ -473,6 +473,21 @@ def test_bad_input_is_named_in_one_line(law, name, value, message):
     assert "\n" not in str(refusal.value)
 
 
+def test_arrays_that_do_not_broadcast_are_named():
+    shapes = r"inverse_mass \(\), velocity \(3,\), friction \(2,\), restitution \(\), [^\n]*"
+    with pytest.raises(ValueError, match=f"{shapes}: must be shapes that broadcast"):
+        energetic_impact(np.eye(2), [[-1.0, 0.0]] * 3, [0.1, 0.2], 0.5)
+
+
+def test_arrays_of_impacts_compare_by_value():
+    first, same, other = (
+        energetic_impact(np.eye(2), [-1.0, 0.5], friction, 0.5)
+        for friction in ([0.1, 0.2], [0.1, 0.2], [0.1, 0.3])
+    )
+    assert first == same
+    assert first != other
+
+
 def one_freedom(angle: float) -> tuple[np.ndarray, np.ndarray]:
     """Direction (n, t) of the tip of a bristle at an angle to the normal, and K of unit mass along it alone."""
     along = np.array([-math.sin(angle), math.cos(angle)])

@@ -156,9 +156,23 @@ def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
     )
 
 
-@pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])
+@pytest.mark.parametrize(
+    "time", [-1e-9, 1.0, np.nan, [0.0, np.inf], "1 ms", 1j, [[0.0], [0.0, 0.001]]]
+)
 def test_motion_outside_the_run_is_refused(run: Trajectory, time):
     with pytest.raises(
-        ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"
+        ValueError, match=r"^time = [^\n]*: must be from 0.0 to 0\.0\d+, within the run \(in s\)$"
     ):
         run.at(time)
+
+
+def test_an_instant_just_past_the_end_differs_from_the_end_in_the_message(run: Trajectory):
+    past = np.nextafter(run.time[-1], np.inf)
+    with pytest.raises(ValueError, match=f"^time = {past}: must be from 0.0 to {run.time[-1]},"):
+        run.at(past)
+
+
+@pytest.mark.parametrize("points", [-1, 2.5, "3", 10**9])
+def test_the_number_of_points_of_a_course_is_checked(run: Trajectory, points):
+    with pytest.raises(ValueError, match=r"^points = [^\n]*: must be a whole number from 0 to"):
+        run.course(points=points)

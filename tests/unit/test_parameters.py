@@ -6,6 +6,7 @@ import cmath
 import dataclasses
 import itertools
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
 
 
@@ -243,6 +245,16 @@ def test_a_misspelt_field_and_a_path_in_place_of_a_tool_are_named():
         Hub(sped=3)  # type: ignore[call-arg]
     with pytest.raises(ValueError, match=r"must be a Tool; read_tool\('tool.toml'\) reads one"):
         simulate("tool.toml")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"must be a Tool; read_tool\('tool.toml'\) reads one"):
+        simulate_reference("tool.toml")  # type: ignore[arg-type]
+
+
+def test_fractions_are_numbers_and_durations_of_numpy_are_not():
+    assert Hub(speed=Fraction(523, 2)).speed == 261.5
+    with pytest.warns(UserWarning, match=r"^hub_speed = 2000 rad/s is .*hub_speed='2000 rpm'$"):
+        Hub(speed=Fraction(2000))
+    with pytest.raises(ValueError, match=r"^hub_speed = [^\n]*timedelta64[^\n]*: must be a finite"):
+        Hub(speed=np.timedelta64(3, "s"))
 
 
 def test_a_hub_that_leaves_no_room_for_any_bar_is_named_itself():

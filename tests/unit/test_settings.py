@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from bristle_sim.settings import Settings
@@ -20,3 +21,11 @@ def test_as_many_samples_as_a_cubic_needs_for_the_accuracy(accuracy: float, samp
         or (math.tau / samples) ** 4 / 384.0 <= accuracy < (math.tau / (samples - 1)) ** 4 / 384.0
     )
     assert Settings(accuracy, samples_per_period=50).samples == 50
+
+
+@pytest.mark.parametrize("name", ["maximum_steps", "samples_per_period"])
+def test_a_whole_number_of_numpy_is_a_whole_number(name: str):
+    assert type(getattr(Settings(**{name: np.int64(50)}), name)) is int
+    for value in (0, 50.0, True, "50"):
+        with pytest.raises(ValueError, match=rf"^{name} = [^\n]*: must be a whole number of at"):
+            Settings(**{name: value})

@@ -99,9 +99,12 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
 
 def _array(declared: Range, value: Any) -> Array:
     """Return the values of a key as numbers in its unit; NaN stands for an omitted value."""
-    if value is None and declared.optional:
-        return np.array(math.nan)
-    array = np.asarray(value)
+    if hasattr(value, "dimensionality"):  # a quantity of pint, which would lose its unit
+        raise declared.refusal(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        raise declared.refusal(value) from None
     if array.dtype.kind in "iuf":
         # a number of a longer type may overflow; it is then out of range
         with np.errstate(over="ignore"):
@@ -109,10 +112,11 @@ def _array(declared: Range, value: Any) -> Array:
     if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
         raise declared.refusal(value)
     parsed = functools.cache(declared.parse)
-    numbers = [
-        parsed(each) if isinstance(each, str) else declared.check(each) for each in array.flat
-    ]
-    return np.array(numbers, dtype=float).reshape(array.shape)
+    numbers = np.full(array.size, math.nan)
+    for place, each in enumerate(array.flat):
+        if each is not None or not declared.optional:
+            numbers[place] = parsed(each) if isinstance(each, str) else declared.check(each)
+    return numbers.reshape(array.shape)
 
 
 def key_values(tool: Tool) -> dict[str, float]:
@@ -175,6 +179,9 @@ def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
         reasons.refuse(
             values[key] != wanted, f"{key} = {{}}: must be {wanted:g}, {meaning}", values[key]
         )
+    duration = values["contact_duration"]
+    text = "contact_duration = {}: must be left out with contact = energetic (in s)"
+    reasons.refuse(~np.isnan(duration), text, duration)
     reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
 
 

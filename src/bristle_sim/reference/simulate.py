@@ -14,6 +14,7 @@ import numpy as np
 
 from bristle_sim.declared import ANY, quantity, validate
 from bristle_sim.parameters import START, Surface, Tool
+from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.reference.contacts import Bar, Point, WirePairs, Workpart, obstacles_of
 from bristle_sim.reference.decisions import close_contact
 from bristle_sim.reference.log import PEAK, STRIKE, Log
@@ -106,6 +107,7 @@ def simulate_reference(
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5
             radians of its fastest motion.
     """
+    tool = checked_tool(tool)
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
     start = (angle, start_relative_angle, start_relative_rate)
     request = Request(

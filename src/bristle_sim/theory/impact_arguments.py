@@ -68,7 +68,14 @@ def unpack(
         )
     (k_nn, k_nt), (k_tn, k_tt) = np.moveaxis(matrix, (-2, -1), (0, 1))
     entries = (k_nn, k_nt, k_tt, *np.moveaxis(speeds, -1, 0), *coefficients)
-    values: list[Number] = list(np.broadcast_arrays(*entries))
+    try:
+        values: list[Number] = list(np.broadcast_arrays(*entries))
+    except ValueError:
+        shapes = [matrix.shape[:-2], speeds.shape[:-1], *map(np.shape, coefficients)]
+        found = ", ".join(f"{name} {shape}" for name, shape in zip(NAMES, shapes, strict=False))
+        raise ValueError(
+            f"arrays of impacts of shapes {found}: must be shapes that broadcast against each other"
+        ) from None
     _check(values, k_tn)
     return values, np.shape(values[0])
 

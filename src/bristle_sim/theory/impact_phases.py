@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Number
+from bristle_sim.arrays import EqualByValue, Number
 from bristle_sim.theory.numbers import inverse, quotient, select, sign
 
 INFINITE = math.inf
@@ -50,8 +50,8 @@ SINGULAR = 64.0 * sys.float_info.epsilon
 then has one degree of freedom."""
 
 
-@dataclass(frozen=True, slots=True)
-class Impact:
+@dataclass(frozen=True, slots=True, eq=False)
+class Impact(EqualByValue):
     """Result of an impact, or of an array of impacts.
 
     Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses act

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED, Motion
+from bristle_sim.units import Range, shown
 
 Pieces = list[tuple[int, int]]
 """Indices of the first and the last sample of each smooth part of a run."""
@@ -33,6 +34,9 @@ the interval that is interpolated.
 
 A shorter distance, as occurs next to an event, would amplify the errors of the samples far from it.
 """
+
+# Number of equally spaced instants of a course; a million of them take a second to interpolate.
+POINTS = Range("points", "1", 0.0, 1e6, True, "rounding: the memory of a drawing", whole=True)
 
 
 class Interpolation:
@@ -90,11 +94,14 @@ class Interpolation:
         if side not in ("before", "after"):
             raise ValueError(f"side = {side!r}: must be before or after")
         run = self.run
-        instants = np.asarray(time, dtype=float)
+        limits = f"must be from {run.time[0]} to {run.time[-1]}, within the run (in s)"
+        try:
+            instants = np.asarray(time, dtype=float)
+        except (TypeError, ValueError):
+            raise ValueError(f"time = {shown(time)}: {limits}") from None
         outside = ~((instants >= run.time[0]) & (instants <= run.time[-1]))
         if outside.any():
-            limits = f"must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
-            raise ValueError(f"time = {instants[outside].flat[0]:g}: {limits}")
+            raise ValueError(f"time = {instants[outside].flat[0]}: {limits}")
         flat = instants.ravel()
         links = run.angles.shape[1]
         force, kinetic, potential = (
@@ -118,6 +125,7 @@ class Interpolation:
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
         """Return the motion up to an instant, s, for drawing; see ``Trajectory.course``."""
+        points = int(POINTS.check(points))
         start, end = float(self.run.time[0]), min(until, float(self.run.time[-1]))
         if not end > start:
             raise ValueError(
