@@ -86,7 +86,8 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     pressed = np.abs(touch.normal) * held.pressure
     approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
     amplified = np.abs(pressed) / approach
-    passes.error = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
+    grown = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
+    passes.error = np.minimum(grown, 1.0)  # 1 stands for any uncertainty
     # Without the bar the overlap would stay within the accuracy, and the gap would open again.
     grazes = touch.normal_velocity**2 < -2.0 * pressed * accuracy
     passes.error = np.where(grazes, 1.0, passes.error)
