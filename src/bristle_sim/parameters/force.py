@@ -174,9 +174,10 @@ class Measured(Declared):
 
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
-    """The map over contact stiffness and wire damping, and a high-speed camera.
+    """The points of a map over contact duration and wire damping, and the settings of a simulated
+    high-speed camera.
 
-    The camera films the simulated pass that is nearest to the best case of the map.
+    The camera films the pass at the point of the map that is nearest to the measured facts.
     """
 
     durations: int = count(

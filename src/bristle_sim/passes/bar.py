@@ -217,11 +217,12 @@ def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Arr
 
 
 def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
-    """Return the angle eta between a wire on its end and the vector to the bar's centre, with its
-    two derivatives.
+    """Return the angle between a wire whose end lies on the bar and the vector from the wire's root
+    to the bar's centre, with the angle's two derivatives.
 
-    cos eta = (D^2 + 1 - R^2)/(2 D); ``square``, ``square_1`` and ``square_2`` are D^2 and its two
-    derivatives.
+    By the law of cosines the angle eta obeys cos eta = (D^2 + 1 - R^2)/(2 D), with the length 1 of
+    the wire, the distance D of the bar's centre from the root, and the distance R of the wire's end
+    from the bar's centre. ``square``, ``square_1`` and ``square_2`` are D^2 and its two derivatives.
     """
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)

@@ -127,8 +127,9 @@ class Extrapolation:
         self._use(repetitions)
 
     def _use(self, repetitions: Repetitions) -> None:
-        """Use the given numbers of steps from now on, up to the repetition at which rounding error
-        would exceed the tolerance.
+        """Repeat intervals with the given numbers of steps from now on.
+
+        A repetition is left out if its rounding error would exceed the tolerance.
         """
         self.repetitions = repetitions
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)

@@ -49,8 +49,8 @@ class Plan:
         single_contact: whether the run is a study of a single contact, without events of the
             motion's extremes.
         instant: shortest time resolved; within it no force moves a link by more than the accuracy.
-        shortest: longest interval in which a force that falls to zero counts as zero from the
-            interval's start.
+        shortest: interval so short that a contact force that falls to zero within it counts as zero
+            from the interval's start.
         first_interval: longest interval at the beginning of a contact, and lower bound of the limit
             on later intervals.
     """
