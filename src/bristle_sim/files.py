@@ -76,7 +76,8 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
         else:
             partial.replace(final)
     except OSError as error:
-        if error.filename is not None and os.fspath(error.filename) == str(partial):
+        named = error.filename and os.fspath(error.filename)
+        if error.errno is not None and named in (None, str(partial)):
             raise OSError(error.errno, error.strerror, str(target)) from None
         raise
     finally:

@@ -89,6 +89,12 @@ def test_an_error_names_the_file_that_was_meant(tmp_path: Path):
     )
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_device_is_named():
+    with pytest.raises(OSError, match=r"No space left on device: '/dev/full'$"):
+        write(Path("/dev/full"), "new")
+
+
 def test_threads_do_not_share_a_partial_file(tmp_path: Path):
     target = tmp_path / "out.txt"
     both = threading.Barrier(2, timeout=30)

@@ -143,6 +143,7 @@ def test_odd_messages_and_empty_arrays_do_not_end_a_sweep(tmp_path: Path):
         (power, {"x": [object()], "y": 1.0}, "x must hold numbers or words"),
         (power, {"x": ("sample", [1.0, 2.0]), "y": ("sample", [1.0])}, "must be coordinates"),
         (lambda failure: failure, {"failure": [1.0]}, "failure must not be a parameter"),
+        (lambda x: x, {"x": ("failure", [1.0])}, "failure must not be a parameter"),
         (lambda x: {"x": x}, {"x": [1.0]}, "must not have the name of a parameter or"),
         (
             lambda x: {"sample": x},
@@ -488,3 +489,8 @@ def test_a_killed_program_leaves_what_it_had_finished(tmp_path: Path):
     assert sorted(set(calls(folder))) == np.arange(100.0).tolist()
     # Two workers had a turn of 0.3 s each that was not returned, and 0.1 s that was not written: 35 points of 0.02 s.
     assert len(calls(folder)) <= 100 + 50
+
+
+def test_a_space_that_is_no_mapping_is_refused_in_one_line():
+    with pytest.raises(ValueError, match=r"^space: must be coordinates [^\n]+$"):
+        sweep(power, [1.0])  # type: ignore[arg-type]

@@ -183,13 +183,13 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
     try:
         given = getattr(space, "variables", space)
         grid = xr.Dataset(coords={name: typed(values) for name, values in given.items()})
-    except (TypeError, ValueError) as error:
+    except (AttributeError, TypeError, ValueError) as error:
         raise ValueError(
             f"space: must be coordinates as xarray.Dataset takes them ({error})"
         ) from error
     for name, values in grid.coords.items():
         check_name("space: its parameter", str(name))
-        if name == FAILURE:
+        if FAILURE in (name, *values.dims):
             raise ValueError(f"space: {FAILURE} must not be a parameter, it is a result")
         if not all(isinstance(each, str | int | float) for each in values.values.ravel().tolist()):
             raise ValueError(
