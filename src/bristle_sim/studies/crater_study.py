@@ -164,21 +164,23 @@ def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 
 
 def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
-
-    def shown(name: str) -> str:
-        beside = f" (printed {amount(printed[name] or 0.0, 'm')})" if name in printed else ""
-        return f"{amount(depths[name] or 0.0, 'm')}{beside}"
-
-    chip = "no chip" if study.no_chip else shown("merchant_crater_depth")
+    chip = "no chip"
+    if (depth := depths.get("merchant_crater_depth")) is not None:
+        chip = amount(depth, "m")
+    if (said := printed.get("merchant_crater_depth")) is not None:
+        chip += f" (printed {amount(said, 'm')})"
     own = [value for value in simulated.values() if value is not None]
-    contact = f"there is no simulated contact ({study.no_contact})"
+    contact = f"No contact is simulated ({study.no_contact})"
     if own:
-        contact = f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
+        contact = f"The simulated contact cuts {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
     ratio = chapter_4.energy_crater_depth_ratio(
         5, study.impact_angle, compression_time=study.crater.compression_time
     )
-    energy = f"work and energy {shown('energy_crater_depth')}, or {amount(float(ratio), 'm')} by the ratio of sums in (4.66)"
-    return f"Merchant's plies cut {chip}, {energy}, {contact}; measured {amount(MEASURED, 'm')}."
+    return (
+        f"{contact} and Merchant's plies cut {chip}; measured are {amount(MEASURED, 'm')}. Work and energy give"
+        f" {amount(depths['energy_crater_depth'] or 0.0, 'm')}, the ratio of sums printed in their place (4.66)"
+        f" {amount(float(ratio), 'm')}."
+    )
 
 
 def _study(
