@@ -92,6 +92,6 @@ def test_a_contact_that_cannot_be_simulated_is_missing_or_refused():
     found = crater_study(Hub(speed=0.0), Bristle(), Crater(), Settings())
     assert found.outcome == "no contact"
     assert row(found, "merchant_crater_depth").theory == pytest.approx(1.394e-4, abs=5e-9)
-    assert "there is no simulated contact (speed_ratio: must let the tip strike" in found.answer
+    assert "No contact is simulated (speed_ratio: must let the tip strike" in found.answer
     with pytest.raises(ValueError, match=r"compression_time.*: must be shorter"):
         crater_study(Hub(speed=1e6), Bristle(), Crater(), Settings())
