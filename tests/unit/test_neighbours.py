@@ -67,7 +67,7 @@ def test_a_touch_that_changes_nothing_is_said_to_change_nothing():
     tool = Tool().replace(hub_speed="1500 rpm", bristle_length="40 mm")
     answer = neighbours(tool, Neighbours(search="no"), Settings(accuracy=1e-4)).answer
     assert "spoils" not in answer
-    assert "after a touch, as a bristle alone does." in answer
+    assert "after a touch, which is the impulse of a bristle alone." in answer
 
 
 def test_the_answer_names_pitches_and_what_a_touch_does():

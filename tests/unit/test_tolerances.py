@@ -166,4 +166,4 @@ def test_the_tolerance_that_matters_most_ranks_first_for_most_outputs() -> None:
     ]
     found = answer(rows)
     assert found.startswith("Speed matters most: it ranks first for 2 of 3 measures of the strike.")
-    assert "normal impulse p_fy 2.75 mN s by 0.3 mN s (mostly friction)" in found
+    assert "normal impulse p_fy 2.75 mN s ± 0.3 mN s (mostly friction)" in found

@@ -292,4 +292,4 @@ def _answer(values: Mapping[str, float | None], duration: float, damping: float)
     place = f"a contact of {amount(duration, 's')} and a damping ratio of {damping:.2g}"
     if not missed:
         return f"{place[0].upper()}{place[1:]} explain touches, compression time and crater to {EXPLAINED:.0%}."
-    return f"No pair of the map explains all three facts; the nearest, {place}, misses {' and '.join(missed)}."
+    return f"No pair of the map explains all three facts; the nearest, {place}, misses these: {' and '.join(missed)}."

@@ -174,7 +174,7 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     before = "after a touch" if touched else "untouched until then"
     compared = "" if alone is None else f"; a bristle alone has {amount(alone, 'N s')}"
     if unchanged:
-        compared = ", as a bristle alone does"
+        compared = ", which is the impulse of a bristle alone"
     return f"{apart}At {pitch} bristle {number} strikes with {amount(struck, 'N s')}, {before}{compared}."
 
 

@@ -150,10 +150,10 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
         if row["output"] in STATE | IMPACT:
             label, unit = (STATE | IMPACT)[row["output"]]
             spreads.append(
-                f"{label} {amount(row['mean'], unit)} by {amount(row['std'], unit, 2)} (mostly {first})"
+                f"{label} {amount(row['mean'], unit)} ± {amount(row['std'], unit, 2)} (mostly {first})"
             )
     ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
-    return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}"
+    return f"{ranks[0].upper()}{ranks[1:]}. Mean ± standard deviation: {'; '.join(spreads)}"
 
 
 def propagated(
