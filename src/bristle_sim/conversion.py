@@ -4,9 +4,10 @@ import difflib
 import functools
 import math
 import re
-from decimal import Decimal
 from pathlib import Path
 from typing import Any
+
+from bristle_sim.readable import plain_number
 
 _UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
 
@@ -56,16 +57,6 @@ def display_unit(key: str, unit: str) -> tuple[str, float]:
     ('mm', 0.001)
     """
     return DISPLAY_OF_KEY.get(key) or DISPLAY.get(unit, ("" if unit == "1" else unit, 1.0))
-
-
-def plain_number(value: float, digits: int) -> str:
-    """Return a number as text, rounded to a given number of significant digits.
-
-    The text has no exponent if the number is 0 or its magnitude is from 1e-4 up to 1e7: ``1030``
-    instead of ``1.03e+03``.
-    """
-    text = f"{value:.{digits}g}"
-    return f"{Decimal(text):f}" if 1e-4 <= abs(float(text)) < 1e7 else text
 
 
 def scaled(number: float, size: float) -> float:

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Container, Sequence
+from decimal import Decimal
 from itertools import zip_longest
-
-from bristle_sim.conversion import plain_number
 
 WIDTH = 100  # largest width of a table, in characters
 
@@ -35,6 +34,16 @@ unit in the given one."""
 def finite(value: float | None) -> float | None:
     """Return a number if it is finite, otherwise None."""
     return float(value) if value is not None and math.isfinite(value) else None
+
+
+def plain_number(value: float, digits: int) -> str:
+    """Return a number as text, rounded to a given number of significant digits.
+
+    The text has no exponent if the number is 0 or its magnitude is from 1e-4 up to 1e7: ``1030``
+    instead of ``1.03e+03``.
+    """
+    text = f"{value:.{digits}g}"
+    return f"{Decimal(text):f}" if 1e-4 <= abs(float(text)) < 1e7 else text
 
 
 def amount(value: float, unit: str, digits: int = 3) -> str:

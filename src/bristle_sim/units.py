@@ -17,9 +17,9 @@ from bristle_sim.conversion import (
     conversion,
     display_unit,
     likely_unit,
-    plain_number,
     scaled,
 )
+from bristle_sim.readable import plain_number
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
 """Pattern of a number whose thousands are grouped by commas, as in 3,000 rpm."""

@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import impacts
 from bristle_sim.scene.impacts import EngineLaw
@@ -81,3 +83,18 @@ def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
     before = flight()
     EngineLaw().resolve(scene, state, WorkpartPair(-tip[1], 0.3, 0.3, 0.5, link=3))
     assert flight() == pytest.approx(before, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [-0.6, 0.0, 1.2, -math.pi / 2.0])
+def test_a_single_link_has_the_contact_space_of_its_body_and_joint(angle: float) -> None:
+    """The closed form is exact to the rounding of the joint's elimination; at -90 degrees the tip moves along the
+    normal alone, so that it moves in stick too."""
+    chain = Chain((2.0,), (1.5,), (angle,), (-1.0,), hub_radius=0.7, hub_speed=0.4, hub_angle=0.2)
+    scene, state, pair, _ = build_strike(chain, Surface())
+    touch, found = impacts.contact_at(scene, state, pair)
+    (pose,) = scene.mechanism.poses(state)
+    (body,) = scene.links
+    exact = contact_space(body, pose.tip, touch.normal)
+    for name in ("inverse_mass", "velocity", "response", "in_stick", "stick_compliance"):
+        expected = np.array(getattr(exact, name))
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-13, abs=1e-13), name

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import bristle_sim as bs
 from bristle_sim.cli.scripts import load_scenario, script_paths
-from bristle_sim.conversion import conversion, exact_text, plain_number
+from bristle_sim.conversion import conversion, exact_text
 from bristle_sim.declared import (
     ANY,
     Declared,
@@ -27,6 +27,7 @@ from bristle_sim.declared import (
     quantity,
 )
 from bristle_sim.parameters import Bristle
+from bristle_sim.readable import plain_number
 from bristle_sim.units import Choice, Range, displayed
 from bristle_sim.units import unusual_value as unusual
 

@@ -22,8 +22,9 @@ SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
-    "arrays conversion",
-    "version units files readable",
+    "arrays readable",
+    "conversion",
+    "version units files",
     "declared",
     "force_file parameters settings",
     "tool_file trajectory theory",

@@ -80,17 +80,6 @@ class JointRow(NamedTuple):
         return value, size
 
 
-def world(body: pymunk.Body, point: Vector) -> Vector:
-    """Return the world coordinates of a point that is given in a body's own coordinates."""
-    place = lib.cpBodyLocalToWorld(body._body, point)
-    return place.x, place.y
-
-
-def mass_centre(body: pymunk.Body) -> Vector:
-    """Return the world coordinates of a body's mass centre, which need not be its ``position``."""
-    return world(body, lib.cpBodyGetCenterOfGravity(body._body))
-
-
 def point_entries(
     body: pymunk.Body, point: Vector, directions: Iterable[Vector], sign: float
 ) -> list[Entry]:
@@ -99,9 +88,7 @@ def point_entries(
     There is one row for the velocity of the world point along each direction. ``sign`` is 1 for the
     first body and -1 for the other one.
     """
-    centre_x, centre_y = mass_centre(body)
-    arm_x = point[0] - centre_x
-    arm_y = point[1] - centre_y
+    arm_x, arm_y = point - body.local_to_world(body.center_of_gravity)
     return [(body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)) for x, y in directions]
 
 
@@ -169,8 +156,11 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
     """
-    if isinstance(joint, pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint):
-        return _anchored(joint)
+    if isinstance(joint, pymunk.PivotJoint):
+        ends = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
+        return _across(joint, ends, (1.0, 0.0), (0.0, 1.0))
+    if isinstance(joint, pymunk.PinJoint | pymunk.SlideJoint):
+        return _at_distance(joint)
     return _groove(joint) if isinstance(joint, pymunk.GrooveJoint) else _turning(joint)
 
 
@@ -186,47 +176,40 @@ def _across(
     return [JointRow(joint, pair, 0.0, limit) for pair in zip(a, b, strict=True)]
 
 
-def _anchored(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
-    """Return the rows of a pivot, pin or slide joint.
-
-    Its two anchors coincide, keep their distance, or keep their distance within limits.
+def _at_distance(joint: pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
+    """Return the rows of a pin or slide joint, whose anchors keep their distance, or keep it within
+    limits.
     """
-    ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
-    if isinstance(joint, pymunk.PivotJoint):
-        return _across(joint, ends, (1.0, 0.0), (0.0, 1.0))
-    distance, (x, y) = _between(*ends)
+    ends = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
+    apart = ends[1] - ends[0]
+    distance = apart.length
     if distance == 0.0:
         return []
+    along = apart / distance
     if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
-        return _across(joint, ends, (x, y))
+        return _across(joint, ends, along)
     margin = REACHED * max(distance, joint.max)
     if distance >= joint.max - margin:
-        return _across(joint, ends, (x, y), limit=True)
-    return _across(joint, ends, (-x, -y), limit=True) if distance <= joint.min + margin else []
-
-
-def _between(start: Vector, end: Vector) -> tuple[float, Vector]:
-    """Return the distance between two points and the unit vector from the first to the second.
-
-    The vector is (0, 0) if the points coincide.
-    """
-    span = pymunk.Vec2d(end[0] - start[0], end[1] - start[1])
-    return span.length, span.normalized()
+        return _across(joint, ends, along, limit=True)
+    if distance <= joint.min + margin:
+        return _across(joint, ends, -along, limit=True)
+    return []
 
 
 def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
     """Return the rows of a groove joint, which keeps an anchor of body b on a segment of body a."""
-    start = world(joint.a, joint.groove_a)
-    anchor = world(joint.b, joint.anchor_b)
-    length, (x, y) = _between(start, world(joint.a, joint.groove_b))
-    reached = (anchor[0] - start[0]) * x + (anchor[1] - start[1]) * y
-    within = min(max(reached, 0.0), length)
-    ends = (start[0] + x * within, start[1] + y * within), anchor
-    rows = _across(joint, ends, (-y, x))
+    start = joint.a.local_to_world(joint.groove_a)
+    anchor = joint.b.local_to_world(joint.anchor_b)
+    groove = joint.a.local_to_world(joint.groove_b) - start
+    length = groove.length
+    along = groove.normalized()
+    reached = (anchor - start).dot(along)
+    ends = start + along * min(max(reached, 0.0), length), anchor
+    rows = _across(joint, ends, along.perpendicular())
     if reached <= REACHED * length:
-        rows += _across(joint, ends, (-x, -y), limit=True)
+        rows += _across(joint, ends, -along, limit=True)
     elif reached >= length * (1.0 - REACHED):
-        rows += _across(joint, ends, (x, y), limit=True)
+        rows += _across(joint, ends, along, limit=True)
     return rows
 
 

@@ -29,7 +29,6 @@ from bristle_sim.contact_space.joints import (
     Connected,
     Vector,
     allowed_part,
-    mass_centre,
     set_in_motion,
 )
 from bristle_sim.theory.impact import Impact
@@ -128,7 +127,11 @@ class StepMotion:
             The velocities after the step, their changes in the step, and the world coordinates of
             the mass centre.
         """
-        return velocity_of(body), self.gains.get(body, NONE), mass_centre(body)
+        return (
+            velocity_of(body),
+            self.gains.get(body, NONE),
+            body.local_to_world(body.center_of_gravity),
+        )
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
         """Move bodies by a time with the velocities that they had within the step.

@@ -17,7 +17,7 @@ from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.rigid import LEAST_SLIP
-from bristle_sim.scene.spring_phases import after_impact
+from bristle_sim.scene.spring_phases import look_up_slip, unload
 from bristle_sim.scene.system import System
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -117,7 +117,7 @@ def resolve_impacts(
     after = replace(motion, contacts=tuple(contacts))
     if not single_link:
         return _after_all_touches(system, after, pair)
-    springs = after_impact(system, after)
+    springs = _springs_after_impact(system, after)
     if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow:
         return Contacts([*springs, ActiveContact(pair)])
     return Contacts(springs, [pair])
@@ -159,9 +159,27 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
     name_releases(system, released)
     for contact in lasting.values():
         contact.slip = None
-    springs = after_impact(system, motion)
+    springs = _springs_after_impact(system, motion)
     staying = [lasting.get(pair) or ActiveContact(pair) for pair in closed if pair not in leaving]
     return Contacts([*staying, *springs], leaving)
+
+
+def _springs_after_impact(system: System, motion: Motion) -> list[ActiveContact]:
+    """Set the phases of all contacts with springs anew after an impact elsewhere on the wire, and
+    return these contacts.
+
+    The impact changes the velocities of their contact points.
+    """
+    contacts = []
+    for contact, spring in motion.springs:
+        if spring.at_rest and system.approach(contact.pair) < 0.0:
+            spring.deepest = None
+        spring.at_rest = False
+        if spring.loading and system.approach(contact.pair) > 0.0:
+            unload(system, contact, spring)
+        look_up_slip(system, motion, contact, spring)
+        contacts.append(contact)
+    return contacts
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:

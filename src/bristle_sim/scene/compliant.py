@@ -2,8 +2,7 @@
 restitution, Coulomb friction and true stick.
 
 The shorter the contact, the closer its outcome is to the outcome of the rigid-body law with the
-same energetic coefficient of restitution. This module also chooses the contact law that a tool's
-parameters name.
+same energetic coefficient of restitution.
 """
 
 from __future__ import annotations
@@ -14,11 +13,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.gaps import contact_rows
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw, contact_at, energetic_at
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, energetic_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Spring
@@ -203,18 +201,3 @@ def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
     """
     if spring.at_rest or not spring.slip:
         spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
-
-
-def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law that the parameters name.
-
-    Args:
-        contact: parameters of the contact.
-        accuracy: requested relative accuracy.
-        time_unit: unit of time of the scene, s.
-    """
-    squared = contact.tangential_compliance
-    if contact.law == "compliant":
-        duration = None if contact.duration is None else contact.duration / time_unit
-        return CompliantLaw(duration, accuracy, tangential_compliance=squared, time_unit=time_unit)
-    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

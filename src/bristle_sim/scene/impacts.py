@@ -5,7 +5,7 @@ impact and the contact record. A law that simulates the contact over its duratio
 (:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
 
 To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
-:mod:`bristle_sim.scene.compliant` return it, and add its name to the words of ``Contact.law``.
+:mod:`bristle_sim.scene.tool` return it, and add its name to the words of ``Contact.law``.
 """
 
 from __future__ import annotations
@@ -16,15 +16,20 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.mechanism import Pose, State, Vector, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WirePair
 from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
+
+# lever of a direction about the joint, over the distance from joint to contact point, below which
+# it is rounding error: the point cannot move in this direction
+LEVER_ROUNDING = 64.0 * math.ulp(1.0)
 
 
 def energetic_at(
@@ -114,12 +119,39 @@ def contact_at(
     scene.place(state)
     poses = scene.mechanism.poses(state)
     touch = pair.closest(poses, state.rates)
+    if scene.mechanism.single_link:
+        return touch, _of_single_link(scene, poses[0], touch)
     joint = poses[pair.link].joint
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
     partner = None if pair.partner is None else scene.links[pair.partner]
     connected = scene.connected if scene.mechanism.wires == 1 else None
     return touch, contact_space(
         scene.links[pair.link], point, touch.normal, partner, connected=connected
+    )
+
+
+def _of_single_link(scene: Scene, pose: Pose, touch: ClosestApproach) -> ContactSpace:
+    """Return the contact space of a link that turns about its joint.
+
+    A unit impulse changes the angular velocity by l/I, with the lever l of its direction and the
+    moment of inertia I about the joint. It changes the contact velocities by their levers times
+    this amount. A contact point that sticks cannot move, unless it moves along the normal alone.
+    """
+    normal = cross(touch.arm, touch.normal)
+    along = cross(touch.arm, touch.tangent)
+    if abs(along) <= LEVER_ROUNDING * math.hypot(*touch.arm):
+        along = 0.0
+    levers = np.array([normal, along])
+    turning = levers / scene.mechanism.links[0].inertia_about_joint
+    x, y = pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1]
+    response = np.outer((-y, x, 1.0), turning)
+    return ContactSpace(
+        inverse_mass=np.outer(levers, turning),
+        velocity=touch.velocity,
+        bodies=tuple(scene.links),
+        response=response,
+        in_stick=np.zeros(3) if along else response[:, 0],
+        stick_compliance=0.0 if along else normal * float(turning[0]),
     )
 
 

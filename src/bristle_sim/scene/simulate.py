@@ -1,10 +1,19 @@
-"""Public functions that simulate a tool, or a row of bristles, in pymunk from a given start."""
+"""Public functions that simulate a tool, or a row of bristles, in pymunk from a given start, and
+the loop of a run.
+
+In flight nothing touches. Where a gap closes, the instant is located and the contact law resolves
+the impact. If the link is then pressed onto the obstacle, the contact is sustained, with Coulomb
+friction, until its normal force falls to zero. The instant of this release is located too. Several
+contacts may be sustained at the same time.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,16 +28,20 @@ from bristle_sim.scene.build import (
     motion_scale,
     time_scale,
 )
-from bristle_sim.scene.compliant import contact_law
+from bristle_sim.scene.collisions import end_contacts
+from bristle_sim.scene.decide import decide, first_motion
+from bristle_sim.scene.events import Happening
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.motion import Motion, accept, integrate, up_to_first_event
 from bristle_sim.scene.results import trajectories_in_si
-from bristle_sim.scene.run import run as run_to_end
 from bristle_sim.scene.system import Plan, System
-from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool
-from bristle_sim.settings import EVENTS, Settings, checked_name
+from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool, contact_law
+from bristle_sim.settings import EVENTS, Settings, StopReason, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import shown
+
+log = logging.getLogger(__name__)
 
 # values of the entry "method" in a trajectory's parameters
 METHOD = "pymunk"
@@ -146,10 +159,47 @@ def run_in_si(
     wall = clock.perf_counter()
     cpu = clock.process_time()
     steps = engine.steps
-    run_to_end(system)
+    for _ in run_by_intervals(system):
+        pass
     cost = (clock.perf_counter() - wall, clock.process_time() - cpu, engine.steps - steps)
     runs = trajectories_in_si(system, units, parameters, cost)
     return tuple([run.with_places(tool) for run in runs])
+
+
+def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]]:
+    """Run a system from its present state to the plan's end, interval by interval.
+
+    Yields:
+        Pairs of a motion and the event that has ended its interval, or None. The first pair is the
+            motion with which the run starts, and None. Each interval yields one pair at its end.
+            Each event yields a second pair: the motion that follows the event, and None. The last
+            pair is a motion without contacts, and None.
+    """
+    plan = system.plan
+    engine = system.scene.engine
+    budget = engine.work + plan.maximum_steps
+    motion = first_motion(system)
+    yield motion, None
+    while system.recording.stop_reason is None:
+        if system.state.time >= plan.end * (1.0 - 1e-15):
+            system.stop(StopReason.END)
+            break
+        if engine.work >= budget:
+            system.stop(StopReason.STEP_BUDGET)
+            break
+        interval, event = integrate(system, motion)
+        if interval is not None:
+            interval, event = up_to_first_event(system, motion, interval)
+            accept(system, motion, interval)
+        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
+        if interval is None and event is None:
+            continue
+        yield motion, event
+        if event is not None:
+            motion = decide(system, motion, event)
+            yield motion, None
+    end_contacts(system, motion.contacts, motion.contacts, str(system.recording.stop_reason))
+    yield Motion(), None
 
 
 def prepare(

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.results import contacts_in_si
-from bristle_sim.scene.run import run_by_intervals
-from bristle_sim.scene.simulate import prepare
+from bristle_sim.scene.simulate import prepare, run_by_intervals
 from bristle_sim.scene.system import System
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import Settings, StopReason

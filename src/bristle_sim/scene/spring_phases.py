@@ -63,24 +63,6 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveConta
     return None if spring is None else begin_spring(system, motion, pair, spring)
 
 
-def after_impact(system: System, motion: Motion) -> list[ActiveContact]:
-    """Set the phases of all contacts with springs anew after an impact elsewhere on the wire, and
-    return these contacts.
-
-    The impact changes the velocities of their contact points.
-    """
-    contacts = []
-    for contact, spring in motion.springs:
-        if spring.at_rest and system.approach(contact.pair) < 0.0:
-            spring.deepest = None
-        spring.at_rest = False
-        if spring.loading and system.approach(contact.pair) > 0.0:
-            _unload(system, contact, spring)
-        look_up_slip(system, motion, contact, spring)
-        contacts.append(contact)
-    return contacts
-
-
 def look_up_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
     """Let the contact point slip in the sense of its velocity, or stick; record the new phase."""
     slip = system.gaps.closest(contact.pair, system.state).velocity[1]
@@ -185,7 +167,7 @@ def _end_compression(
 
     A contact without restitution ends here.
     """
-    _unload(system, contact, spring)
+    unload(system, contact, spring)
     if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
@@ -233,7 +215,8 @@ def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
     spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * spring.deepest
 
 
-def _unload(system: System, contact: ActiveContact, spring: Spring) -> None:
+def unload(system: System, contact: ActiveContact, spring: Spring) -> None:
+    """Begin the unloading of a spring at the present penetration."""
     spring.course.compression = (contact.impulse, contact.work)
     spring.deepest = _penetration(system, contact, spring)
 

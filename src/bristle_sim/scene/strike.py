@@ -15,15 +15,15 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
 from bristle_sim.scene.build import Effects, Scene, damped_interval
-from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw, contact_law
+from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
-from bristle_sim.scene.run import run
-from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
-from bristle_sim.scene.tool import Units, build_tool
+from bristle_sim.scene.simulate import run_by_intervals
+from bristle_sim.scene.system import SLOW_FRACTION, Plan, Recording, System
+from bristle_sim.scene.tool import Units, build_tool, contact_law
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.units import shown
@@ -155,6 +155,13 @@ UNSOLVED = {
     StopReason.ACCURACY: "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be"
     " larger, or friction further from the jam",
 }
+
+
+def run(system: System) -> Recording:
+    """Run a system from its present state to the plan's end, and return the recording."""
+    for _ in run_by_intervals(system):
+        pass
+    return system.recording
 
 
 def struck(

@@ -14,8 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.declared import Declared, count, quantity
-from bristle_sim.parameters import START, Bristle, Tool
+from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
@@ -236,3 +238,18 @@ def _link(corners: list[Vector]) -> Link:
     centre = (sum(m * x for m, x, _ in pieces) / mass, sum(m * y for m, _, y in pieces) / mass)
     inertia = sum(m * (m**2 / 12.0 + math.dist((x, y), centre) ** 2) for m, x, y in pieces)
     return Link(mass, inertia, centre, places[-1], tuple(places[1:-1]))
+
+
+def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
+    """Return the contact law that the parameters name.
+
+    Args:
+        contact: parameters of the contact.
+        accuracy: requested relative accuracy.
+        time_unit: unit of time of the scene, s.
+    """
+    squared = contact.tangential_compliance
+    if contact.law == "compliant":
+        duration = None if contact.duration is None else contact.duration / time_unit
+        return CompliantLaw(duration, accuracy, tangential_compliance=squared, time_unit=time_unit)
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy, squared)

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from bristle_sim.arrays import Array
-from bristle_sim.conversion import display_unit, plain_number
+from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import key_unit
-from bristle_sim.readable import amount, readable_unit
+from bristle_sim.readable import amount, plain_number, readable_unit
 from bristle_sim.studies.design_search import Question
 from bristle_sim.studies.whole_pass import QUANTITIES
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
-from bristle_sim.conversion import display_unit, plain_number
+from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.strike import OUTCOMES
-from bristle_sim.readable import amount
+from bristle_sim.readable import amount, plain_number
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import (
     CHECKED_POINTS,

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.conversion import plain_number
 from bristle_sim.parameters import Tool
-from bristle_sim.readable import amount
+from bristle_sim.readable import amount, plain_number
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 STATE = {

@@ -20,9 +20,10 @@ from bristle_sim.cli.main import draw
 from bristle_sim.cli.output import csv_text, document, format_value
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import cells
-from bristle_sim.conversion import exact_text, plain_number
+from bristle_sim.conversion import exact_text
 from bristle_sim.declared import Computed, declarations
 from bristle_sim.parameters import PARTS, Tool, tool_keys
+from bristle_sim.readable import plain_number
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
 from bristle_sim.render.story import key_events

@@ -20,10 +20,10 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from bristle_sim.arrays import Array
 from bristle_sim.cli.limits import limits_in_words
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.conversion import exact_text, plain_number
+from bristle_sim.conversion import exact_text
 from bristle_sim.parameters import Tool, key_unit
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
-from bristle_sim.readable import readable_unit
+from bristle_sim.readable import plain_number, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
 from bristle_sim.studies.design import design

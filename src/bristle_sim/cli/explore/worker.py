@@ -223,7 +223,7 @@ def work() -> None:
     }
     pass_of = main_scenario()
     bench.run_of(pass_of, [], [])  # imports the modules of a run
-    logger = logging.getLogger("bristle_sim.scene.run")
+    logger = logging.getLogger("bristle_sim.scene.simulate")
     logger.addHandler(watch)
     logger.setLevel(logging.DEBUG)
     while True:
