@@ -497,6 +497,14 @@ def test_a_closed_stream(closed: str, status: int, tmp_path: Path):
         assert not list(tmp_path.iterdir())
 
 
+def test_letters_that_the_output_lacks_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch):
+    """The answer of a pass has degrees, which ASCII lacks."""
+    out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", out)
+    output.print_line("2.74\N{DEGREE SIGN} short of radial")
+    assert out.buffer.getvalue() == b"2.74? short of radial\n"
+
+
 def test_a_reader_that_leaves_early_is_no_error(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):

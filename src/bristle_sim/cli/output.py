@@ -271,10 +271,12 @@ def write_text(target: Path, text: str) -> None:
 def print_line(text: str) -> None:
     """Print a text on standard output.
 
-    A reader that closes the output early, such as ``head``, causes no error.
+    Letters that the output's encoding lacks are printed as ``?``. A reader that closes the output
+    early, such as ``head``, causes no error.
     """
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
     try:
-        print(text, flush=True)
+        print(text.encode(encoding, "replace").decode(encoding), flush=True)
     except OSError as error:
         # Python flushes once more at exit; the rest of the text goes to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
