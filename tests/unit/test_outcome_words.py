@@ -28,6 +28,20 @@ def test_a_pass_and_an_ensemble_use_the_same_word(friction: float, restitution: 
     assert strike.outcome_in_words == str(bs.ensemble(tool, friction=friction).outcome)
 
 
+def test_an_elastic_tip_that_sticks_at_once_has_no_slip_to_reverse():
+    """It slips only near the end of restitution, whose friction is smaller, and backwards."""
+    tool = bs.Tool().replace(
+        friction=2.0, restitution=0.5, restitution_friction=0.1, tangential_compliance=1.21
+    )
+    strike = bs.simulate(tool, bs.Settings(accuracy=1e-8), stop_after="strike").first_contact(
+        "workpart"
+    )
+    assert strike is not None
+    assert strike.phases[0] == "compression stick"
+    assert strike.outcome_in_words == "sticks and rebounds"
+    assert str(bs.ensemble(tool).outcome) == "sticks and rebounds"
+
+
 def test_every_word_has_a_colour_of_its_own():
     assert {*COLOURS} == {*OUTCOMES}
     assert len({*COLOURS.values()}) == len(OUTCOMES)

@@ -127,18 +127,18 @@ def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
         tangential_compliance=elastic if elastic.any() else 0.0,
     )
     gain = (sine * impact.impulse_normal + cosine * impact.impulse_tangential) * compliance / length
-    return Blow(normal, tangential, impact, gain, outcome_codes(impact, tangential))
+    return Blow(normal, tangential, impact, gain, outcome_codes(impact))
 
 
-def outcome_codes(impact: Impact, tangential: Array) -> Chosen:
+def outcome_codes(impact: Impact) -> Chosen:
     """Return the code of each pass's outcome.
 
     A tip counts as reversing its slip, or as sticking, only if it does so in a phase with a
-    positive impulse.
+    positive impulse. A tip that sticks from the start of the impact has no slip to reverse.
     """
     active = impact.phase_impulse > 0.0
-    sense = np.sign(tangential)[:, np.newaxis]
-    reverses = (active & (impact.phase_slip * sense < 0.0)).any(axis=-1)
+    initial = impact.phase_slip[:, :1]
+    reverses = (active & (impact.phase_slip * initial < 0.0)).any(axis=-1)
     sticks = (active & (impact.phase_slip == 0.0)).any(axis=-1)
     parted = np.select([reverses, sticks], [REVERSES, STICKS], REBOUNDS)
     return np.where(impact.outcome == JAM, JAMS, np.where(impact.outcome == REBOUND, parted, STAYS))
