@@ -11,6 +11,7 @@ from bristle_sim.scene.events import Event, Kind
 from bristle_sim.scene.interval import Interval, at_state
 from bristle_sim.scene.locate import Monitor, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.pairs import ClosestApproach
 from bristle_sim.scene.system import LEAST_VALUE
 from bristle_sim.scene.touches import first_touch
 
@@ -25,26 +26,31 @@ def interval(length: float = 1.0, rate: float = 1.0) -> Interval:
     )
 
 
-def valley(bottom: float, height: float) -> Callable[[State], tuple[float, float]]:
+def approach(gap: float, rate: float) -> ClosestApproach:
+    """A closest approach with a gap and the rate at which the gap opens."""
+    return ClosestApproach(gap, (0.0, 0.0), (0.0, 1.0), (rate, 0.0))
+
+
+def valley(bottom: float, height: float) -> Callable[[State], ClosestApproach]:
     """A gap that falls to a height at an angle, and rises again, as a parabola over the angle."""
 
-    def gap(state: State) -> tuple[float, float]:
+    def closest(state: State) -> ClosestApproach:
         away = state.angles[0] - bottom
-        return away * away + height, 2.0 * away * state.rates[0]
+        return approach(away * away + height, 2.0 * away * state.rates[0])
 
-    return gap
+    return closest
 
 
-def notch(left: float, right: float) -> Callable[[State], tuple[float, float]]:
+def notch(left: float, right: float) -> Callable[[State], ClosestApproach]:
     """A gap that is closed between two angles and opens at unit slope on both sides."""
     middle = 0.5 * (left + right)
     half = 0.5 * (right - left)
 
-    def gap(state: State) -> tuple[float, float]:
+    def closest(state: State) -> ClosestApproach:
         away = state.angles[0] - middle
-        return abs(away) - half, math.copysign(state.rates[0], away)
+        return approach(abs(away) - half, math.copysign(state.rates[0], away))
 
-    return gap
+    return closest
 
 
 class TestFirstTouch:

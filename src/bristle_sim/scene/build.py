@@ -22,8 +22,12 @@ from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.engine import EngineSteps
 from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.pairs import SHAPE_MARGIN, ContactPair
+from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.solver import WireVelocities
+
+SHAPE_MARGIN = 0.02
+"""Length by which the engine's shapes of obstacles are enlarged, over the link's length. The engine
+then detects each touch. It corrects no position, because the overlap is within its tolerance."""
 
 
 @dataclass(frozen=True, slots=True)

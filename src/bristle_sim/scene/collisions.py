@@ -230,8 +230,9 @@ def propagate_error(
     for off in (error, -error):
         angles = [each + error for each in before.angles]
         rates = [each + off for each in before.rates]
-        gap, opening = gaps.gap_and_rate(pair, State(before.time, tuple(angles), tuple(rates)))
-        late = -gap / opening if opening else math.inf
+        early = gaps.closest(pair, State(before.time, tuple(angles), tuple(rates)))
+        opening = early.velocity[0]
+        late = -early.gap / opening if opening else math.inf
         angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
         rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
         other = gaps.closest(pair, State(before.time + late, tuple(angles), tuple(rates)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -16,13 +17,13 @@ import numpy as np
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.gaps import contact_rows
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, energetic_at
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
-from bristle_sim.theory.impact import LEAST_COMPLIANCE
+from bristle_sim.theory.impact import LEAST_COMPLIANCE, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
@@ -96,7 +97,16 @@ class CompliantLaw(ContactLaw):
         restitution = pair.restitution
         self._check(restitution)
         touch, space = contact_at(scene, state, pair)
-        rigid = energetic_at(pair, space)
+        resolved = partial(
+            energetic_impact,
+            space.inverse_mass,
+            space.velocity,
+            pair.friction,
+            restitution,
+            pair.restitution_friction,
+            space.stick_compliance,
+        )
+        rigid = resolved()
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
         # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
@@ -121,7 +131,7 @@ class CompliantLaw(ContactLaw):
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
         (normal, _), (_, tangential) = space.inverse_mass.tolist()
         if compliance and tangential:
-            rigid = energetic_at(pair, space, compliance)
+            rigid = resolved(compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.

@@ -64,7 +64,12 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         return motion
     contacts = Contacts(motion.contacts, motion.separating)
     if kind in (Kind.TOUCH, Kind.REST):
-        contacts = _touched(system, motion, system.at_joint(subject), rests=kind is Kind.REST)
+        pair = system.at_joint(subject)
+        rests = kind is Kind.REST
+        name = _touch_name(system, pair)
+        contacts = _contact_begun(system, motion, pair, name, rests=rests) or resolve_impacts(
+            system, motion, pair, name, rests=rests
+        )
     elif kind is Kind.LOCKED:
         _locked(system, [subject])
     elif kind in SPRING_KINDS:
@@ -175,11 +180,12 @@ def _locked(system: System, contacts: Sequence[ActiveContact]) -> None:
     system.stop(StopReason.NO_GRIP)
 
 
-def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) -> Contacts:
-    """Return the contacts after a touch, which is resolved as a contact with a spring, as a contact
-    at rest, or as an impact.
+def _contact_begun(
+    system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
+) -> Contacts | None:
+    """Return the contacts after a touch that begins a contact with a spring or a contact at rest;
+    None if the touch is an impact.
     """
-    name = _touch_name(system, pair)
     law = system.law_of(pair)
     known = [contact for contact in motion.contacts if contact.pair is pair]
     began = None
@@ -192,12 +198,12 @@ def _touched(system: System, motion: Motion, pair: ContactPair, *, rests: bool) 
         except ValueError as error:
             return given_up(system, motion, error)
         began = None if spring is None else begin_spring(system, motion, pair, spring)
-    if began is not None:
-        system.event(name, system.wires_of(pair), lasts=began.spring is not None)
-        return Contacts(
-            [*motion.contacts, began], [other for other in motion.separating if other is not pair]
-        )
-    return resolve_impacts(system, motion, pair, name, rests=rests)
+    if began is None:
+        return None
+    system.event(name, system.wires_of(pair), lasts=began.spring is not None)
+    return Contacts(
+        [*motion.contacts, began], [other for other in motion.separating if other is not pair]
+    )
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:

@@ -159,7 +159,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     def acceleration(link: int, at: IntervalResult) -> float:
         """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
         time, angles, rates = at.state
-        pose = system.gaps.poses(at.state)[link]
+        pose = mechanism.poses(at.state)[link]
         arm = (pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1])
         moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
         moment += effects.damping * (mechanism.hub_speed - rates[link])
@@ -261,20 +261,20 @@ def _bar_events(
     ``piece``: index of the touching straight segment of the link. The contact passes to another
     segment by an impact.
     """
-    gaps = system.gaps
+    mechanism = system.mechanism
     lower, upper = system.neighbour(pair, -1), system.neighbour(pair, 1)
 
     def beside(at: IntervalResult) -> float:
-        return pair.gap_beside(gaps.poses(at.state)[pair.link], piece)
+        return pair.gap_beside(mechanism.poses(at.state)[pair.link], piece)
 
     def before(at: IntervalResult) -> float:
-        return pair.foot(gaps.poses(at.state)[pair.link])[0]
+        return pair.foot(mechanism.poses(at.state)[pair.link])[0]
 
     def after(following: BarPair, at: IntervalResult) -> float:
-        poses = gaps.poses(at.state)
+        poses = mechanism.poses(at.state)
         return min(pair.foot(poses[pair.link])[1], following.foot(poses[following.link])[0])
 
-    if system.mechanism.links[pair.link].knees:
+    if mechanism.links[pair.link].knees:
         yield Event(beside, -1, Kind.TOUCH, pair)
     if lower is not None:
         yield Event(before, -1, Kind.HAND_OVER, (contact, lower))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair
 
 # largest distance between a contact and a link's end, over the link's length, at which the contact
@@ -36,7 +36,7 @@ class Gaps:
         """Return the distance between a pair's link and obstacle, in engine units; it is negative
         where they overlap.
         """
-        return self.closest(pair, state).gap
+        return pair.closest(self.mechanism.poses(state), state.rates).gap
 
     def along(self, pair: ContactPair, state: State) -> float:
         """Return the x coordinate of the pair's contact point (along the workpart), in engine
@@ -44,15 +44,6 @@ class Gaps:
         """
         poses = self.mechanism.poses(state)
         return poses[pair.link].joint[0] + pair.closest(poses, state.rates).arm[0]
-
-    def gap_and_rate(self, pair: ContactPair, state: State) -> tuple[float, float]:
-        """Return a pair's gap and the gap's rate of change, in engine units."""
-        touch = self.closest(pair, state)
-        return touch.gap, touch.velocity[0]
-
-    def poses(self, state: State) -> list[Pose]:
-        """Return the position and motion of every link."""
-        return self.mechanism.poses(state)
 
 
 LEAST_LEVER = 1e-6

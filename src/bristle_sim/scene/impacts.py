@@ -20,31 +20,16 @@ import numpy as np
 import pymunk
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
-from bristle_sim.scene.build import Scene
+from bristle_sim.scene.build import SHAPE_MARGIN, Scene
 from bristle_sim.scene.mechanism import Pose, State, Vector, cross
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WirePair
+from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Spring
-from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
 # lever of a direction about the joint, over the distance from joint to contact point, below which
 # it is rounding error: the point cannot move in this direction
 LEVER_ROUNDING = 64.0 * math.ulp(1.0)
-
-
-def energetic_at(
-    pair: ContactPair, space: ContactSpace, tangential_compliance: float = 0.0
-) -> Impact:
-    """Return the impact of a pair of rigid bodies by the law of energetic restitution.
-
-    Args:
-        pair: the pair, with its coefficients of friction and restitution.
-        space: contact-space inverse mass matrix, and the velocity at the contact point.
-        tangential_compliance: tangential compliance eta^2, dimensionless.
-    """
-    coefficients = pair.friction, pair.restitution, pair.restitution_friction
-    further = space.stick_compliance, tangential_compliance
-    return energetic_impact(space.inverse_mass, space.velocity, *coefficients, *further)
 
 
 class ContactLaw(ABC):
@@ -182,7 +167,15 @@ class EnergeticLaw(ContactLaw):
         """
         _, space = contact_at(scene, state, pair)
         space = ending_together(space, self.accuracy)
-        impact = energetic_at(pair, space, self.tangential_compliance)
+        impact = energetic_impact(
+            space.inverse_mass,
+            space.velocity,
+            pair.friction,
+            pair.restitution,
+            pair.restitution_friction,
+            space.stick_compliance,
+            self.tangential_compliance,
+        )
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         velocity = (impact.velocity_normal, impact.velocity_tangential)
         space.apply(impulse, velocity)
@@ -227,6 +220,8 @@ ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the work
 # length of the step in which the engine resolves an impact, scene time units; so short that the
 # effect of forces and motion in it is less than rounding error
 ENGINE_STEP = 1e-12
+# half width and half depth of the workpart's shape, in link lengths: beyond any mechanism's reach
+HALF_PLANE = 1e3
 ENGINE_ITERATIONS = 10  # iterations of the engine's solver in this step, the engine's default
 
 
@@ -268,22 +263,33 @@ class EngineLaw(ContactLaw):
 def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Vector:
     """Let the engine resolve an impact in one short step.
 
-    The scene must have been placed at the state of the impact. The engine uses the pair's
-    coefficients of restitution and friction as elasticity and friction.
+    The scene must have been placed at the state of the impact. The obstacle's shape is larger than
+    the obstacle by ``SHAPE_MARGIN``; the link is not enlarged, so the lever of friction is exact.
+    The engine uses the pair's coefficients of restitution and friction as elasticity and friction.
 
     Returns:
         The normal and the tangential impulse on the link, in engine units.
     """
-    assert not isinstance(pair, WirePair), (
-        "the engine's own contacts are those of a link with a fixed obstacle"
-    )
     space = scene.engine.space
+    body = scene.links[pair.link]
     link = scene.mechanism.links[pair.link]
     corners = [
         (x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)
     ]
-    obstacle, *pieces = pair.shapes(space, scene.links[pair.link], corners)
-    touching = pieces[touch.piece]
+    obstacle: pymunk.Shape
+    touching: pymunk.Shape
+    if isinstance(pair, BarPair):
+        obstacle = pymunk.Circle(space.static_body, pair.radius + SHAPE_MARGIN, pair.centre)
+        start, end = corners[touch.piece : touch.piece + 2]
+        touching = pymunk.Segment(body, start, end, pair.wire_radius)
+    else:
+        assert isinstance(pair, WorkpartPair), (
+            "the engine's own contacts are those of a link with a fixed obstacle"
+        )
+        middle = -pair.depth - HALF_PLANE
+        face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
+        obstacle = pymunk.Segment(space.static_body, *face, HALF_PLANE + SHAPE_MARGIN)
+        touching = pymunk.Circle(body, 0.0, corners[1:][pair.corner])
     for shape in (obstacle, touching):
         shape.friction = shape.elasticity = 1.0
     obstacle.friction = pair.friction

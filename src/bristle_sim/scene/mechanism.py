@@ -143,7 +143,7 @@ class Mechanism:
 
         ``link`` is the link's index.
         """
-        return self.hub_angle(time) - link // self.wire_links * self.pitch
+        return self.hub_start + self.hub_speed * time - link // self.wire_links * self.pitch
 
     def wire(self, number: int) -> Mechanism:
         """Return a mechanism that consists of one wire alone; ``number`` is its index."""
@@ -176,7 +176,9 @@ class Mechanism:
             centre = (x + cosine * a - sine * b, y + sine * a + cosine * b)
             a, b = link.tip
             tip = (x + cosine * a - sine * b, y + sine * a + cosine * b)
-            knees = [(x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in link.knees]
+            knees = []
+            for a, b in link.knees:
+                knees.append((x + cosine * a - sine * b, y + sine * a + cosine * b))
             poses.append(Pose((x, y), centre, tip, (u, v), tuple(knees)))
             u -= rate * (tip[1] - y)
             v += rate * (tip[0] - x)

@@ -2,10 +2,6 @@
 another wire (a rectangle with round ends).
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
-The engine's shapes of bar and workpart are larger than the obstacles by ``SHAPE_MARGIN``. The
-engine therefore detects a sustained contact at every step. It does not correct the links'
-positions, because the overlap is within its tolerance. Links are not enlarged, so the lever of
-friction stays exact.
 """
 
 from __future__ import annotations
@@ -16,12 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-import pymunk
-
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-
-SHAPE_MARGIN = 0.02
-"""Length by which the engine's shapes of obstacles are enlarged, over the link's length."""
 
 # largest difference between the gaps of two straight segments of a link that both count as
 # touching, over the link's length
@@ -31,9 +22,6 @@ LEAST_REACH = 1e-9
 """Least distance of the wire's centre line from the bar's centre, over the link's length. It is a
 hundred times the gap that counts as closed, so a rounding error of 1e-16 turns the normal by 1e-7.
 """
-
-# half width and half depth of the workpart's shape, in link lengths: beyond any mechanism's reach
-HALF_PLANE = 1e3
 
 Line = tuple[Vector, ...]
 """A straight segment of a wire's centre line: its two ends."""
@@ -201,7 +189,10 @@ class BarPair:
             place[1] - pose.joint[1] - self.wire_radius * normal[1],
         )
         gap = distance - self.radius - self.wire_radius + self.dent
-        return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
+        u = pose.joint_velocity[0] - rate * arm[1]
+        v = pose.joint_velocity[1] + rate * arm[0]
+        velocity = (u * normal[0] + v * normal[1], u * normal[1] - v * normal[0])
+        return ClosestApproach(gap, arm, normal, velocity, kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the smallest gap between the bar and any other straight segment of the link.
@@ -228,19 +219,6 @@ class BarPair:
         """
         corners = pose.corners
         return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
-
-    def shapes(
-        self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
-    ) -> list[pymunk.Shape]:
-        """Return the engine's shapes: a circle for the bar, round-ended segments for the link."""
-        bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
-        return [
-            bar,
-            *(
-                pymunk.Segment(body, *ends, self.wire_radius)
-                for ends in itertools.pairwise(corners)
-            ),
-        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,24 +251,12 @@ class WorkpartPair:
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
         arm = (x - pose.joint[0], y - pose.joint[1])
-        normal = (0.0, 1.0)
-        gap = y + self.depth + self.dent
-        return ClosestApproach(gap, arm, normal, _relative(pose, rates[self.link], arm, normal))
-
-    def shapes(
-        self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]
-    ) -> list[pymunk.Shape]:
-        """Return the engine's shapes: a thick segment, whose upper face is the workpart's surface,
-        and the corner as a point.
-        """
-        middle = -self.depth - HALF_PLANE
-        surface = pymunk.Segment(
-            space.static_body,
-            (-HALF_PLANE, middle),
-            (HALF_PLANE, middle),
-            HALF_PLANE + SHAPE_MARGIN,
+        rate = rates[self.link]
+        velocity = (
+            pose.joint_velocity[1] + rate * arm[0],
+            pose.joint_velocity[0] - rate * arm[1],
         )
-        return [surface, pymunk.Circle(body, 0.0, corners[1:][self.corner])]
+        return ClosestApproach(y + self.depth + self.dent, arm, (0.0, 1.0), velocity)
 
 
 @dataclass(frozen=True, slots=True)

@@ -129,7 +129,7 @@ class RigidContacts:
         pair, _, sense = self.closed[index]
         mechanism = self.scene.mechanism
         touch = gaps.closest(pair, state)
-        poses = gaps.poses(state)
+        poses = mechanism.poses(state)
         if sense is None and abs(touch.velocity[1]) > LEAST_SLIP:
             sense = int(math.copysign(1.0, touch.velocity[1]))
         if mechanism.single_link:

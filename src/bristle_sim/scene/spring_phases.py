@@ -56,7 +56,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveConta
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
-    press = (system.approach(pair) - system.gaps.gap_and_rate(pair, ahead)[1]) / instant
+    press = (system.approach(pair) - system.gaps.closest(pair, ahead).velocity[0]) / instant
     spring = (
         system.law_of(pair).spring(system.scene, system.state, pair, press) if press > 0.0 else None
     )

@@ -293,7 +293,7 @@ class System:
         for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
             if self.neighbour(pair, step) in active:
                 now, later = (
-                    sign * pair.foot(gaps.poses(state)[pair.link])[index]
+                    sign * pair.foot(self.mechanism.poses(state)[pair.link])[index]
                     for state in (self.state, end)
                 )
                 if now <= AT_JOINT and (
@@ -309,4 +309,4 @@ class System:
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):
             return pair
-        return pair if pair.foot(self.gaps.poses(self.state)[pair.link])[0] > 0.0 else lower
+        return pair if pair.foot(self.mechanism.poses(self.state)[pair.link])[0] > 0.0 else lower

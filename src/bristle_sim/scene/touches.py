@@ -15,7 +15,7 @@ from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.interval import Interval
 from bristle_sim.scene.locate import guess, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.system import System
 
 CUBIC_ERROR = 0.01
@@ -78,7 +78,11 @@ def first_touch_of_all(
             continue
         end = interval.end.state
         if pair in separating:
-            found = _search_return(system, interval, pair)
+            soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
+            if _has_opened(system, interval, pair, soon):
+                found = find_touch(system, interval, pair, soon / interval.length)
+            else:
+                found = _search_hop(system, interval, pair, soon)
         elif (sustained and _rests(system, interval, pair)) or (
             several and system.behind_joint(pair, [*separating, *sustained], end)
         ):
@@ -100,34 +104,36 @@ def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
     )
 
 
-def _search_return(system: System, interval: Interval, pair: ContactPair) -> Found | None:
-    """Search for a touch of a pair that has just been released, after its gap has opened or where
-    the link comes back at once.
+def _has_opened(system: System, interval: Interval, pair: ContactPair, soon: float) -> bool:
+    """Return whether the gap of a pair that has just been released is open, and still opening, at
+    the time ``soon`` within the interval.
     """
-    soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
-    if interval.length > soon:
-        gap, rate = system.gaps.gap_and_rate(pair, interval.at(soon))
-        if gap > GAP_ROUNDING + _error(system, interval) and rate > 0.0:
-            return find_touch(system, interval, pair, soon / interval.length)
-        interval = interval.up_to(interval.integrate_to(soon))
-        return _search_hop(system, interval, pair) or (interval, None)
-    return _search_hop(system, interval, pair)
+    if interval.length <= soon:
+        return False
+    touch = system.gaps.closest(pair, interval.at(soon))
+    return touch.gap > GAP_ROUNDING + _error(system, interval) and touch.velocity[0] > 0.0
 
 
-def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found | None:
+def _search_hop(
+    system: System, interval: Interval, pair: ContactPair, longest: float
+) -> Found | None:
     """Search for the end of a small rebound, from which the link comes back within the interval.
 
-    If the interval ends inside the obstacle, it is shortened to the end of the rebound, or to an
-    instant at which the link is still outside. A rebound shorter than the shortest interval is too
-    low to follow.
+    An interval longer than ``longest`` is shortened to this length. If it then ends inside the
+    obstacle, it is shortened to the end of the rebound, or to an instant at which the link is still
+    outside. A rebound shorter than the shortest interval is too low to follow.
     """
     gaps = system.gaps
     integrate_to = interval.integrate_to
+    shortened = interval.length > longest
+    if shortened:
+        interval = interval.up_to(integrate_to(longest))
     length = interval.length
     instant = system.plan.instant
-    gap, rate = gaps.gap_and_rate(pair, interval.end.state)
-    if gap >= -GAP_ROUNDING or rate >= 0.0:
-        return None
+    touch = gaps.closest(pair, interval.end.state)
+    gap = touch.gap
+    if gap >= -GAP_ROUNDING or touch.velocity[0] >= 0.0:
+        return (interval, None) if shortened else None
 
     def gap_at(time: float) -> float:
         return gaps.gap(pair, interval.at(time))
@@ -154,7 +160,7 @@ def _search_hop(system: System, interval: Interval, pair: ContactPair) -> Found 
         near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
         closed = settle(system, partial(gaps.gap, pair), interval, near, GAP_TOLERANCE)
         # A zero at the interval's start is no touch.
-        if closed is not None and gaps.gap_and_rate(pair, closed.state)[1] < 0.0:
+        if closed is not None and gaps.closest(pair, closed.state).velocity[0] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     while (gap := gaps.gap(pair, integrate_to(time).state)) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
@@ -176,21 +182,22 @@ def find_touch(
     integrate_to = interval.integrate_to
     length = interval.length
     gap_of = partial(gaps.gap, pair)
-    gap_and_rate = partial(gaps.gap_and_rate, pair)
-    fraction = first_touch(gaps.mechanism, gap_and_rate, interval, _error(system, interval), begin)
+    closest = partial(gaps.closest, pair)
+    fraction = first_touch(gaps.mechanism, closest, interval, _error(system, interval), begin)
     if fraction is None:
         return None
     last = fraction * length
     near = guess(gap_of, interval, last, begin * length)
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
     closed = None if near is None else settle(system, gap_of, interval, near, tolerance)
-    if closed is not None and gap_and_rate(closed.state)[1] <= 0.0:
+    if closed is not None and closest(closed.state).velocity[0] <= 0.0:
         # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     reached = interval.end if fraction == 1.0 else integrate_to(last)
     begin = begin * length
-    at_end, rate = gap_and_rate(reached.state)
-    if at_end > 0.0 and rate > 0.0:
+    touch = closest(reached.state)
+    at_end = touch.gap
+    if at_end > 0.0 and touch.velocity[0] > 0.0:
         # The gap opens again, so it is closed or least before.
         fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
 
@@ -198,7 +205,7 @@ def find_touch(
             return gap > fastest * span or max(1.0, fastest) * span <= SHORTEST_INTERVAL
 
         last, at_end = _least(
-            lambda span: gap_and_rate(integrate_to(span).state), begin, last, at_end, at_instant
+            lambda span: closest(integrate_to(span).state), begin, last, at_end, at_instant
         )
     if at_end > 0.0:
         return interval.up_to(reached), None
@@ -228,13 +235,9 @@ def _error(system: System, interval: Interval) -> float:
     return error
 
 
-Gap = Callable[[State], tuple[float, float]]
-"""A function of the state: the gap, and its rate of change."""
-
-
 def first_touch(
     mechanism: Mechanism,
-    gap: Gap,
+    closest: Callable[[State], ClosestApproach],
     interval: Interval,
     interpolation_error: float = 0.0,
     begin: float = 0.0,
@@ -248,7 +251,7 @@ def first_touch(
 
     Args:
         mechanism: the mechanism, for its largest speed.
-        gap: function of the state: the gap, and its rate of change.
+        closest: function that returns the closest approach in a state.
         interval: the interval.
         interpolation_error: upper bound of the gap's error on the polynomial.
         begin: fraction of the interval at which the search begins.
@@ -259,31 +262,31 @@ def first_touch(
     bound = (
         1.5 * max(mechanism.speed_bound(interval.start), mechanism.speed_bound(end.state)) * length
     )
-    fraction, (value, rate) = begin, gap(interval.at(begin * length) if begin else interval.start)
-    while fraction < 1.0 and value <= bound * (1.0 - fraction) + margin:
-        ahead = min(1.0, fraction + max(value / bound if bound else 1.0, LEAST_ADVANCE))
-        following, next_rate = gap(interval.at(ahead * length)) if ahead < 1.0 else gap(end.state)
-        if following < 0.0:
+    fraction = begin
+    touch = closest(interval.at(begin * length) if begin else interval.start)
+    while fraction < 1.0 and touch.gap <= bound * (1.0 - fraction) + margin:
+        ahead = min(1.0, fraction + max(touch.gap / bound if bound else 1.0, LEAST_ADVANCE))
+        following = closest(interval.at(ahead * length) if ahead < 1.0 else end.state)
+        if following.gap < 0.0:
             return ahead
-        if rate < 0.0 < next_rate:
+        if touch.velocity[0] < 0.0 < following.velocity[0]:
 
-            def at(part: float) -> tuple[float, float]:
-                return gap(interval.at(part * length))
+            def at(part: float) -> ClosestApproach:
+                return closest(interval.at(part * length))
 
             dip, least = _least(
-                at, fraction, ahead, following, lambda span, _: span < 2.0**-MOST_HALVINGS
+                at, fraction, ahead, following.gap, lambda span, _: span < 2.0**-MOST_HALVINGS
             )
             near = least < margin * min(1.0, NEAR_START * dip**2)
             if least < 0.0 or (near and dip * max(length, bound) > SHORTEST_ADVANCE):
                 return dip
         fraction = ahead
-        value = following
-        rate = next_rate
+        touch = following
     return None
 
 
 def _least(
-    gap: Callable[[float], tuple[float, float]],
+    closest: Callable[[float], ClosestApproach],
     left: float,
     right: float,
     at_right: float,
@@ -297,8 +300,9 @@ def _least(
     value = at_right
     while not enough(right - left, value):
         middle = 0.5 * (left + right)
-        value, rate = gap(middle)
+        touch = closest(middle)
+        value = touch.gap
         if value < 0.0:
             return middle, value
-        left, right = (middle, right) if rate < 0.0 else (left, middle)
-    return right, gap(right)[0]
+        left, right = (middle, right) if touch.velocity[0] < 0.0 else (left, middle)
+    return right, closest(right).gap
