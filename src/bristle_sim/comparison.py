@@ -312,7 +312,7 @@ def differences(quantities: Sequence[Quantity]) -> str:
     It is empty if there are no values to compare.
     """
     formula = most_different(quantities, "theory", "by formula")
-    printed = most_different(quantities, "printed", "printed")
+    printed = most_different(quantities, "printed", "printed in the dissertation")
     found = "; ".join(filter(None, (formula, printed)))
     return f" Largest differences: {found}." if found else ""
 

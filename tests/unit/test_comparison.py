@@ -180,7 +180,7 @@ def test_the_largest_relative_difference_of_each_side_is_named() -> None:
         Quantity("c", "deg", 2.74, 0.0, label="lag"),
     ]
     assert differences(compared) == (
-        " Largest differences: impulse 2.75 mN s, by formula 3.06 mN s; tip speed 37.9 m/s, printed 30 m/s."
+        " Largest differences: impulse 2.75 mN s, by formula 3.06 mN s; tip speed 37.9 m/s, printed in the dissertation 30 m/s."
     )
     assert differences([Quantity("d", "1", 1.0)]) == ""
 

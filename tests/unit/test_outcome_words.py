@@ -66,9 +66,9 @@ def test_friction_magnifies_the_impulse_of_a_rod_by_its_wedge(friction: float):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({**RADIAL, "friction": 0.44}, "the rigid law is singular"),
-        ({**RADIAL, "friction": 1.0, "restitution": 0.1}, "the rigid law is singular"),
-        ({"wire_links": 2}, "no impulse without a duration"),
+        ({**RADIAL, "friction": 0.44}, "the rigid law breaks down"),
+        ({**RADIAL, "friction": 1.0, "restitution": 0.1}, "the rigid law breaks down"),
+        ({"wire_links": 2}, "depends on the duration"),
         ({**RADIAL, "friction": 0.3}, ""),
         ({**RADIAL, "friction": 0.44, "tangential_compliance": 1.21}, ""),
         ({}, ""),

@@ -308,7 +308,7 @@ def test_the_answer_compares_with_the_measurement():
     )
     assert found.answer.startswith("This tool makes Rz ")
     assert "m²/h" in found.answer
-    assert found.answer.endswith("measured 62 to 83 µm.")
+    assert found.answer.endswith("measured Rz: 62 to 83 µm.")
     assert [each.name for each in found.quantities if each.ok is False] == []
 
 

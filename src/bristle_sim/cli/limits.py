@@ -59,12 +59,13 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[Change]) -> str:
     """Return a sentence that lists the changes of the outcome between two values of a parameter."""
-    between = f"Between {displayed(declared, low)} and {displayed(declared, high)} of {declared.key} the outcome"
+    between = f"For {declared.key} from {displayed(declared, low)} to {displayed(declared, high)} the outcome"
     places = [
-        f"at {displayed(declared, each.at)} ({each.below}, then {each.above})" for each in changes
+        f"at {displayed(declared, each.at)} (below: {each.below}, above: {each.above})"
+        for each in changes
     ]
     if not places:
         return f"{between} does not change."
     doubtful = [displayed(declared, each.at) for each in changes if not each.confirmed]
     scene = f"does not confirm {', '.join(doubtful)}" if doubtful else "agrees on both sides"
-    return f"{between} changes {', '.join(places)}; the scene {scene}."
+    return f"{between} changes {', '.join(places)}; the simulation in time {scene}."

@@ -186,7 +186,7 @@ def _found_in_words(simulated: Values) -> str:
     side = "below" if vertical >= 0.0 else "above"
     place = f"{horizontal:.2f} mm before the hub's axis and {abs(vertical):.2f} mm {side} it"
     return (
-        f"The bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
+        f"For a radial strike the bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
         f" {amount(found['highest_tip_speed'], 'm/s')}."
     )
 
@@ -195,7 +195,7 @@ def _where_it_stands(tool: Tool, strikes: bar_search.Strikes) -> str:
     assert tool.bar is not None
     own = math.atan2(tool.bar.horizontal, tool.bar.vertical)
     found = strikes(np.array([own]))
-    stands = f"Where it stands, at {math.degrees(own):.2f}°"
+    stands = f"In its present place, at {math.degrees(own):.2f}°"
     if found[REASON][0]:
         return f"{stands}, there is no cued strike: {found[REASON][0]}"
     lag = float(found["lag_deg_at_contact"][0])

@@ -160,10 +160,10 @@ def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     unchanged = touched and struck and alone and abs(struck - alone) <= UNCHANGED * abs(alone)
     apart = ""
     if whole is not None:
-        apart = f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"
+        apart = f"Wires of one plane touch each other at a spacing below {whole:.2f}°"
     if own is not None:
-        effect = "touch before a strike" if unchanged else "a touch spoils the next strike"
-        apart += f" and {effect} below {own:.2f}°"
+        effect = "they touch before the strike" if unchanged else "a touch changes the next strike"
+        apart += f"{'; below' if apart else 'Below'} {own:.2f}° {effect}"
     apart += ". " if apart else ""
     number = row.neighbours.bristles
     pitch = f"{row.neighbours.pitch_deg:g}°"

@@ -121,14 +121,15 @@ def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
     """
     if bends_at_once:
         return (
-            ", which is not to be trusted, as a wire that bends has no impulse without a duration of the contact"
-            " (--set contact=compliant --set contact_duration=0.1ms)"
+            ", which is not to be trusted: the impulse of a wire that bends depends on the duration of the contact"
+            " (give it one: --set contact=compliant --set contact_duration=0.1ms)"
         )
     excess = contact.friction_magnification
     if contact.law != "engine" and excess > LARGEST_MAGNIFICATION:
-        times = f"{plain_number(excess, 2)} times" if excess < 1e6 else "beyond all bounds"
+        times = f"by {plain_number(excess, 2)}" if excess < 1e6 else "without bound"
         return (
-            f", which is not to be trusted, as the rigid law is singular here and friction raises it {times}"
-            " (trust the speeds before it; --set tangential_compliance=1.21 has the impulse of an elastic contact of steel)"
+            f", which is not to be trusted: the rigid law breaks down here, where friction multiplies it {times}"
+            " (the speeds before the strike hold; --set tangential_compliance=1.21 computes the impulse of an elastic contact of"
+            " steel)"
         )
     return ""

@@ -308,7 +308,7 @@ def surface_study(
         subject=made,
         answer=(
             f"This tool makes Rz {amount(made.rz, 'm')} at {amount(made.area_rate, 'm^2/s')} and"
-            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured {1e6 * low:.0f} to {1e6 * high:.0f} µm."
+            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured Rz: {1e6 * low:.0f} to {1e6 * high:.0f} µm."
         ),
     )
 

@@ -182,9 +182,9 @@ def _strike_in_words(measured: Values, contact: ContactRecord, bends_at_once: bo
         if abs(speed) < 0.5
         else f"at {amount(speed, 'rad/s')} relative to the hub"
     )
-    by_bar = "" if measured["release_time"] else ", not released by a bar"
+    subject = "The bristle" if measured["release_time"] else "No bar releases the bristle; it"
     return (
-        f"The bristle strikes{with_knee} at {time}{by_bar}, {lag}, {relative}, its tip at {tip}, with a normal impulse of"
+        f"{subject} strikes{with_knee} at {time}, {lag}, {relative}, its tip at {tip}, with a normal impulse of"
         f" {impulse}{impulse_caution(contact, bends_at_once)}; the {contact.point or 'tip'} {contact.outcome_in_words}."
     )
 
