@@ -3,7 +3,7 @@
 import functools
 import pickle
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,12 +20,6 @@ FAILURE = "failure"  # Name of the variable with the reason why a point lacks re
 # Time after which a worker returns the points that it has finished, s. If it is killed, the points that it has not
 # returned are lost.
 TURN = 0.3
-
-
-def serially(function: Function, points: Iterable[Point]) -> Iterator[tuple[Point, Outcome]]:
-    """Yield points with their outcomes, evaluated in the calling process."""
-    for point in points:
-        yield point, outcome_of(function, point[1])
 
 
 def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
