@@ -101,9 +101,9 @@ def test_the_report_beside_print():
     assert peak.ok is None
     # A spring's quarter wave of that impulse and time has pi/2 p/t = 50.6 N; the turning hub takes some per cent.
     assert peak.simulated == pytest.approx(math.pi / 2.0 * impulse.theory / time.theory, rel=0.05)
-    difference = f"({peak.simulated / peak.theory - 1.0:+.0%})"
+    below = f"{100.0 * (1.0 - peak.simulated / peak.theory):.0f} % below"
     assert report().answer == (
-        f"The simulated force peaks at {peak.simulated:.3g} N, chapter 3's curve 56.9 N {difference}, at the same impulse of"
+        f"The simulated force peaks at {peak.simulated:.3g} N, {below} the 56.9 N of chapter 3's curve, at the same impulse of"
         " 1.61 mN s and compression time of 50 µs."
     )
 

@@ -94,8 +94,8 @@ def test_scene_theory_and_reference_agree_with_an_integration(ratio):
     if ratio == 0.0:
         assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
         assert found.answer == (
-            "Without a bar the tip reaches 21.3 m/s after 2.8 ms, 56% of the bar-cued tool's 37.9 m/s; to be as fast the"
-            " pulley must turn at 465.6 rad/s (4446 rpm)."
+            "Without a bar the tip reaches 21.3 m/s after 2.8 ms, 56 % of the 37.9 m/s with a bar; to reach that speed the"
+            " pulley must turn at 4446 rpm (465.6 rad/s)."
         )
 
 

@@ -161,12 +161,14 @@ def force_comparison(
 
 def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
     peak, time, impulse = main
-    own = f"{curve} {amount(peak.theory or 0.0, 'N')}"
+    own = f"{amount(peak.theory or 0.0, 'N')} of {curve}"
     if peak.simulated is None or time.simulated is None or impulse.simulated is None:
-        return f"There is no simulated force: {no_contact}. By {own} is the peak."
+        return f"There is no simulated force: {no_contact}. The peak is the {own}."
+    apart = peak.relative_difference or 0.0
+    side = "below" if apart < 0.0 else "above"
     compared = "at the same" if time.ok and impulse.ok else "at an"
     return (
-        f"The simulated force peaks at {amount(peak.simulated, 'N')}, {own} ({peak.relative_difference or 0.0:+.0%}), {compared}"
+        f"The simulated force peaks at {amount(peak.simulated, 'N')}, {100.0 * abs(apart):.0f} % {side} the {own}, {compared}"
         f" impulse of {amount(impulse.simulated, 'N s')} and compression time of {amount(time.simulated, 's')}."
     )
 

@@ -258,7 +258,7 @@ def _answer(
     own = f"Without a bar the tip reaches {amount(radial.tip_speed, 'm/s')} after {amount(radial.time, 's')}"
     if strike_speed is None:
         return f"{own}; with the bar there is no strike to compare with ({stop_reason})."
-    compared = f"{own}, {radial.tip_speed / strike_speed:.0%} of the bar-cued tool's {amount(strike_speed, 'm/s')}"
+    compared = f"{own}, {100.0 * radial.tip_speed / strike_speed:.0f} % of the {amount(strike_speed, 'm/s')} with a bar"
     if equal is None:
         return f"{compared}; at no pulley speed is it as fast, as the bristle leans over first."
-    return f"{compared}; to be as fast the pulley must turn at {equal:.1f} rad/s ({60.0 * equal / math.tau:.0f} rpm)."
+    return f"{compared}; to reach that speed the pulley must turn at {60.0 * equal / math.tau:.0f} rpm ({equal:.1f} rad/s)."

@@ -235,10 +235,10 @@ def measured_impacts(measured: Measured) -> Report:
         *map(Quantity, names, units, errors),
         *map(Quantity, (f"rigid_{name}" for name in names), units, rigid),
     ]
-    form = "{:.3f}, spin by {:.0f} rad/s and rebound angle by {:.2f}°"
+    form = "the velocity ratio by {:.3f}, the spin by {:.0f} rad/s and the rebound angle by {:.2f}°"
     answer = (
-        f"Spheres on glass: with eta^2 = {squared:.4g} the law misses the measured velocity ratio by {form.format(*errors)};"
-        f" with a rigid surface by {form.format(*rigid)}."
+        f"For measured spheres on glass the law with a tangential compliance eta^2 = {squared:.4g} misses {form.format(*errors)};"
+        f" without it, it misses {form.format(*rigid)}."
     )
     remarks = list[str]()
     if measured.data is not None:
