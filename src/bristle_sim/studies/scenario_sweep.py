@@ -242,7 +242,7 @@ def shown_value(found: Swept, name: str, value: float) -> str:
 
 def _along(found: Swept, name: str) -> str:
     """Return in words how a quantity changes along the parameter: it is constant, rises, falls, or
-    has extremes in between.
+    has extremes in between. A negative quantity "changes", because its magnitude does the opposite.
     """
     (key,) = found.axes
     values = found.values[name]
@@ -254,7 +254,8 @@ def _along(found: Swept, name: str) -> str:
     ends = f"from {shown_value(found, name, first)} to {shown_value(found, name, last)}"
     label = found.labels.get(name, name)
     if (changes >= 0.0).all() or (changes <= 0.0).all():
-        return f"the {label} {'rises' if last > first else 'falls'} {ends}"
+        verb = "rises" if last > first else "falls"
+        return f"the {label} {verb if max(first, last) > 0.0 else 'changes'} {ends}"
     low, high = (known[each(values[known])] for each in (np.argmin, np.argmax))
     places = [
         f"{shown_value(found, name, values[at])} at {shown_value(found, key, found.axes[key][at])}"
