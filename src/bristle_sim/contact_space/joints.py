@@ -32,7 +32,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
-from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
 
@@ -42,8 +41,6 @@ Entry = tuple[pymunk.Body, float, float, float]
 
 Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 """Dynamic bodies, the lightest first, and the joints that connect them."""
-
-_SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
 REACHED = 1e-9
 """Distance from a joint's limit up to which the limit counts as reached, over the joint's length or
@@ -97,25 +94,27 @@ def joined(ends: Iterable[pymunk.Body]) -> Connected:
 
     The bodies include ``ends``; the lightest is first. Only joints that transmit impulses count.
     """
-    waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
+    waiting = list(ends)
     bodies: dict[pymunk.Body, None] = {}
     joints: list[pymunk.Constraint] = []
     while waiting:
         body = waiting.pop()
-        if body not in bodies:
-            bodies[body] = None
-            # The property copies the set of joints; the check without a copy is faster.
-            for joint in body.constraints if body._constraints else ():
-                if joint not in joints and _transmits_impulse(joint):
-                    joints.append(joint)
-                    waiting += [
-                        each for each in (joint.a, joint.b) if each.body_type == pymunk.Body.DYNAMIC
-                    ]
+        if body in bodies or body.body_type != pymunk.Body.DYNAMIC:
+            continue
+        bodies[body] = None
+        # The property copies the set of joints; the check without a copy is faster.
+        for joint in body.constraints if body._constraints else ():
+            if joint not in joints and _transmits_impulse(joint):
+                joints.append(joint)
+                waiting += (joint.a, joint.b)
     return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
 
 
 def _transmits_impulse(joint: pymunk.Constraint) -> bool:
-    if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
+    if (
+        isinstance(joint, pymunk.DampedSpring | pymunk.DampedRotarySpring)
+        or joint.max_force < math.inf
+    ):
         return False
     return any(
         space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space)
@@ -189,11 +188,10 @@ def _at_distance(joint: pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
     if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
         return _across(joint, ends, along)
     margin = REACHED * max(distance, joint.max)
-    if distance >= joint.max - margin:
-        return _across(joint, ends, along, limit=True)
-    if distance <= joint.min + margin:
-        return _across(joint, ends, -along, limit=True)
-    return []
+    if joint.min + margin < distance < joint.max - margin:
+        return []
+    sense = 1.0 if distance >= joint.max - margin else -1.0
+    return _across(joint, ends, along * sense, limit=True)
 
 
 def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
@@ -320,10 +318,8 @@ def close_joints(
 def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
     """Add ``change``, shape (3 * len(bodies),), to v_x, v_y and the angular velocity of each body."""
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
-        raw = body._body
-        velocity = lib.cpBodyGetVelocity(raw)
-        lib.cpBodySetVelocity(raw, (velocity.x + x, velocity.y + y))
-        lib.cpBodySetAngularVelocity(raw, lib.cpBodyGetAngularVelocity(raw) + turn)
+        body.velocity += (x, y)
+        body.angular_velocity += turn
 
 
 def _least_change(

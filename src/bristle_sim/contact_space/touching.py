@@ -120,19 +120,6 @@ class StepMotion:
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
-    def state(self, body: pymunk.Body) -> tuple[Motion, Motion, Vector]:
-        """Return the motion of a body.
-
-        Returns:
-            The velocities after the step, their changes in the step, and the world coordinates of
-            the mass centre.
-        """
-        return (
-            velocity_of(body),
-            self.gains.get(body, NONE),
-            body.local_to_world(body.center_of_gravity),
-        )
-
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
         """Move bodies by a time with the velocities that they had within the step.
 
@@ -288,13 +275,13 @@ class TouchingPoint:
         ``since`` is the time from the last change of the velocities to the end of the step. The
         touch is at most the time ``latest`` before the end of the step.
         """
-        (at_x, at_y), (x, y), depth = self.overlap
+        _, (x, y), depth = self.overlap
         growth = self.surface_velocity[0] * x + self.surface_velocity[1] * y
         gain = 0.0
         for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
-            (u, v, turn), (gain_u, gain_v, turning), (centre_x, centre_y) = motion.state(body)
-            arm_x = at_x - centre_x
-            arm_y = at_y - centre_y
+            u, v, turn = velocity_of(body)
+            gain_u, gain_v, turning = motion.gains.get(body, NONE)
+            arm_x, arm_y = self.overlap.point - body.local_to_world(body.center_of_gravity)
             u, v = u - turn * arm_y, v + turn * arm_x
             growth += sign * (u * x + v * y)
             gain += sign * ((gain_u - turning * arm_y) * x + (gain_v + turning * arm_x) * y)

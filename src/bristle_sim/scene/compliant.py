@@ -8,6 +8,7 @@ same energetic coefficient of restitution.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -18,9 +19,10 @@ from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at
+from bristle_sim.scene.interval import Load
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
-from bristle_sim.scene.spring import Spring
+from bristle_sim.scene.spring import Spring, SpringForce
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, energetic_impact
@@ -203,6 +205,42 @@ def rigid_stiffness(
     size = mechanism.wire_links
     inertia = mechanism.constants.products[:size, :size].real.sum()
     return frictionless_stiffness(float(normals.sum() ** 2 / inertia), pair.restitution, duration)
+
+
+class ContactLoad:
+    """The forces of all contacts with springs, and of rigid contacts that act at the same time.
+
+    In the list of totals the rigid contacts come first.
+    """
+
+    symmetric = False  # springs act differently forwards and backwards in time
+
+    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[Spring]) -> None:
+        self._rigid = rigid
+        self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
+        self._parts += [SpringForce(scene, spring) for spring in springs]
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset impulses and work; return the callback to run before each step."""
+        begun = [each.begin(step) for each in self._parts]
+        calls = [call for call in begun if call is not None]
+        if len(calls) == 1:
+            return calls[0]
+
+        def act() -> None:
+            """Apply the forces of all contacts."""
+            for each in calls:
+                each()
+
+        return act
+
+    def totals(self) -> list[float]:
+        """Return the forces, impulses and work of all contacts in one list, after the last step."""
+        return [number for each in self._parts for number in each.totals()]
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Return whether a rigid contact would have to pull."""
+        return self._rigid is not None and self._rigid.fails(totals)
 
 
 def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:

@@ -19,6 +19,7 @@ from bristle_sim.scene.collisions import (
     name_releases,
     resolve_impacts,
 )
+from bristle_sim.scene.compliant import ContactLoad
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import (
     SPRING_KINDS,
@@ -31,7 +32,7 @@ from bristle_sim.scene.locate import Monitor
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
-from bristle_sim.scene.spring import ContactLoad, Spring
+from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason

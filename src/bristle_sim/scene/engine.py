@@ -53,6 +53,8 @@ class EngineSteps:
         work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
             part of them.
         place: sets positions and velocities of all bodies.
+        take_symmetric: function that takes time-symmetric steps; None while only plain steps are
+            possible. Time-symmetric steps need ``solver.WireVelocities`` as ``joint_solver``.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class EngineSteps:
         ]
         self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
         self._solve: Callable[[float], None] | None = None
+        self.take_symmetric: Callable[..., list[float]] | None = None
         self.keep_closed(())
 
     @cached_property
@@ -96,14 +99,6 @@ class EngineSteps:
         """
         return self._make_solver()
 
-    @property
-    def take_symmetric(self) -> Callable[..., list[float]] | None:
-        """The function that takes time-symmetric steps; None while only plain steps are possible.
-
-        Time-symmetric steps need ``solver.WireVelocities`` as the solver of the joints.
-        """
-        return self._take_symmetric if self._solve and self.joint_solver.reversible else None
-
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep the given sustained contacts closed from now on; () returns to steps without
         contacts.
@@ -111,6 +106,8 @@ class EngineSteps:
         solving = bool(contacts) or self._several_links
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
+            symmetric = solving and self.joint_solver.reversible
+            self.take_symmetric = self._take_symmetric if symmetric else None
             for spring, damping in self._dampings:
                 spring.damping = 0.0 if solving else damping
         if solving:

@@ -21,7 +21,7 @@ from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.interval import IntervalResult
+from bristle_sim.scene.interval import IntervalResult, sums_of
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair
 from bristle_sim.scene.rigid import RigidContacts
@@ -86,19 +86,7 @@ SPRING_KINDS = frozenset(
         Kind.OVERDUE,
     }
 )
-BEGINS_POSITIVE = frozenset(
-    {
-        Kind.LOCKED,
-        Kind.RETRACTION_LIMIT,
-        Kind.COMPRESSION_ENDS,
-        Kind.UNLOADED,
-        Kind.PRESSED_ON,
-        Kind.RELOADING_ENDS,
-        Kind.REST_ENDS,
-        Kind.FOOT_STOPS,
-        Kind.CONE_REACHED,
-    }
-)
+BEGINS_POSITIVE = SPRING_KINDS - {Kind.OVERDUE} | {Kind.LOCKED, Kind.RETRACTION_LIMIT}
 """Kinds whose value is positive at the beginning of a motion, or rises from zero there: the
 decision at the last event ensures it."""
 
@@ -175,6 +163,9 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
             at.state.angles[link] - mechanism.root_angle(link, at.state.time)
         )
 
+    def gap(pair: ContactPair, at: IntervalResult) -> float:
+        return system.gaps.gap(pair, at.state)
+
     for wire in range(mechanism.wires):
         link = wire * mechanism.wire_links
         if not plan.single_contact:
@@ -186,11 +177,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
             yield Event(partial(left, link), -1, Kind.RETRACTION_LIMIT, wire)
     for number, pair in enumerate(system.pairs):
         if pair.dent:
-            yield Event(partial(_gap, system, replace(pair, dent=0.0)), 1, Kind.DENT_LEFT, number)
-
-
-def _gap(system: System, pair: ContactPair, at: IntervalResult) -> float:
-    return system.gaps.gap(pair, at.state)
+            yield Event(partial(gap, replace(pair, dent=0.0)), 1, Kind.DENT_LEFT, number)
 
 
 def contact_events(
@@ -229,7 +216,7 @@ def _rigid_events(
         return rigid.compliance_in_slip(gaps, at.state, index) - LEAST_COMPLIANCE_IN_SLIP
 
     def push(at: IntervalResult) -> float:
-        return at.sums(index).normal if at.totals else math.nan
+        return sums_of(at.totals, index).normal if at.totals else math.nan
 
     def spare(at: IntervalResult) -> float:
         return rigid.spare_friction(at.totals, index) if at.totals else math.nan
@@ -320,7 +307,7 @@ def _spring_events(
         if not at.totals:
             return math.nan
         penetration = spring.surface - touch(at.state).gap
-        margins = spring.rest_margins(penetration, at.sums(index).tangential)
+        margins = spring.rest_margins(penetration, sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
@@ -328,7 +315,7 @@ def _spring_events(
         if spring.elastic:
             force = spring.law.tangential_force(gaps.along(pair, at.state), spring.foot)
         elif at.totals:
-            force = at.sums(index).tangential
+            force = sums_of(at.totals, index).tangential
         else:
             return math.nan
         return spring.spare_friction(spring.surface - touch(at.state).gap, force) / (

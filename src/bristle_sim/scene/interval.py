@@ -116,10 +116,6 @@ class IntervalResult(NamedTuple):
             errors,
         )
 
-    def sums(self, index: int) -> Sums:
-        """Return the forces, impulses and work of one contact."""
-        return sums_of(self.totals, index)
-
     def moved(self, time: float) -> IntervalResult:
         """Return the result with its state advanced by a short time at constant acceleration."""
         when, angles, rates = self.state
@@ -151,9 +147,10 @@ class Interval:
         integrate_to: function that integrates from the start over a shorter time.
         start: state at the start.
         length: duration of the interval.
+        instant: longest time after the start that counts as at the start.
     """
 
-    __slots__ = ("_curve", "end", "first", "integrate_to", "length", "start")
+    __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
 
     def __init__(
         self,
@@ -166,6 +163,7 @@ class Interval:
         self.integrate_to = integrate_to
         self.start = first.state
         self.length = end.state.time - first.state.time
+        self.instant = ONE_INSTANT * (1.0 + end.state.time)
         self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
@@ -178,11 +176,6 @@ class Interval:
             middle = () if self.end.middle is None else (self.end.middle,)
             self._curve = Curve(self.start, *middle, self.end.state)
         return self._curve(self.start.time + time)
-
-    @property
-    def instant(self) -> float:
-        """The longest time after the start that counts as at the start."""
-        return ONE_INSTANT * (1.0 + self.end.state.time)
 
     def up_to(self, end: IntervalResult) -> Interval:
         """Return the interval shortened to an earlier end; an end closer than ``instant`` to the

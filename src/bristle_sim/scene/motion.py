@@ -128,7 +128,9 @@ def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening
     friction.
     """
     return Happening(
-        Kind.SLIPS, motion.contacts[index], -1 if result.sums(index).tangential > 0.0 else 1
+        Kind.SLIPS,
+        motion.contacts[index],
+        -1 if sums_of(result.totals, index).tangential > 0.0 else 1,
     )
 
 

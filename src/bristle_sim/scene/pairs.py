@@ -251,11 +251,9 @@ class WorkpartPair:
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
         arm = (x - pose.joint[0], y - pose.joint[1])
+        u, v = pose.joint_velocity
         rate = rates[self.link]
-        velocity = (
-            pose.joint_velocity[1] + rate * arm[0],
-            pose.joint_velocity[0] - rate * arm[1],
-        )
+        velocity = (v + rate * arm[0], u - rate * arm[1])
         return ClosestApproach(y + self.depth + self.dent, arm, (0.0, 1.0), velocity)
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -22,7 +22,6 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.interval import Load
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
@@ -343,39 +342,3 @@ class SpringForce:
 
         self.totals = read
         return act
-
-
-class ContactLoad:
-    """The forces of all contacts with springs, and of rigid contacts that act at the same time.
-
-    In the list of totals the rigid contacts come first.
-    """
-
-    symmetric = False  # springs act differently forwards and backwards in time
-
-    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[Spring]) -> None:
-        self._rigid = rigid
-        self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
-        self._parts += [SpringForce(scene, spring) for spring in springs]
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset impulses and work; return the callback to run before each step."""
-        begun = [each.begin(step) for each in self._parts]
-        calls = [call for call in begun if call is not None]
-        if len(calls) == 1:
-            return calls[0]
-
-        def act() -> None:
-            """Apply the forces of all contacts."""
-            for each in calls:
-                each()
-
-        return act
-
-    def totals(self) -> list[float]:
-        """Return the forces, impulses and work of all contacts in one list, after the last step."""
-        return [number for each in self._parts for number in each.totals()]
-
-    def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a rigid contact would have to pull."""
-        return self._rigid is not None and self._rigid.fails(totals)

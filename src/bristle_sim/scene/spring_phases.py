@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 
-from bristle_sim.scene.compliant import follow_bodies
+from bristle_sim.scene.compliant import ContactLoad, follow_bodies
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import Kind
-from bristle_sim.scene.interval import IntervalResult, Sums
+from bristle_sim.scene.interval import IntervalResult, Sums, sums_of
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import ContactLoad, Spring, SpringPhase
+from bristle_sim.scene.spring import Spring, SpringPhase
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
@@ -305,4 +305,5 @@ def _probe(
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
     length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)
     probe = spring.stepper.advance(system.scene, system.state, length, load)
-    return probe, probe.sums(0 if motion.rigid is None else len(motion.rigid.closed))
+    index = 0 if motion.rigid is None else len(motion.rigid.closed)
+    return probe, sums_of(probe.totals, index)
