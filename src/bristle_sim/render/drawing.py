@@ -10,14 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from matplotlib.patheffects import withStroke
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
-from bristle_sim.render.style import MILLIMETRES, note, scale_for
+from bristle_sim.render.style import MILLIMETRES, scale_for
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 # Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
@@ -103,29 +105,24 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
     draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
     longest = LONGEST_SCALE_BAR * (view.right - view.left)
-    halo = [withStroke(linewidth=4.0, foreground="white")]
     decade = 10.0 ** math.floor(math.log10(longest))
     length = decade * max(
         step for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1e-9)
     )
     shown = scale_for(length / MILLIMETRES, "m")
-    end = view.right - 0.025 * (view.right - view.left)
-    height = view.bottom + 0.03 * (view.top - view.bottom)
-    axes.plot(
-        [end - length, end], [height, height], "|-", color=BLACK, linewidth=1.5, path_effects=halo
-    )
     words = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}"
-    place = (end - 0.5 * length, height)
-    note(
-        axes,
+    bar = AnchoredSizeBar(
+        axes.transData,
+        length,
         words,
-        place,
-        (0.0, 5.0),
-        fontsize=letter_size,
+        "lower right",
+        label_top=True,
+        frameon=False,
+        size_vertical=0.004 * (view.top - view.bottom),
         color=BLACK,
-        ha="center",
-        path_effects=halo,
+        fontproperties=FontProperties(size=letter_size),
     )
+    axes.add_artist(bar)
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:

@@ -128,7 +128,12 @@ class _Nodes:
         while kept.size > self._most and self._loosened < MOST_LOOSENED:
             self._loosened *= LOOSENING
             kept = self._kept_samples()
-        between = self._add_between(kept)
+        self.time = self.time[kept]
+        self.before = self.before[:, kept]
+        self.after = self.after[:, kept]
+        self._allowed = self._allowed[kept]
+        self._add_between()
+        between = self.time.size - kept.size
         more = f" and {between} instants between them" if between else ""
         errors = (self._loosened * each for each in (LINE_SHOWN, RETRACTION_SHOWN, SPEED_SHOWN))
         self.drawn = "{} of {} samples drawn{}; between these the motion is interpolated to {:g} mm, {:g}° and {:g} m/s".format(
@@ -154,76 +159,49 @@ class _Nodes:
             interval = np.searchsorted(nodes, others)
             starts = nodes[interval - 1]
             ends = nodes[interval]
-            length = self.time[ends] - self.time[starts]
-            part = (self.time[others] - self.time[starts]) / length
-            wrong = self._wrong(
-                length,
-                part,
-                self.after[:, starts],
-                self.before[:, ends],
-                self.after[:, others],
-                self._allowed[others],
-            )
+            allowed = self._allowed[others]
+            wrong = self._wrong(starts, ends, self.time[others], self.after[:, others], allowed)
             if not wrong.any():
                 break
             kept[(starts[wrong] + ends[wrong]) // 2] = True
         return np.flatnonzero(kept)
 
-    def _add_between(self, kept: Indices) -> int:
-        """Set the nodes to the kept samples and as many times between them as the accuracy
-        requires.
-
-        Return the number of nodes that are not samples.
-        """
-        starts = self.time[kept[:-1]]
-        ends = self.time[kept[1:]]
-        at_start = self.after[:, kept[:-1]]
-        at_end = self.before[:, kept[1:]]
-        allowed = np.maximum(self._allowed[kept[:-1]], self._allowed[kept[1:]])
-        times = [self.time[kept]]
-        before = [self.before[:, kept]]
-        after = [self.after[:, kept]]
-        added = 0
+    def _add_between(self) -> None:
+        """Add nodes between the kept samples, where the accuracy requires them."""
         for _ in range(ROUNDS):
-            length = ends - starts
-            tried = _states(self._interpolation(starts + TRIED * length))
-            part = np.full(length.size, TRIED)
-            wrong = self._wrong(length, part, at_start, at_end, tried, allowed)
-            if not wrong.any() or kept.size + added + wrong.sum() > self._most:
+            starts = np.arange(self.time.size - 1)
+            ends = starts + 1
+            tried = self.time[starts] + TRIED * np.diff(self.time)
+            allowed = np.maximum(self._allowed[starts], self._allowed[ends])
+            wrong = self._wrong(starts, ends, tried, _states(self._interpolation(tried)), allowed)
+            if not wrong.any() or self.time.size + wrong.sum() > self._most:
                 break
-            middles = 0.5 * (starts + ends)[wrong]
-            at_middle = _states(self._interpolation(middles))
-            starts = np.concatenate([starts[wrong], middles])
-            ends = np.concatenate([middles, ends[wrong]])
-            at_start = np.concatenate([at_start[:, wrong], at_middle], axis=1)
-            at_end = np.concatenate([at_middle, at_end[:, wrong]], axis=1)
-            allowed = np.concatenate([allowed[wrong], allowed[wrong]])
-            times.append(middles)
-            before.append(at_middle)
-            after.append(at_middle)
-            added += middles.size
-        time = np.concatenate(times)
-        order = np.argsort(time, kind="stable")
-        self.time = time[order]
-        self.before = np.concatenate(before, axis=1)[:, order]
-        self.after = np.concatenate(after, axis=1)[:, order]
-        return added
+            places = ends[wrong]
+            middles = 0.5 * (self.time[starts] + self.time[ends])[wrong]
+            states = _states(self._interpolation(middles))
+            self.time = np.insert(self.time, places, middles)
+            self.before = np.insert(self.before, places, states, axis=1)
+            self.after = np.insert(self.after, places, states, axis=1)
+            self._allowed = np.insert(self._allowed, places, allowed[wrong], axis=0)
 
     def _wrong(
-        self, length: Array, part: Array, start: Array, end: Array, motion: Array, allowed: Array
+        self, starts: Indices, ends: Indices, time: Array, motion: Array, allowed: Array
     ) -> NDArray[np.bool_]:
-        """Return for each interval whether the page's interpolation is visibly wrong at one point
+        """Return for each interval whether the page's interpolation is visibly wrong at one instant
         of it.
 
         Args:
-            length: lengths of the intervals, s.
-            part: position of the point in each interval, as a fraction of the length.
-            start, end: values and derivatives at both ends.
-            motion: true values and derivatives at the point.
+            starts, ends: indices of the nodes at both ends of the intervals.
+            time: an instant in each interval, s.
+            motion: true values and derivatives at these instants.
             allowed: largest errors of the values.
         """
-        h, s = (MILLISECONDS * length)[:, np.newaxis], part[:, np.newaxis]
-        (p, v), (q, w), (true, velocity) = start, end, motion
+        length = self.time[ends] - self.time[starts]
+        s = ((time - self.time[starts]) / length)[:, np.newaxis]
+        h = MILLISECONDS * length[:, np.newaxis]
+        p, v = self.after[:, starts]
+        q, w = self.before[:, ends]
+        true, velocity = motion
         # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight line.
         place = (
             q
