@@ -124,7 +124,10 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
                 1e3 * odd.at(event.time).centre_line, abs=1e-9
             )
     path = np.concatenate(
-        [artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")]
+        [
+            artist(figure, name).get_xydata()
+            for name in ("tip path until the strike", "tip path after the strike")
+        ]
     )
     for sample in 1e3 * odd.tip:
         assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -70,11 +71,10 @@ def bent_figure(bent: BentBristles) -> Figure:
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
     figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
-    never = {
-        shape: "" if contact is not None else " (never strikes)"
+    shapes = {
+        NAMES[shape] + " (never strikes)" * (contact is None): {"color": SHAPES[shape]}
         for shape, contact in struck.items()
     }
-    shapes = {NAMES[shape] + never[shape]: {"color": color} for shape, color in SHAPES.items()}
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
     for height, looks in ((0.75, shapes), (0.25, marks)):
         style.write_key(figure, looks, bbox_to_anchor=(0.5, height / 17.2), borderaxespad=0.0)
@@ -124,15 +124,7 @@ def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
         axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
         axes.set_xlabel("along the workpart (mm)")
     wires.set_ylabel("above the workpart (mm)")
-    paths.annotate(
-        "workpart",
-        (1.0, 0.0),
-        (-3.0, 3.0),
-        "axes fraction",
-        "offset points",
-        color=GREY,
-        ha="right",
-    )
+    style.note(paths, "workpart", (1.0, 0.0), (-3.0, 3.0), xycoords="axes fraction", ha="right")
     slides.axhline(0.0, color=GREY, linewidth=0.8)
     slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
 
@@ -187,11 +179,11 @@ def neighbours_figure(
         axes = style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words)
         lines = [run.at(time).centre_line for run in row.bristles]
         draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
-        for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
+        for number, (line, color) in enumerate(zip(lines, cycle(SERIES), strict=False), 1):
             WireDrawing(axes, row.tool, color=color).place(line)
-            look = {"ha": "center", "va": "center", "color": color}
-            style.note(
-                axes, str(number), tuple(0.9 * style.MILLIMETRES * line[0]), (0.0, 0.0), **look
+            place = 0.9 * style.MILLIMETRES * line[0]
+            axes.text(
+                place[0], place[1], str(number), color=color, fontsize=7.0, ha="center", va="center"
             )
         places = touch_places(lines, row.tool.bristle.wire_diameter)
         axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
@@ -201,33 +193,23 @@ def neighbours_figure(
         axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}")
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        axes.plot(
-            pitches,
-            factor * strikes[name],
-            "o",
-            label=f"{last} of the row",
-            color=VERMILION,
-            markersize=2.6,
-        )
+        look: dict[str, Any] = {
+            "color": VERMILION,
+            "markersize": 2.6,
+            "label": f"{last} of the row",
+        }
+        axes.plot(pitches, factor * strikes[name], "o", **look)
         for each in row.least:
-            words, dashes = LEAST[each.name]
             if (least := each.by_theory) is not None:
-                axes.axvline(
-                    least,
-                    color=BLACK,
-                    linewidth=0.8,
-                    dashes=dashes,
-                    zorder=1,
-                    label=f"{least:.2f}°: {words}",
-                )
+                words, dashes = LEAST[each.name]
+                look = {"color": BLACK, "linewidth": 0.8, "label": f"{least:.2f}°: {words}"}
+                axes.axvline(least, dashes=dashes, zorder=1, **look)
         axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
         style.span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():
             style.say(axes, "no strike at any pitch")
     handles, _ = axes.get_legend_handles_labels()
-    figure.legend(
-        handles=handles, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4
-    )
+    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2)
     return figure
 
 

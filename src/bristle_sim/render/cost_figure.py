@@ -1,7 +1,6 @@
 """Figure of error against CPU time, with one panel for each test case.
 
-The methods of this project and the best method of each other package are coloured. The other
-methods are grey.
+Each method of this project has a colour of its own, each other package one colour.
 """
 
 from __future__ import annotations
@@ -12,13 +11,18 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
+from bristle_sim.benchmarks.accuracy_cost.measure import (
+    OURS,
+    Point,
+    by_method,
+    cheapest,
+    package_of,
+)
 from bristle_sim.benchmarks.accuracy_cost.study import NOT_IN_TIME, AccuracyCost
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
@@ -26,24 +30,17 @@ from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, 
 WIDTH = 16.0  # printed width of the page's text, cm
 PANEL = (6.3, 5.6)
 HEAD = 1.35
-ROW = 11.0
-NOTES = 2.75
+ROW = 11.4
+LEGEND = 1.05
+NOTES = 3.75
 """Lengths in cm: width and height of a panel, height of its title and verdict, height of a row of
-panels, and distance of the notes below a panel."""
+panels, and distances of the legend and of the notes below a panel."""
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
-OTHERS = "#c4c4c4"  # colour of the other methods of other packages
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
-LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
-PALE: dict[str, Any] = {
-    "color": OTHERS,
-    "linewidth": 0.8,
-    "marker": ".",
-    "markersize": 2.0,
-    "zorder": 1,
-}
-"""Styles of this project's curves, of the best curve of each other package, and of other curves."""
+PEER = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 0.8, "zorder": 2}
+"""Styles of this project's curves, and of the curves of other packages."""
 
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
 """Target errors, smallest first. Packages are compared at the first target that a method reaches."""
@@ -99,36 +96,17 @@ def _shown(point: Point) -> str:
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw the panel of a test case with its legend.
-
-    Below the legend are the names of the methods drawn in grey, and the notes on the case.
-    """
-    by_package: dict[str, list[Point]] = {}
-    for point in (each for each in points if math.isfinite(each.error)):
-        by_package.setdefault(package_of(point.method), []).append(point)
-    grey = list[str]()
+    """Draw the panel of a test case, with its legend and the notes on the case below it."""
     colours = itertools.cycle(OWN)
-    for package, own in by_package.items():
-        _, best = reached(own)
-        markers = itertools.cycle("osD^vPX*")
-        others = []
-        for method in dict.fromkeys(point.method for point in own):
-            look = PALE
-            if package == OURS or (best is not None and method == best.method):
-                named = HEAVY if package == OURS else LIGHT
-                color = next(colours) if package == OURS else PEERS.get(package, GREY)
-                look = {**named, "color": color, "marker": next(markers), "label": method}
-            else:
-                others.append(method.partition(" ")[2])
-            curve = [
-                (point.cpu_s * MILLISECONDS, max(point.error, LEAST))
-                for point in own
-                if point.method == method
-            ]
-            axes.loglog(*zip(*curve, strict=True), gid=method, **look)
-        grey += [f"{package} {', '.join(others)}"] * bool(others)
-    if grey:
-        axes.plot([], [], **{**PALE, "linewidth": 1.6}, label="others, named below")
+    markers = itertools.cycle("osD^vPX*")
+    for own in by_method(each for each in points if math.isfinite(each.error)):
+        method = own[0].method
+        look = PEER | {"color": PEERS.get(package_of(method), GREY)}
+        if package_of(method) == OURS:
+            look = HEAVY | {"color": next(colours)}
+        times = [MILLISECONDS * each.cpu_s for each in own]
+        errors = [max(each.error, LEAST) for each in own]
+        axes.loglog(times, errors, gid=method, label=method, marker=next(markers), **look)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
@@ -146,30 +124,23 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
         color=BLACK,
         fontsize=6.5,
     )
-    rings = [
-        (each.cpu_s * MILLISECONDS, max(each.error, LEAST))
-        for each in (ours, peer)
-        if each is not None
-    ]
     look = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
-    axes.plot(*np.reshape(rings, (-1, 2)).T, "o", label="compared above", **look)
+    compared = [each for each in (ours, peer) if each is not None]
+    times = [MILLISECONDS * each.cpu_s for each in compared]
+    errors = [max(each.error, LEAST) for each in compared]
+    axes.plot(times, errors, "o", label="compared above", **look)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    place: dict[str, Any] = {
-        "loc": "upper left",
-        "bbox_to_anchor": (-0.2, -1.05 / PANEL[1]),
-        "borderaxespad": 0.0,
-    }
     axes.legend(
-        ncols=2, columnspacing=0.8, labelspacing=0.25, handlelength=2.0, fontsize=6.5, **place
+        loc="upper left",
+        bbox_to_anchor=(-0.2, -LEGEND / PANEL[1]),
+        borderaxespad=0.0,
+        ncols=2,
+        columnspacing=0.8,
+        labelspacing=0.2,
+        handlelength=2.0,
+        fontsize=6.0,
     )
-    notes = [each for each in case.notes if each.partition(":")[0] in by_package]
-    lines = [*(textwrap.wrap(f"grey: {'; '.join(grey)}", 62) if grey else []), *notes]
-    look = {
-        "transform": axes.transAxes,
-        "fontsize": 6.5,
-        "va": "top",
-        "linespacing": 1.35,
-        "color": GREY,
-    }
-    axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), **look)
+    lines = [textwrap.fill(each, 68) for each in case.notes]
+    look = {"transform": axes.transAxes, "va": "top", "linespacing": 1.35}
+    axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), color=GREY, fontsize=6.0, **look)

@@ -1,4 +1,4 @@
-"""Draws the dissertation's figures, each on a page of its own or all on one sheet.
+"""Draws the dissertation's figures, each on a page of its own.
 
 Closed forms are lines, numerical results that check them are points, and the operating point is a
 dot.
@@ -6,7 +6,6 @@ dot.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,13 +15,13 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.colours import BLACK, GREY, SERIES, VERMILION
 from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled, write_key
 
-SHEET_DOTS_PER_INCH = 100.0  # a sheet is then 1300 pixels wide, legible on a screen without zooming
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
 """Width and height, cm, of a panel with its scales: on a page of several panels, and alone."""
@@ -33,11 +32,8 @@ is larger than the panel."""
 
 FOOT = 1.0
 HEAD = 1.2
-TITLES = 1.2
-"""Heights, cm, of the legend of points, of a page's title and note, and of the titles in a row."""
+"""Heights, cm, of the legend of points, and of a page's title and note."""
 
-# Width, cm, by which a table is wider than a panel, as it needs no room for a scale.
-TABLE_MARGIN = 1.2
 NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
 OPERATING_POINT: dict[str, Any] = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
@@ -71,31 +67,46 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
 }
 
-Cells = Sequence[tuple[Redrawn, Panel | None]]
-
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
-    """Draw one figure or table on a page, headed by its number, title and note."""
-    cells = [(figure, panel) for panel in figure.panels or (None,)]
-    page = _page(cells, min(len(cells), 3), PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
-    width, height = page.get_size_inches() * 2.54
-    left = (PANEL[0] - (0.0 if figure.panels else TABLE_MARGIN)) / width
-    page.text(left, 1.0 - 0.6 / height, _bold(figure), fontsize=9.0)
-    page.text(left, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY)
+    """Draw one figure or table on a page, headed by its number, title and note.
+
+    The panels stand in rows of at most three, with a legend of the points at the foot.
+    """
+    panels = figure.panels or (None,)
+    columns = min(len(panels), 3)
+    rows = -(-len(panels) // columns)
+    cell_width, cell_height = PAGE_CELL if len(panels) == 1 else CELL
+    width = columns * cell_width
+    height = rows * cell_height + FOOT + HEAD
+    page = blank_figure(width, height)
+    page.text(PANEL[0] / width, 1.0 - 0.6 / height, heading(figure), fontsize=9.0)
+    page.text(PANEL[0] / width, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY)
+    for number, panel in enumerate(panels):
+        row, column = divmod(number, columns)
+        left = column * cell_width + PANEL[0]
+        bottom = FOOT + (rows - 1 - row) * cell_height + PANEL[1]
+        size = (cell_width - PANEL[2], cell_height - PANEL[3])
+        axes = axes_at(page, left, bottom, *size)
+        if panel is None:
+            draw_table(axes, figure.table)
+        else:
+            draw_panel(axes, panel)
+    write_points_key(page, figure.panels)
     return page
 
 
-@styled()
-def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
-    """Draw all figures side by side on one sheet, with one panel in each cell."""
-    cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
-    sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
-    for (figure, _), axes in zip(cells, sheet.axes, strict=True):
-        axes.set_title(
-            "\n".join(textwrap.wrap(_bold(figure), 50)), loc="left", fontsize=8.0, pad=15.0
-        )
-    return sheet
+def write_points_key(page: Figure, panels: Iterable[Panel]) -> None:
+    """Write the legend of the points of some panels at the foot of a page."""
+    key: dict[str, dict[str, Any]] = {}
+    for panel in panels:
+        for source in (source for curve in panel.curves for source in curve.points):
+            key[SOURCES[source].words] = {"color": BLACK, **POINT, **_LOOKS[source]}
+        if not all(mark.label for mark in panel.marks):
+            key["operating point"] = OPERATING_POINT
+    if key:
+        write_key(page, key, ncols=min(len(key), 4))
 
 
 def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
@@ -120,67 +131,26 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
     return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
 
 
-def _page(
-    cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float
-) -> Figure:
-    """Draw panels and tables in rows of cells, with a legend of the points at the foot.
-
-    ``titles`` is the height of the titles above each row, cm.
-    """
-    rows, (width, height) = -(-len(cells) // columns), (size[0], size[1] + titles)
-    page = blank_figure(
-        columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch
-    )
-    key: dict[str, dict[str, Any]] = {}
-    for number, (figure, panel) in enumerate(cells):
-        left = number % columns * width
-        bottom = FOOT + (rows - 1 - number // columns) * height
-        wider = TABLE_MARGIN if panel is None else 0.0
-        space = (size[0] - PANEL[2] + wider, size[1] - PANEL[3])
-        axes = axes_at(page, left + PANEL[0] - wider, bottom + PANEL[1], *space)
-        if panel is None:
-            _draw_table(axes, figure.table)
-            continue
-        _draw_panel(axes, panel)
-        sources = dict.fromkeys(source for curve in panel.curves for source in curve.points)
-        key |= {SOURCES[each].words: {"color": BLACK, **POINT, **_LOOKS[each]} for each in sources}
-        if not all(mark.label for mark in panel.marks):
-            key["operating point"] = OPERATING_POINT
-    if key:
-        write_key(page, key, ncols=min(len(key), 4))
-    return page
-
-
-def _bold(figure: Redrawn) -> str:
+def heading(figure: Redrawn) -> str:
     """Return the heading of a figure, with its number in bold letters and its title."""
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"
 
 
-def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
-    last = len(table) - 1
+def draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
+    """Draw a table, whose first row is its header and whose last row holds the totals."""
     axes.set_axis_off()
-    axes.set(xlim=(0.0, len(table[0])), ylim=(len(table), 0.0))
-    for line, row in enumerate(table):
-        if line % 2:
-            axes.axhspan(line, line + 1, color=LIGHT, alpha=0.45, linewidth=0.0)
-        if line in (1, last):
-            axes.axhline(line, color=BLACK, linewidth=0.8)
-        weight = "bold" if line in (0, last) else "normal"
-        for right, cell in enumerate(row, start=1):
-            axes.text(
-                right - 0.1,
-                line + 0.5,
-                cell,
-                ha="right",
-                va="center",
-                fontweight=weight,
-                fontsize=6.0,
-            )
+    head, *rows = table
+    place = Bbox.unit()
+    drawn = axes.table(rows, colLabels=head, bbox=place, edges="horizontal", cellLoc="right")
+    drawn.auto_set_font_size(False)
+    for (row, _), cell in drawn.get_celld().items():
+        cell.set(linewidth=0.4)
+        cell.set_text_props(weight="bold" if row in (0, len(rows)) else "normal", fontsize=7.0)
 
 
-def _draw_panel(axes: Axes, panel: Panel) -> None:
+def draw_panel(axes: Axes, panel: Panel) -> None:
     """Draw a panel; the names of its curves stand in a row above it, or inside it if they are long."""
     x, y = panel.x.factor, panel.y.factor
     names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []

@@ -13,6 +13,7 @@ from bristle_sim.render.style import (
     MICROSECONDS,
     MILLISECONDS,
     add_panel,
+    add_right_scale,
     blank_figure,
     note,
     styled,
@@ -46,17 +47,15 @@ def force_figure(comparison: ForceComparison) -> Figure:
     longest = curve.duration
     peaks = [(curve.peak_time(), curve.peak_force(), BLUE)]
     if measured is not None:
-        look: dict[str, Any] = {
-            "color": GREY,
-            "markersize": 3,
-            "linewidth": 0.6,
-            "label": "measured",
-        }
+        dots = "." if measured.time.size <= MOST_DOTS else "-"
         axes.plot(
             MICROSECONDS * measured.time,
             measured.force,
-            "." if measured.time.size <= MOST_DOTS else "-",
-            **look,
+            dots,
+            color=GREY,
+            markersize=3,
+            linewidth=0.6,
+            label="measured",
         )
         first = max(float(measured.time[0]), -BESIDE * curve.duration)
         longest = min(float(measured.time[-1]), (1.0 + BESIDE) * curve.duration)
@@ -72,21 +71,12 @@ def force_figure(comparison: ForceComparison) -> Figure:
             color=VERMILION,
             label="simulated: resultant",
         )
-        dashed: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
-        axes.plot(
-            MICROSECONDS * contact.time,
-            history.normal_force,
-            dashes=(4, 2),
-            label="normal",
-            **dashed,
-        )
-        axes.plot(
-            MICROSECONDS * contact.time,
-            history.tangential_force,
-            dashes=(1, 1.5),
-            label="tangential",
-            **dashed,
-        )
+        for name, force, dashes in (
+            ("normal", history.normal_force, (4, 2)),
+            ("tangential", history.tangential_force, (1, 1.5)),
+        ):
+            look: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8, "dashes": dashes}
+            axes.plot(MICROSECONDS * contact.time, force, label=name, **look)
         longest = max(longest, float(contact.time[-1]))
         peaks.append((contact.compression_time, contact.peak_force, VERMILION))
     for instant, peak, color in peaks:
@@ -137,9 +127,7 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
 
 def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     turned = np.degrees(whole.tool.hub.speed)
-    impulses = axes.twinx()
-    impulses.grid(visible=False)
-    impulses.spines["right"].set_visible(True)
+    impulses = add_right_scale(axes)
     for each in (each for each in whole.forces[-1] if each.obstacle == "workpart"):
         if each.course:
             time = np.linspace(each.begin, each.end, 200)

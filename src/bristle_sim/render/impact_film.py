@@ -102,28 +102,29 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
         raise ValueError(
             f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show"
         )
-    clock, samples = history.time - history.time[0], {
-        "normal_velocity": history.normal_velocity, "tangential_velocity": history.tangential_velocity,
-        "normal_force": history.normal_force, "tangential_force": history.tangential_force,
-        "depth": history.penetration, "along": slide_path(history),
-    }  # fmt: skip
+    clock = history.time - history.time[0]
     end = float(clock[-1])
-    touching = np.array([*samples.values()])
+    leaves = record.outcome == "rebound"
 
-    def freely(state: Array, elapsed: float) -> Array:
-        """Return the state after some time of free motion, s, with constant velocities and no
-        forces.
-        """
-        normal, tangential, _, _, depth, along = state.tolist()
-        return np.array(
-            [normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed]
-        )
+    def extended(values: Array, speed: Array) -> Array:
+        """Return samples of a coordinate, with free motion at its first and last speed around them."""
+        start = [values[0] - BEFORE * end * speed[0], values[0]]
+        return np.concatenate([start, values, [values[-1], values[-1] + AFTER * end * speed[-1]]])
 
-    before = [freely(touching[:, 0], elapsed) for elapsed in (-BEFORE * end, 0.0)]
-    after = [freely(touching[:, -1], elapsed) for elapsed in (0.0, AFTER * end)]
-    if record.outcome != "rebound":
-        after = [np.array([0.0, 0.0, *touching[2:, -1]])] * 2
-    columns = np.column_stack([*before, touching, *after])
+    def held(values: Array, before: float, after: float) -> Array:
+        """Return samples with two equal ones before and two after them, as fractions of the ends."""
+        return np.concatenate([2 * [before * values[0]], values, 2 * [after * values[-1]]])
+
+    normal = held(history.normal_velocity, 1.0, leaves)
+    tangential = held(history.tangential_velocity, 1.0, leaves)
+    samples = {
+        "normal_velocity": normal,
+        "tangential_velocity": tangential,
+        "normal_force": held(history.normal_force, 0.0, not leaves),
+        "tangential_force": held(history.tangential_force, 0.0, not leaves),
+        "depth": extended(history.penetration, -normal),
+        "along": extended(slide_path(history), tangential),
+    }
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
     # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
     parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[
@@ -136,7 +137,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
     outcome = Phase(end, ending.get(record.outcome, record.outcome))
     phases = (Phase(-BEFORE * end, "the tip arrives"), *named, outcome)
-    return ContactMotion(time, dict(zip(samples, columns, strict=True)), phases, end)
+    return ContactMotion(time, samples, phases, end)
 
 
 class TipDrawing:

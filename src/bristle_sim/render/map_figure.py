@@ -57,20 +57,16 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
         places_shown = (x * MILLIMETRES, y * MILLIMETRES)
         _draw_map(axes, places_shown, factor * maps[name], unit, signed=number == 0)
         if np.nanmin(lags) < 0.0 < np.nanmax(lags):
-            axes.contour(
-                *places_shown,
-                lags,
-                levels=[0.0],
-                colors=[ZERO["color"]],
-                linewidths=ZERO["linewidth"],
-            )
+            axes.contour(*places_shown, lags, levels=[0.0], colors=BLACK, linewidths=0.9)
         axes.autoscale_view()  # matplotlib puts it off until the limits are read
         axes.autoscale(enable=False)
         axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
         for direction, look in places.values():
             axes.plot(*_places_at(found, np.array([direction])), zorder=5, **look)
-        axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
-        axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
+        if number % 2 == 0:
+            axes.set_ylabel("S_V, normal to the workpart (mm)")
+        if number >= 2:
+            axes.set_xlabel("S_H, along the workpart (mm)")
     words = "Arrows on the scales: cells beside a jam, where the work has no bound, lie beyond the colours."
     figure.text(1.5 / 16.0, 1.1 / 15.3, words, fontsize=7.0, color=GREY)
     named = {

@@ -42,26 +42,15 @@ def measured_figure(compliance: float) -> Figure:
     """
     figure = blank_figure(16.0, 7.6)
     angle = np.linspace(0.5, 62.0, 400)
-    lines = []
     for place, (name, (title, words)) in enumerate(SPHERES.items()):
-        axes = add_panel(
-            figure,
-            (1.3 + 5.1 * place, 1.9, 3.9, 4.4),
-            title,
-            words,
-            xlabel="angle of incidence (°)",
-        )
-        by_compliance = [sphere_rebound(angle, each)[name] for each in (0.0, compliance)]
-        lines = axes.plot(
-            angle, by_compliance[0], "--", color=VERMILION, label="rigid along the surface"
-        )
-        lines += axes.plot(
-            angle, by_compliance[1], color=BLUE, label=f"elastic, η² = {compliance:g}"
-        )
-        lines += axes.plot(
-            *MEASURED_SPHERES[name].T, "o", color=BLACK, markersize=3.5, label="measured"
-        )
-    figure.legend(handles=lines, loc="lower center", ncols=3)
+        axes = add_panel(figure, (1.3 + 5.1 * place, 1.9, 3.9, 4.4), title, words)
+        axes.set_xlabel("angle of incidence (°)")
+        rigid, elastic = (sphere_rebound(angle, each)[name] for each in (0.0, compliance))
+        axes.plot(angle, rigid, "--", color=VERMILION, label="rigid along the surface")
+        axes.plot(angle, elastic, color=BLUE, label=f"elastic, η² = {compliance:g}")
+        measured = MEASURED_SPHERES[name].T
+        axes.plot(*measured, "o", color=BLACK, markersize=3.5, label="measured")
+    figure.legend(handles=axes.lines, loc="lower center", ncols=3)
     return figure
 
 
@@ -88,7 +77,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "continuous motion": {"color": BLUE},
     "in the camera's exposures": {"color": BLACK, "linewidth": 3.0},
 }
-MEASURED_LINE, NEAREST, MOTION, EXPOSED = LOOKS.values()
+_, NEAREST, MOTION, EXPOSED = LOOKS.values()
 
 
 @styled()
@@ -99,13 +88,7 @@ def film_map_figure(film: FilmMap) -> Figure:
     """
     figure = blank_figure(16.0, 14.0)
     for number, (name, (title, words, _)) in enumerate(MAPS.items()):
-        axes = add_panel(
-            figure,
-            (1.6 + 4.9 * number, 8.6, 3.4, 3.7),
-            title,
-            words,
-            xlabel="contact duration (µs)",
-        )
+        axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words)
         _draw_map(axes, film, name, first=number == 0)
     rate = f"{film.grid.frame_rate:g} frames a second"
     exposure = f"{MICROSECONDS * film.grid.exposure:g} µs"
@@ -120,16 +103,15 @@ def film_map_figure(film: FilmMap) -> Figure:
 
 
 def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
-    values = MAPS[name][2] * film.results[name]
-    measured = MAPS[name][2] * MEASURED[name]
+    factor = MAPS[name][2]
+    values = factor * film.results[name]
+    measured = factor * MEASURED[name]
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
     draw_colours(axes, x, y, values)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
     level = 1.5 if name == "touches" else measured
     if line.count() and line.min() < level < line.max():
-        axes.contour(
-            x, y, line, levels=[level], colors=[VERMILION], linewidths=MEASURED_LINE["linewidth"]
-        )
+        axes.contour(x, y, line, levels=[level], colors=VERMILION, linewidths=1.4)
     row, column = film.nearest
     axes.plot(x[column], y[row], **NEAREST)
     across, up = (
@@ -138,7 +120,7 @@ def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
     )
     axes.set_xticks(x[across], [f"{MICROSECONDS * each:.0f}" for each in film.durations[across]])
     axes.set_yticks(y[up], [f"{each:.2g}" * first for each in film.dampings[up]])
-    axes.set_ylabel("damping ratio of the wire" * first)
+    axes.set(xlabel="contact duration (µs)", ylabel="damping ratio of the wire" * first)
 
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:

@@ -32,7 +32,7 @@ from bristle_sim.render.style import (
 from bristle_sim.trajectory import Event, Motion, Trajectory
 
 DRAWING = (8.1, 6.6)
-PANEL = (13.4, 2.9)
+PANEL = (13.2, 2.9)
 ROW = 3.2
 """Lengths in cm: width and height of the tool's drawing, width and height of a panel over time, and
 distance from one panel to the next."""
@@ -45,6 +45,10 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "wire, in the colour of its instant": {"color": GREY, "linewidth": 3.0},
     "root in the belt": {"color": GREEN, "linestyle": "none", "marker": "o", "markersize": 4.5},
 }
+
+
+Lines = dict[str, tuple[Array, dict[str, Any]]]
+"""The curves of a panel by name, each with its values and its plot options."""
 
 
 class _Mark(NamedTuple):
@@ -74,16 +78,23 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     paths = _draw_tool(axes_at(figure, 1.4, base, *DRAWING), course, tool, trajectory, marks)
     write_key(figure, paths | _LOOKS, loc="center", bbox_to_anchor=(0.5, (base - 1.6) / height))
     _draw_table(axes_at(figure, 9.65, base, 6.2, 6.6), marks, trajectory)
-    panels: list[Axes] = []
-    for number, (label, lines) in enumerate(rows.items(), start=1):
-        place = (2.0, 1.1 + (len(rows) - number) * ROW, *PANEL)
-        panels.append(axes_at(figure, *place, sharex=panels[0] if panels else None))
-        _draw_lines(panels[-1], label, course.time, lines, marks)
-        panels[-1].tick_params(labelbottom=number == len(rows))
+    panels = _stack(figure, len(rows))
+    for axes, (label, lines) in zip(panels, rows.items(), strict=True):
+        _draw_lines(axes, label, course.time, lines, marks)
     panels[0].set_xlim(course.time[0] * MILLISECONDS, course.time[-1] * MILLISECONDS)
     panels[-1].set_xlabel("time (ms)")
     _number_instants(panels[0], marks)
     return figure
+
+
+def _stack(figure: Figure, count: int) -> list[Axes]:
+    """Add panels over time at the foot of a figure, one above the other, from top to bottom."""
+    panels: list[Axes] = []
+    for number in range(count):
+        place = (2.2, 1.1 + (count - 1 - number) * ROW, *PANEL)
+        panels.append(axes_at(figure, *place, sharex=panels[0] if panels else None))
+        panels[-1].tick_params(labelbottom=number == count - 1)
+    return panels
 
 
 @styled()
@@ -94,36 +105,37 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
     """
     figure = blank_figure(16.0, 11.6)
     end = max(story_end(run) for run in runs)
-    panels: list[Axes] = []
-    for row, label in enumerate(("retraction (°)", "relative\nspeed (rad/s)", "tip speed\n(m/s)")):
-        place = (2.0, 1.1 + (2 - row) * ROW, *PANEL)
-        axes = axes_at(figure, *place, sharex=panels[0] if panels else None)
-        panels.append(axes)
-        for name, run, color in zip(names, runs, (BLUE, VERMILION), strict=True):
-            course = run.course(min(end, float(run.time[-1])))
-            values = (np.degrees(course.retraction), course.relative_rate, course.tip_speed)[row]
+    panels = _stack(figure, 3)
+    for name, run, color in zip(names, runs, (BLUE, VERMILION), strict=True):
+        course = run.course(min(end, float(run.time[-1])))
+        quantities = {
+            "retraction (°)": np.degrees(course.retraction),
+            "relative\nspeed (rad/s)": course.relative_rate,
+            "tip speed\n(m/s)": course.tip_speed,
+        }
+        for axes, (label, values) in zip(panels, quantities.items(), strict=True):
             axes.plot(MILLISECONDS * course.time, values, color=color, label=name)
+            axes.set_ylabel(label)
             if (strike := run.event_time("strike")) is not None:
                 axes.axvline(MILLISECONDS * strike, color=color, linewidth=0.8, dashes=(4, 2))
-        axes.set_ylabel(label)
-        axes.tick_params(labelbottom=row == 2)
     panels[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     panels[-1].set_xlabel("time (ms); dashed: strike")
     return figure
 
 
-def _rows(course: Motion, tool: Tool) -> dict[str, dict[str, tuple[Array, dict[str, Any]]]]:
-    """Return the contents of the panels over time, by the label of the panel.
-
-    A panel has curves by name; a curve has its values and its plot options.
-    """
+def _rows(course: Motion, tool: Tool) -> dict[str, Lines]:
+    """Return the curves of the panels over time, by the label of the panel."""
     potential = (
         "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
     )
-    first = " of\nthe first link" if tool.bristle.links > 1 else ""
-    rows: dict[str, dict[str, tuple[Array, dict[str, Any]]]] = {
-        f"retraction{first} (°)": {"retraction": (np.degrees(course.retraction), {})},
-        "relative\nspeed (rad/s)": {"relative speed": (course.relative_rate, {})},
+    retraction = "retraction (°)"
+    speed = "relative\nspeed (rad/s)"
+    if tool.bristle.links > 1:
+        retraction = "retraction of\nthe first link (°)"
+        speed = "relative speed\nof it (rad/s)"
+    rows: dict[str, Lines] = {
+        retraction: {"retraction": (np.degrees(course.retraction), {})},
+        speed: {"relative speed": (course.relative_rate, {})},
         "energy (mJ)": {
             "sum": (1e3 * course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
             "bristle, kinetic": (1e3 * course.kinetic_energy, {}),
@@ -146,11 +158,9 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     if abs(trajectory.relative_angle[0]) > CARRIED:
         events = (Event("start", float(trajectory.time[0])), *events)
         first = 0
-    wires = (
-        dict(_WIRES)
-        if trajectory.event_time("strike")
-        else _WIRES | {"highest relative speed": BLACK}
-    )
+    wires = dict(_WIRES)
+    if trajectory.event_time("strike") is None:
+        wires["highest relative speed"] = BLACK
     # The first of several events of one name shows the wire.
     return [
         _Mark(number, event, wires.pop(event.name, GREY))
@@ -176,7 +186,7 @@ def _draw_lines(
     axes: Axes,
     label: str,
     time: Array,
-    lines: dict[str, tuple[Array, dict[str, Any]]],
+    lines: Lines,
     marks: Sequence[_Mark],
 ) -> None:
     for name, (values, look) in lines.items():
@@ -186,7 +196,7 @@ def _draw_lines(
             mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1
         )
     axes.set_ylabel(label, linespacing=1.4)
-    axes.yaxis.set_label_coords(-1.05 / PANEL[0], 0.5)  # in line, however wide the numbers are
+    axes.yaxis.set_label_coords(-1.2 / PANEL[0], 0.5)  # in line, however wide the numbers are
     if len(lines) > 1:
         axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
         bottom, top = axes.get_ylim()
@@ -224,22 +234,20 @@ def _draw_tool(
     strike = run.event_time("strike")
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
-    # The sample after an impact begins the second line, so that the two lines meet at the strike.
-    after = int(
-        np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right")
-    )
     tip = course.tip * MILLIMETRES
-    before = "tip path" if strike is None else "tip path until the strike"
-    looks: dict[str, dict[str, Any]] = {before: {"color": BLUE, "linewidth": 1.0}}
-    axes.plot(*tip[:after].T, gid="tip path", zorder=3, **looks[before])
+    end = course.time[-1] if strike is None else strike
+    # The sample after an impact begins the second line, so that the two lines meet at the strike.
+    after = int(np.searchsorted(course.time, end, side="right"))
+    paths = {"tip path": (tip[:after], BLUE)}
     if strike is not None:
-        looks["tip path after it"] = {"color": PURPLE, "linewidth": 1.0}
-        axes.plot(
-            *tip[after - 1 :].T,
-            gid="tip path after the strike",
-            zorder=3,
-            **looks["tip path after it"],
-        )
+        paths = {
+            "tip path until the strike": (tip[:after], BLUE),
+            "tip path after the strike": (tip[after - 1 :], PURPLE),
+        }
+    looks: dict[str, dict[str, Any]] = {}
+    for name, (points, color) in paths.items():
+        looks[name] = {"color": color, "linewidth": 1.0}
+        axes.plot(*points.T, gid=name, zorder=3, **looks[name])
     view.apply(axes)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
@@ -259,21 +267,18 @@ def _draw_tool(
 
 def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
     x, y = np.asarray(place, dtype=float)
-    box = {
-        "boxstyle": "circle,pad=0.18",
-        "facecolor": "white",
-        "edgecolor": mark.color,
-        "linewidth": 0.8,
-    }
-    look: dict[str, Any] = {
-        "fontsize": 6.5,
-        "ha": "center",
-        "va": "center",
-        "bbox": box,
-        "zorder": 6,
-    }
+    box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color}
     axes.text(
-        x, y, str(mark.number), color=mark.color, transform=transform or axes.transData, **look
+        x,
+        y,
+        str(mark.number),
+        color=mark.color,
+        transform=transform or axes.transData,
+        fontsize=6.5,
+        ha="center",
+        va="center",
+        bbox=box | {"linewidth": 0.8},
+        zorder=6,
     )
 
 
@@ -294,16 +299,13 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
             fontsize=7.0,
             color=GREY,
         )
+    largest = float(np.degrees(trajectory.retraction.max()))
     for row, mark in enumerate(marks, start=1):
         retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
         _badge(axes, (0.03, 0.12 - row), mark)
-        name = (
-            mark.event.name
-        )  # the largest retraction up to the strike; after it the wire may swing farther
-        if (
-            name == "largest retraction"
-            and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01
-        ):
+        name = mark.event.name
+        # It is the largest up to the strike; after the strike the wire may swing farther.
+        if name == "largest retraction" and retraction < largest - 0.01:
             name = "largest retraction so far"
         axes.text(0.08, -row, name, fontsize=7.0)
         axes.text(0.75, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
@@ -311,8 +313,9 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     contact = trajectory.first_contact("workpart")
     words = f"no strike; the run ended:\n{trajectory.stop_reason}"
     if contact is not None:
+        whose = "" if len(contact.rates_before) == 1 else "first link at "
         words = (
-            f"strike: {signed(contact.rates_before[0] - trajectory.hub_speed, 1)} rad/s relative to the hub,\n"
+            f"strike: {whose}{signed(contact.rates_before[0] - trajectory.hub_speed, 1)} rad/s relative to the hub,\n"
             f"{contact.point or 'tip'} arrives at {math.hypot(*contact.velocity_before):.2f} m/s\n"
             f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome_in_words})"
         )

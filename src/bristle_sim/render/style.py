@@ -16,8 +16,10 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import EngFormatter
 from numpy.typing import ArrayLike
 
 from bristle_sim.files import checked_target, complete_or_absent
@@ -34,7 +36,6 @@ CENTIMETRES_PER_INCH = 2.54
 _LOOK = mpl.rc_params_from_file(
     Path(__file__).with_name("look.mplstyle"), use_default_template=False
 )
-_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 QUANTITIES: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "degrees", 1.0),
@@ -66,11 +67,10 @@ class NotebookFigure(Figure):
         return picture.getvalue()
 
 
-def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0) -> Figure:
+def blank_figure(width_cm: float, height_cm: float) -> Figure:
     """Return an empty figure with the given printed size, cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
-    with styled():
-        return NotebookFigure(figsize=size, dpi=dots_per_inch)
+    return NotebookFigure(figsize=size, dpi=200.0)
 
 
 def axes_at(
@@ -81,8 +81,7 @@ def axes_at(
     ``options`` are those of ``Figure.add_axes``.
     """
     across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
-    with styled():
-        return figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
+    return figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
 
 
 def add_panel(
@@ -121,12 +120,26 @@ def draw_colours(
     image = axes.pcolormesh(
         x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look}
     )
-    figure, (left, bottom, width, height) = axes.get_figure(root=True), axes.get_position().bounds
+    return add_colour_bar(axes, image, extend)
+
+
+def add_colour_bar(axes: Axes, image: ScalarMappable, extend: str) -> Axes:
+    """Draw the colour bar of an image on the right of its axes, and return the axes of the bar."""
+    figure = axes.get_figure(root=True)
     assert figure is not None
-    scale = figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height))
+    left, bottom, width, height = axes.get_position().bounds
+    scale = figure.add_axes((left + 1.03 * width, bottom, 0.1 / figure.get_figwidth(), height))
     figure.colorbar(image, cax=scale, extend=extend)
     scale.tick_params(labelsize=6.0, colors=GREY)
     return scale
+
+
+def add_right_scale(axes: Axes) -> Axes:
+    """Return further axes of the same panel, whose scale is on the right."""
+    right = axes.twinx()
+    right.grid(visible=False)
+    right.spines["right"].set_visible(True)
+    return right
 
 
 def note(
@@ -169,8 +182,8 @@ def scale_for(largest: float, unit: str) -> Scale:
         return Scale(1.0, unit)
     # The margin keeps 999.9996 from being written as 1000 of the smaller unit.
     exponent = 3 * math.floor(math.log10(size * (1.0 + 1e-6)) / 3.0)
-    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
-    return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
+    exponent = min(max(exponent, -15), 12)
+    return Scale(10.0**-exponent, EngFormatter.ENG_PREFIXES[exponent] + unit)
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
@@ -19,7 +20,9 @@ from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
     MILLIMETRES,
     Scale,
+    add_colour_bar,
     add_panel,
+    add_right_scale,
     blank_figure,
     note,
     signed,
@@ -85,28 +88,21 @@ def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
     return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps))
 
 
+def _show_ground(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
+    length = MILLIMETRES * made.blasting.ground_length
+    width = MILLIMETRES * made.blasting.ground_width
+    axes.grid(visible=False)
+    axes.set(xlabel="along the slide (mm)", ylabel="across (mm)")
+    return axes.imshow(picture, extent=(0.0, length, 0.0, width), origin="lower", aspect="auto")
+
+
 def _draw_map(axes: Axes, made: BlastedSurface) -> None:
     norm = _colours(made.heights)
     ground = made.ground()
     ground.heights = made.heights
-    size = [
-        MILLIMETRES * each for each in (made.blasting.ground_length, made.blasting.ground_width)
-    ]
-    axes.imshow(
-        _lit(ground, norm),
-        extent=(0.0, size[0], 0.0, size[1]),
-        origin="lower",
-        aspect="auto",
-    )
-    axes.grid(visible=False)
-    axes.set(xlabel="along the slide (mm)", ylabel="across (mm)")
-    left, bottom, width, height = axes.get_position().bounds
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    scale = figure.add_axes((left + 1.03 * width, bottom, 0.02 * width, height))
-    figure.colorbar(ScalarMappable(norm, MAP), cax=scale, extend="min")
+    _show_ground(axes, made, _lit(ground, norm))
+    scale = add_colour_bar(axes, ScalarMappable(norm, MAP), "min")
     scale.set_title("µm", fontsize=7.0, color=GREY)
-    scale.tick_params(labelsize=6.0, colors=GREY)
 
 
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
@@ -144,9 +140,7 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
     axes.set_xlim(0.0, time[-1])
     axes.set_xlabel("time under the belt (s); grey: measured Rz")
     axes.set_ylabel("Rz (µm)", color=BLUE)
-    covered = axes.twinx()
-    covered.grid(visible=False)
-    covered.spines["right"].set_visible(True)
+    covered = add_right_scale(axes)
     covered.plot(time, 100.0 * made.course["coverage"], color=VERMILION, marker=".")
     covered.set_ylim(0.0, 110.0)
     covered.set_ylabel("coverage (%)", color=VERMILION)
@@ -179,18 +173,10 @@ class SurfaceFilm(Film):
         letters = 0.6 * self.letters
         with styled():
             axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.91 - HEADER - 0.4 + 0.06))
-            ends = (0.0, MILLIMETRES * made.blasting.ground_length)
-            sides = (0.0, MILLIMETRES * made.blasting.ground_width)
-            self.picture = axes.imshow(
-                self._picture(), extent=(*ends, *sides), origin="lower", aspect="auto"
-            )
-            axes.grid(visible=False)
-            axes.set_xlabel("along the slide (mm)", fontsize=letters)
-            axes.set_ylabel("across (mm)", fontsize=letters)
-            axes.tick_params(labelsize=letters)
+            self.picture = _show_ground(axes, made, self._picture())
             course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
             covered = _draw_course(course, made)
-            for each in (course, covered):
+            for each in (axes, course, covered):
                 each.tick_params(labelsize=letters)
                 each.yaxis.label.set_fontsize(letters)
                 each.xaxis.label.set_fontsize(letters)

@@ -19,14 +19,7 @@ from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
 from bristle_sim.readable import readable_unit
 from bristle_sim.render import style
-from bristle_sim.render.colours import (
-    BLACK,
-    BLUE,
-    GREY,
-    OUTCOMES,
-    SKY,
-    VERMILION,
-)
+from bristle_sim.render.colours import BLACK, BLUE, GREY, OUTCOMES, SKY, VERMILION
 from bristle_sim.studies.design import Design
 from bristle_sim.studies.scenario_sweep import Swept
 from bristle_sim.studies.tolerances import Study
@@ -64,23 +57,22 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     (x, x_label, _), *others = (
         _readable(each, key, found.units[key]) for key, each in found.axes.items()
     )
+    y, y_label, _ = others[0] if others else (None, "", 1.0)
     for number, name in enumerate(panels):
         left = 1.4 + WIDTH * (number % COLUMNS)
         bottom = 1.9 + HEIGHT * (rows - 1 - number // COLUMNS)
         axes = style.axes_at(figure, left, bottom, WIDTH - 2.4, HEIGHT - 2.4)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
-        if others:
-            axes.set_ylabel(others[0][1], fontsize=7.0, labelpad=2.0)
+        axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
         if name == OUTCOME:
             title = "outcome, coloured as below"
-            _draw_outcomes(axes, found, x, others[0][0] if others else None)
+            _draw_outcomes(axes, found, x, y)
         else:
             label = found.labels.get(name, name)
-            y = others[0][0] if others else None
             title = _draw_values(axes, found.values[name], label, found.units[name], x, y)
         axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), loc="left", fontsize=7.5)
         axes.xaxis.set_major_locator(MaxNLocator(4))
-        if not others:
+        if y is None:
             room = 0.05 * float(x.max() - x.min()) or 0.5
             axes.set_xlim(float(x.min()) - room, float(x.max()) + room)  # also without a result
     return figure
@@ -98,9 +90,8 @@ def _draw_values(
         axes.plot(x, shown, ".-" if len(x) < MANY else "-", color=BLUE, markersize=4.0)
         return title
     low, high, extend = _colour_range(values)
-    ends, title, size = _readable(np.array([low, high]), label, unit)
-    look = dict(zip(("vmin", "vmax"), ends.tolist(), strict=True))
-    style.draw_colours(axes, x, y, values.T / size, extend, **look)
+    (vmin, vmax), title, size = _readable(np.array([low, high]), label, unit)
+    style.draw_colours(axes, x, y, values.T / size, extend, vmin=vmin, vmax=vmax)
     return title
 
 
@@ -115,8 +106,8 @@ def _colour_range(values: Array) -> tuple[float, float, str]:
     inner, outer = (float(each) for each in np.percentile(known, PERCENTILES))
     below = low < 2.0 * inner - outer < inner
     above = high > 2.0 * outer - inner > outer
-    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}
-    return inner if below else low, outer if above else high, extend.get((below, above), "neither")
+    extend = ("neither", "max", "min", "both")[2 * below + above]
+    return inner if below else low, outer if above else high, extend
 
 
 def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
@@ -141,11 +132,12 @@ def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
         vmin=-0.5,
         vmax=len(order) - 0.5,
     )
-    mark = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY}
-    present = {word: colour for word, colour in OUTCOMES.items() if (found.outcome == word).any()}
     figure = axes.get_figure(root=True)
     assert figure is not None
-    style.write_key(figure, {word: {**mark, "color": colour} for word, colour in present.items()})
+    mark = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY}
+    present = set(found.outcome.ravel())
+    looks = {word: {**mark, "color": color} for word, color in OUTCOMES.items() if word in present}
+    style.write_key(figure, looks)
 
 
 def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
@@ -225,20 +217,18 @@ def trade_off_figure(found: Design) -> Figure:
     height = 0.7 + KEY_HEIGHT * (len(rows) + 1)
     figure = style.blank_figure(16.0, height)
     x, x_label, x_size = _readable(found.trade_off[across], *QUANTITIES[across])
-    points: dict[str, dict[str, float | None]] = {
-        "wanted": {each.name: each.wanted for each in found.wants},
-        "nearest": {**{each.name: each.reached for each in found.wants}, **found.varied},
-    }
+    wanted = {each.name: each.wanted for each in found.wants}
+    reached = {each.name: each.reached for each in found.wants} | found.varied
     for number, name in enumerate(rows):
         label, unit = QUANTITIES[name] if name in QUANTITIES else (name, key_unit(name))
         y, y_label, y_size = _readable(found.trade_off[name], label, unit)
         tall = KEY_HEIGHT * (2 if number == 0 else 1) - 1.0
         axes = style.axes_at(figure, 2.2, 1.2 + KEY_HEIGHT * (len(rows) - 1 - number), 13.2, tall)
         axes.plot(x, y, color=BLUE, label="best compromises")
-        for (words, point), mark in zip(points.items(), "*o", strict=True):
-            place = (point.get(across), point.get(name))
-            if place[0] is not None and place[1] is not None:
-                axes.plot(place[0] / x_size, place[1] / y_size, mark, color=VERMILION, label=words)
+        for words, point, mark in (("wanted", wanted, "*"), ("nearest", reached, "o")):
+            x_place, y_place = point.get(across), point.get(name)
+            if x_place is not None and y_place is not None:
+                axes.plot(x_place / x_size, y_place / y_size, mark, color=VERMILION, label=words)
         axes.set_ylabel(textwrap.fill(y_label, 22))
         if number == 0:
             axes.legend(fontsize=7.0)

@@ -81,7 +81,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     return figure
 
 
-def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
+def _draw_force(figure: Figure, struck: FlexibleWire) -> None:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     times = rigid["peak_force"] / own["peak_force"]
     axes = style.add_panel(
@@ -92,19 +92,15 @@ def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
     for run, color, name, values in zip(
         (struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True
     ):
-        history = run.contact.history
-        assert history is not None
         shown = style.scale_for(values["normal_final_impulse"], "N·s")
         label = f"{name}, {values['normal_final_impulse'] * shown.factor:.3g} {shown.unit}"
-        time = (history.time - history.time[0]) * clock.factor
-        force = cubics(time, history.normal_force)(shown_time := np.linspace(0.0, time[-1], 300))
-        axes.fill_between(shown_time, force, color=color, alpha=0.12, linewidth=0.0)
-        axes.plot(shown_time, force, color=color, label=label)
+        time, force = _force(run)
+        axes.fill_between(time * clock.factor, force, color=color, alpha=0.12, linewidth=0.0)
+        axes.plot(time * clock.factor, force, color=color, label=label)
     axes.set(xlabel=f"time since the first touch ({clock.unit})", ylabel="normal force (N)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(0.0, 1.3 * max(rigid["peak_force"], own["peak_force"]))
     axes.legend(loc="upper right", labelspacing=0.3)
-    return axes
 
 
 LONGEST_FORCE = 0.22  # length of the arrow of the largest force, over the height of the drawn wires
@@ -189,8 +185,9 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
+    """Return the times from the first touch, s, and the normal forces, N, of a run's contact."""
     history = run.contact.history
-    clock = run.contact.history.time - run.contact.history.time[0]
+    clock = history.time - history.time[0]
     time = np.linspace(0.0, clock[-1], GRID)
     return time, cubics(clock, history.normal_force)(time)
 

@@ -94,8 +94,8 @@ def release_flight() -> Case:
         scale=(retraction, speed),
         source="energy integral; its quarter period by Gauss-Legendre quadrature",
         notes=(
-            "scipy, heyoka: the equation of motion, derived by hand; all others: bodies",
-            "and joints, the model built beforehand (but for simulate)",
+            "scipy, heyoka: the equation of motion, derived by hand; all others: bodies and joints,"
+            " the model built beforehand (but for simulate)",
         ),
         tool=tool,
         retraction=retraction,
