@@ -168,6 +168,12 @@ def test_a_heap_resolved_at_once_gains_no_energy(seed: int, jointed: bool) -> No
         assert abs(each.impulse_tangential) <= coefficients["friction"] * each.impulse_normal * (
             1.0 + 1e-9
         )
+        assert (each.outcome_name == "rebound") == (each.velocity_normal > 0.0)
+        # A work is the impulse times the mean of the velocities before and after it.
+        pushed = each.impulse_tangential - each.compressive_impulse_tangential
+        if abs(pushed) > 1e-3:
+            slip = 2.0 * each.phase_work_tangential[2] / pushed - each.velocity_tangential
+            assert slip * each.phase_slip[2] >= -1e-9
 
 
 def bouncing() -> tuple[pymunk.Space, EnergeticContact]:

@@ -137,6 +137,30 @@ class TestLimits:
         run = simulate(replace(TOOL, bar=replace(TOOL.bar, friction=20.0)))
         assert run.stop_reason == "jam"
 
+    @pytest.mark.parametrize("speed", [20.0, 261.8])
+    def test_a_thick_wire_jams_where_the_friction_cone_points_at_its_root(
+        self, speed: float
+    ) -> None:
+        """The lever of the normal over that of the tangent is mu = 1 there, at any speed.
+
+        The scene counts 1e-3 of a free wire's compliance as none: with both levers near 9 mm, an inertia of
+        m (15.6 mm)^2 and the contact 9 mm beside the centre, the ratio is larger by 0.4 %.
+        """
+        bar = Bar(radius=0.001, horizontal=0.038, vertical=0.0085, friction=1.0)
+        bristle = replace(TOOL.bristle, mass=8.387e-5, wire_diameter=0.018)
+        tool = replace(TOOL, hub=Hub(speed=speed), bar=bar, workpart=None, bristle=bristle)
+        run = simulate(tool, start_hub_angle=-2.6)
+        assert (run.stop_reason, run.event_time("jam")) == ("jam", run.time[-1])
+        assert (run.contacts[-1].law, run.contacts[-1].outcome) == ("sustained", "jam")
+        hub, wire = float(run.hub_angle[-1]), float(run.angles[-1, 0])
+        to_bar = np.array(bar.centre) - tool.hub.radius * np.array([math.sin(hub), -math.cos(hub)])
+        along = np.array([math.sin(wire), -math.cos(wire)])
+        foot = (to_bar @ along) * along
+        normal = (foot - to_bar) / np.linalg.norm(foot - to_bar)
+        arm = foot - 0.5 * bristle.wire_diameter * normal
+        levers = abs(arm[0] * normal[1] - arm[1] * normal[0]), abs(arm @ normal)
+        assert levers[0] / levers[1] == pytest.approx(1.0, abs=5e-3)
+
 
 def scaled(size: float, pace: float) -> Tool:
     """Lengths times s at the same mass, rates times p: belt torque times s^2 p^2, impulses times s p."""
