@@ -133,10 +133,8 @@ def scaled_columns(
         diagonal of M^-1/2.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
-    scale = (
-        np.array([number for each in bodies for number in (each.mass, each.mass, each.moment)])
-        ** -0.5
-    )
+    masses = [number for each in bodies for number in (each.mass, each.mass, each.moment)]
+    scale = np.array(masses) ** -0.5
     columns = [[0.0] * len(scale) for _ in rows]
     for column, entries in zip(columns, rows, strict=True):
         for body, x, y, turn in entries:

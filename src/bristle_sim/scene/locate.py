@@ -15,9 +15,6 @@ from bristle_sim.scene.interval import Interval, IntervalResult, at_state
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.system import LEAST_VALUE, System
 
-Value = Callable[[IntervalResult], float]
-"""A function of the result of an interval."""
-
 LOCATED_VALUE = 1e-3
 """Tolerance of an event's value at its located zero, over the run's accuracy times the larger of
 the values at the interval's two ends."""
@@ -127,18 +124,6 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
     return sign * max(sign * left, LEAST_VALUE if event.tolerance is None else math.ulp(1.0)), right
 
 
-def _rise(value: Value, interval: Interval, instant: float) -> float:
-    """Return a time at which a value that rises from zero and ends negative is positive; 0 if no
-    such time is found.
-    """
-    time = interval.length
-    while time > instant:
-        time *= 0.5
-        if value(interval.integrate_to(time)) > 0.0:
-            return time
-    return 0.0
-
-
 def _zero(
     system: System, monitor: Monitor, interval: Interval, left: float, right: float
 ) -> IntervalResult:
@@ -150,8 +135,14 @@ def _zero(
     instant = interval.instant
     value = monitor.event.value
     tolerance = monitor.event.tolerance
-    rises = monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0
-    begin = _rise(value, interval, instant) if rises else 0.0
+    begin = 0.0
+    if monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0:
+        # The value rises from zero before it falls: the search begins where it is positive.
+        time = interval.length
+        while begin == 0.0 and time > instant:
+            time *= 0.5
+            if value(integrate_to(time)) > 0.0:
+                begin = time
     if tolerance is None:
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         tolerance = max(

@@ -35,25 +35,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.impact_arguments import check_result, single_impact, unpack
 from bristle_sim.theory.impact_phases import (
-    NO_CONTACT,
-    NO_REBOUND,
     OUTCOMES,
     PHASES,
-    REBOUND,
-    STICTION,
     End,
     Impact,
     Target,
     resolve_phases,
 )
-from bristle_sim.theory.numbers import numbers, quotient, require, select, square_root
+from bristle_sim.theory.numbers import (
+    first_text,
+    isfinite,
+    numbers,
+    quotient,
+    require,
+    select,
+    single_impact,
+    square_root,
+    unpack,
+)
 from bristle_sim.units import shown
 
 __all__ = [
-    "LAWS", "NO_CONTACT", "NO_REBOUND", "OUTCOMES", "PHASES", "REBOUND", "STICTION", "Impact", "energetic_impact",
-    "newton_impact", "poisson_impact",
+    "LAWS", "OUTCOMES", "PHASES", "Impact", "energetic_impact", "newton_impact", "poisson_impact",
 ]  # fmt: skip
 
 LEAST_COMPLIANCE = 1e-4
@@ -234,7 +238,7 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     floats = single_impact(matrix, velocity, coefficients) if rigid else None
     if floats is not None:
         impact = resolve_phases(end, *floats)
-        check_result(impact, floats)
+        _check_result(impact, floats)
         return impact
     squared = numbers("tangential_compliance", compliance, "must be real numbers")
     within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
@@ -245,10 +249,35 @@ def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
     values = [np.broadcast_to(value, shape).ravel() for value in values]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         impact = _row(end, values, np.broadcast_to(squared, shape).ravel())
-        check_result(impact, values)
+        _check_result(impact, values)
     shaped = [getattr(impact, each.name) for each in fields(Impact)]
     shaped = [each.reshape(shape + each.shape[1:]) for each in shaped]
     return Impact(*(each if each.ndim else each.item() for each in shaped))
+
+
+def _check_result(impact: Impact, arguments: list[Number]) -> None:
+    """Raise ValueError if an impulse, a velocity or a work of an impact is not finite.
+
+    Such a value has overflowed, or the inverse mass is too small to be inverted.
+    """
+    entries = (
+        impact.impulse_normal,
+        impact.impulse_tangential,
+        impact.velocity_normal,
+        impact.velocity_tangential,
+    )
+    total = sum(entries)
+    works = (impact.phase_work_normal, impact.phase_work_tangential)
+    if isinstance(total, float):
+        holds = isfinite(sum([total, *works[0].tolist(), *works[1].tolist()]))
+    else:
+        holds = isfinite(total + works[0].sum(axis=-1) + works[1].sum(axis=-1))
+    if holds is not True and not np.all(holds):
+        k_nn, _, k_tt, normal, tangential, *_ = arguments
+        raise ValueError(
+            f"velocity = {first_text((normal, tangential), holds)} with inverse_mass of diagonal {first_text((k_nn, k_tt), holds)}:"
+            " must be values whose impulse p = v/K and work v^2/K are finite numbers (m/s, 1/kg)"
+        )
 
 
 def _row(end: End, values: list[Number], squared: Number) -> Impact:

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
+from bristle_sim.theory.impact_phases import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 from bristle_sim.theory.numbers import require
 
 LEAST_ANGLE = 1e-150
@@ -46,7 +46,7 @@ class MonofilamentImpact:
         tangential_compressive_work: work of friction in compression, J.
         initial_bristle_rate, final_bristle_rate: absolute rate of the bristle before and after the
             impact, rad/s.
-        outcome: index into ``impact.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or
+        outcome: index into ``impact_phases.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or
             stiction.
     """
 

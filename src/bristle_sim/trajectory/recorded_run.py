@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
@@ -16,6 +18,10 @@ from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
 EXCESS_SAID = 100.0
 # least notable extreme of the motion relative to the hub, as a fraction of the run's largest value
 NOTABLE = 0.01
+
+# Largest distance of a touch from a corner of the wire up to which the corner counts as touched, as
+# a fraction of the length of the straight segment.
+CORNER_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
@@ -43,6 +49,18 @@ class RecordedRun(Motion):
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
     stop_detail: str = ""
+
+    def with_places(self, tool: Tool) -> Self:
+        """Return the trajectory after setting ``point`` and ``place`` in the records of its
+        contacts with bar and workpart.
+        """
+        contacts = []
+        for contact in self.contacts:
+            line = self.centre_line[int(abs(self.time - contact.time).argmin())]
+            contacts.append(
+                located(contact, tool, line) if contact.obstacle in ("bar", "workpart") else contact
+            )
+        return dataclasses.replace(self, contacts=tuple(contacts))
 
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
@@ -148,3 +166,34 @@ class RecordedRun(Motion):
             raise ValueError(
                 f"parameters: must describe the tool that was simulated ({error})"
             ) from error
+
+
+def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
+    """Return a contact's record after setting ``point`` and ``place``, the part of the wire in
+    contact and its position.
+
+    For the workpart it is the corner of the centre line nearest to the workpart's surface. For the
+    bar it is the point of the centre line nearest to the bar's centre.
+
+    Args:
+        contact: the record.
+        tool: the tool.
+        line: corners of the centre line, m, shape (corners, 2).
+    """
+    if contact.obstacle == "workpart":
+        corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
+        place = line[corner]
+    else:
+        assert tool.bar is not None
+        pieces = np.diff(line, axis=0)
+        along = ((np.array(tool.bar.centre) - line[:-1]) * pieces).sum(axis=1) / (pieces**2).sum(
+            axis=1
+        )
+        along = np.clip(along, 0.0, 1.0)
+        points = line[:-1] + along[:, np.newaxis] * pieces
+        piece = int(np.linalg.norm(points - tool.bar.centre, axis=1).argmin())
+        place = points[piece]
+        near = np.array([along[piece], 1.0 - along[piece]]) <= CORNER_ROUNDING
+        corner = piece + int(near[1]) if near.any() else 0
+    name = "tip" if corner == len(line) - 1 else "knee" if corner else "flank"
+    return dataclasses.replace(contact, point=name, place=(float(place[0]), float(place[1])))
