@@ -43,8 +43,8 @@ def test_a_stiff_contact_of_a_rigid_bristle_is_compressed_for_a_quarter_period()
     approach = -strike.velocity_before[0]
     along = strike.velocity_before[1]
     inverse_mass = (0.027 * math.sin(strike.angles[0])) ** 2 / smooth.bristle.inertia_about_root
-    work = (-(approach**2) / (2.0 * inverse_mass), 0.0)
-    expected = crater_depth(work, CUTTING_FRICTION, math.atan2(approach, along), 7.1e-4)
+    lost = approach**2 / (2.0 * inverse_mass)
+    expected = float(crater_depth(lost, CUTTING_FRICTION, math.atan2(approach, along), 7.1e-4))
     assert found["crater_depth"] == pytest.approx(expected, rel=1e-3)
     assert found["touches"] == 1.0
 

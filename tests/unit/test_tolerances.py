@@ -109,6 +109,10 @@ def test_strikes_in_arrays_are_those_of_the_scene():
         for name, value in strike_of_keys(settings, friction=friction).items():
             assert many[name][number] == pytest.approx(value, rel=1e-6), name
     assert np.isnan(many["crater_depth"][2])  # without friction no chip is cut
+    thin = strikes_of_keys(settings, Tool(), wire_diameter=np.array([5e-4, 0.0]))["crater_depth"]
+    alone = strike_of_keys(settings, wire_diameter=5e-4)["crater_depth"]
+    assert thin[0] == pytest.approx(alone, rel=1e-6)
+    assert np.isnan(thin[1])
     bent = Tool().replace(knee_angle_deg=1.0)
     alone = strike_of_keys(settings, bent, friction=0.2)
     found = strikes_of_keys(settings, bent, friction=np.array([0.2]))

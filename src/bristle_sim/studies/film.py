@@ -166,6 +166,8 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
         raise ValueError(
             f"film needs the extra sweep: pip install bristle-sim[sweep] ({error})"
         ) from error
+    if tool.bristle.wire_diameter == 0.0:
+        raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
     straight = tool.replace(knee_angle_deg=0.0, contact="compliant")
     dampings = grid.largest_damping * np.linspace(0.0, 1.0, grid.dampings) ** 2
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)

@@ -268,12 +268,9 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
         raise ValueError(
             "speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches"
         )
-    depth = crater_depth(
-        contact.compressive_work,
-        CUTTING_FRICTION,
-        strike.impact_angle,
-        strike.tool.bristle.wire_diameter,
-    )
+    lost = -sum(contact.compressive_work)
+    wire = strike.tool.bristle.wire_diameter
+    depth = float(crater_depth(lost, CUTTING_FRICTION, strike.impact_angle, wire))
     force = float(contact.history.normal_force.max())
     values = (contact.impulse[0], force, contact.duration, depth)
     return dict(zip(MEASURES, values, strict=True))

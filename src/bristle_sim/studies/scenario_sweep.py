@@ -6,8 +6,6 @@ run once for each point.
 """
 
 import functools
-import itertools
-import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +28,7 @@ from bristle_sim.studies.many_passes import (
     checked_by_scene,
     pass_quantities,
 )
-from bristle_sim.studies.sweep_point import FAILURE, outcome_of
+from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
 from bristle_sim.studies.whole_pass import QUANTITIES
 
 FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
@@ -92,9 +90,7 @@ def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -
 
     Some points are simulated one by one too; ``check`` of the result states how well they agree.
     """
-    names = list(axes)
-    grids = dict(zip(names, np.meshgrid(*axes.values(), indexing="ij", sparse=True), strict=True))
-    passes = pass_quantities(tool, settings, **grids)
+    passes = pass_quantities(tool, settings, **_grids(axes))
     random = np.random.default_rng(1)
     chosen = {key: random.choice(values, CHECKED_POINTS + 1) for key, values in axes.items()}
     labels = {name: label for name, (label, _) in QUANTITIES.items()}
@@ -105,6 +101,11 @@ def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -
     check = str(checked_by_scene(tool, settings, chosen))
     failure = np.where(complete, "", reason)
     return Swept({**axes}, values, units, labels, failure, passes[OUTCOME], check)
+
+
+def _grids(axes: Mapping[str, Array]) -> dict[str, Array]:
+    grids = np.meshgrid(*axes.values(), indexing="ij", sparse=True)
+    return dict(zip(axes, grids, strict=True))
 
 
 def sweep_of_runs(
@@ -132,7 +133,7 @@ def sweep_of_runs(
     function = functools.partial(_quantities, run)
     shape = tuple(len(values) for values in axes.values())
     if workers is None and store is None:
-        columns = _one_by_one(function, axes)
+        columns = evaluate_in_turn(function, _grids(axes))
     else:
         try:
             from bristle_sim.studies.sweep import sweep
@@ -163,22 +164,6 @@ def sweep_of_runs(
     complete = np.all([np.isfinite(each) for each in swept.values.values()], axis=0)
     failure[complete] = ""
     return swept
-
-
-def _one_by_one(function: Callable[..., Any], axes: Mapping[str, Array]) -> dict[str, NDArray[Any]]:
-    """Return the results of a function at every combination of the values, with the reasons of
-    failures.
-    """
-    shape = tuple(len(values) for values in axes.values())
-    columns: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
-    points = itertools.product(*(values.tolist() for values in axes.values()))
-    for number, point in enumerate(points):
-        values, reason = outcome_of(function, dict(zip(axes, point, strict=True)))
-        columns[FAILURE].flat[number] = reason
-        for name, value in values.items():
-            columns.setdefault(name, np.full(shape, math.nan)).flat[number] = value
-        logging.getLogger(__name__).info("%d of %d points finished", number + 1, math.prod(shape))
-    return columns
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:

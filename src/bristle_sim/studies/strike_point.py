@@ -5,19 +5,23 @@ sweep.
 import dataclasses
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar, Tool
+from bristle_sim.readable import finite
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import ENTRY, OUTCOME, REASON, pass_quantities, unable
 from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
+from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
-from bristle_sim.theory.crater_kinematics import TipFace
+from bristle_sim.theory.crater_kinematics import PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
@@ -66,15 +70,11 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
         return _strikes_by_scene(settings, tool, values)
     found = pass_quantities(tool, settings, **values)
     cued = found["release_time"] < found["contact_time"]
-    entry = found[ENTRY]
-    friction = np.asarray(values.get("friction", tool.workpart.friction if tool.workpart else 0.0))
-    work = -found["normal_compressive_work"] - found["tangential_compressive_work"]
-    cuts = cued & (friction > 0.0) & (entry > 0.0) & (entry < 0.5 * math.pi)
-    rubbing = np.broadcast_to(friction, cued.shape)[cuts]
-    energy = specific_cutting_energy(rubbing, entry[cuts], API_5L, "inclined")
-    found["crater_depth"] = np.full(cued.shape, math.nan)
-    found["crater_depth"][cuts] = depth_from_energy(
-        np.maximum(0.0, work[cuts]), energy, entry[cuts]
+    found["crater_depth"] = crater_depth(
+        -found["normal_compressive_work"] - found["tangential_compressive_work"],
+        values.get("friction", tool.workpart.friction if tool.workpart else 0.0),
+        found[ENTRY],
+        values.get("wire_diameter", tool.bristle.wire_diameter),
     )
     measures = {name: np.where(cued, found[name], math.nan) for name in STRIKE_UNITS}
     struck = np.isfinite(found["contact_time"])
@@ -88,18 +88,9 @@ NOT_CUED = "the bristle must touch the bar, and leave it, before it strikes the 
 def _strikes_by_scene(
     settings: Settings, tool: Tool, values: Mapping[str, Any]
 ) -> dict[str, NDArray[Any]]:
-    columns = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
-    shape = next(iter(columns.values())).shape
-    found = {name: np.full(shape, math.nan) for name in STRIKE_UNITS}
-    reasons = np.full(shape, "", dtype=object)
-    for place in np.ndindex(shape):
-        point = {key: float(each[place]) for key, each in columns.items()}
-        try:
-            for name, value in strike_of_keys(settings, tool, **point).items():
-                found[name][place] = math.nan if value is None else value
-        except ValueError as error:
-            reasons[place] = str(error)
-    return {**found, REASON: reasons}
+    found = evaluate_in_turn(partial(strike_of_keys, settings, tool), values)
+    unknown = np.full(found[FAILURE].shape, math.nan)
+    return {**dict.fromkeys(STRIKE_UNITS, unknown), **found}
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
@@ -134,10 +125,8 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     if max(each.time + each.duration for each in touches) >= strike.time:
         raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
     friction = tool.workpart.friction if tool.workpart else 0.0
-    cuts = friction > 0.0 and tool.bristle.wire_diameter > 0.0
-    depth = crater_of(strike, friction, tool.bristle.wire_diameter) if cuts else None
     found = state_at_strike(tool, run, strike) | contact_quantities(strike)
-    found["crater_depth"] = depth
+    found["crater_depth"] = crater_of(strike, friction, tool.bristle.wire_diameter)
     return {name: found[name] for name in STRIKE_UNITS}
 
 
@@ -145,38 +134,39 @@ def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> 
     """Return the depth of the crater that a contact cuts, m, along the tip's velocity before the
     contact.
 
-    It is None if the tip does not enter the workpart obliquely, or the contact law gives no work.
+    It is None if the tip cuts no chip, or the contact law gives no work.
     """
+    if contact.compressive_work is None:
+        return None
     normal, tangential = contact.velocity_before
     entry = math.atan2(-normal, abs(tangential))
-    if contact.compressive_work is None or not 0.0 < entry < 0.5 * math.pi:
-        return None
-    return crater_depth(contact.compressive_work, friction, entry, wire_diameter)
+    depth = crater_depth(-sum(contact.compressive_work), friction, entry, wire_diameter)
+    return finite(float(depth))
 
 
 def crater_depth(
-    compressive_work: tuple[float, float],
-    friction: float,
-    entry: float,
-    wire_diameter: float,
-) -> float:
+    lost: ArrayLike, friction: ArrayLike, entry: ArrayLike, wire_diameter: ArrayLike
+) -> Array:
     """Return the depth of a crater, m, whose chip takes the energy that the tip loses in
     compression.
 
     The tip is as wide as the wire. It cuts straight along its velocity into API 5L steel. The shear
-    plane ends at the real surface, inclined to the path (theory/crater_cutting.py).
+    plane ends at the real surface, inclined to the path (theory/crater_cutting.py). The depth is
+    NaN if no chip is cut: without friction, by a wire without thickness, or by a tip that does not
+    enter the workpart obliquely. The arguments broadcast.
 
     Args:
-        compressive_work: work of the normal and of the tangential force in compression, J.
+        lost: energy that the tip loses in compression, J.
         friction: friction between chip and tip.
         entry: angle between the tip's velocity and the surface, rad.
         wire_diameter: diameter of the wire, m.
-
-    Raises:
-        ValueError: for a wire without thickness.
     """
-    if wire_diameter == 0.0:
-        raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
-    energy = specific_cutting_energy(friction, entry, API_5L, "inclined")
-    face = TipFace(short_axis=wire_diameter)
-    return float(depth_from_energy(max(0.0, -sum(compressive_work)), energy, entry, face))
+    given = np.broadcast_arrays(lost, friction, entry, wire_diameter)
+    cuts = (given[1] > 0.0) & (given[2] > 0.0) & (given[2] < 0.5 * math.pi) & (given[3] > 0.0)
+    energy, rubbing, angle, width = (each[cuts] for each in given)
+    specific = specific_cutting_energy(rubbing, angle, API_5L, "inclined")
+    found = np.full(cuts.shape, math.nan)
+    # Craters of wires of different thickness are similar: the volume goes with the cube of the size.
+    size = width / PRINTED_FACE.short_axis
+    found[cuts] = size * depth_from_energy(np.maximum(0.0, energy) / size**3, specific, angle)
+    return found

@@ -1,12 +1,15 @@
 """The outcome of a sweep's points; worker processes import this module alone."""
 
 import functools
+import logging
+import math
 import pickle
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 
@@ -37,6 +40,28 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
         if time.perf_counter() > end:
             break
     return outcomes
+
+
+def evaluate_in_turn(function: Function, values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
+    """Evaluate a function at every point of arrays of its arguments, one point after the other.
+
+    Args:
+        function: function of keyword arguments that returns numbers by name.
+        values: arrays of the arguments, by name, that broadcast.
+
+    Returns:
+        The results by name, NaN where they are missing, and under ``failure`` the reasons.
+    """
+    columns = np.broadcast_arrays(*values.values())
+    shape = columns[0].shape
+    found: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
+    for number, point in enumerate(zip(*(each.flat for each in columns), strict=True)):
+        arguments = dict(zip(values, map(float, point), strict=True))
+        results, found[FAILURE].flat[number] = outcome_of(function, arguments)
+        for name, value in results.items():
+            found.setdefault(name, np.full(shape, math.nan)).flat[number] = value
+        logging.getLogger(__name__).info("%d of %d points finished", number + 1, math.prod(shape))
+    return found
 
 
 @functools.lru_cache(maxsize=1)
