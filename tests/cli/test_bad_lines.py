@@ -97,6 +97,14 @@ REFUSED_BY_THE_RUN = [
         "compression_time = 5e-05: must be shorter",
     ),
     (
+        "cue_and_impact --set wire_links=2 --set wire_damping_ratio=1000",
+        "wire_damping_ratio = 1000: must be below 136, or a run over this hub_turn takes more than 500000 steps",
+    ),
+    (
+        "oblique_impact --set speed_ratio=5e-324",
+        "rate before the impact = 1.29e-321: must be 0 or at least 1e-300",
+    ),
+    (
         "cue_and_impact --sweep penetration=0.03:0.04:2 --plot a.png",
         "--plot: must have results to draw",
     ),
@@ -129,6 +137,15 @@ def test_a_line_is_refused_in_one_line(
     assert "error: " in err
     assert words in err
     assert {path: path.is_symlink() or path.read_text() for path in folder.iterdir()} == before
+
+
+def test_an_unusual_value_of_a_command_is_one_line(capsys) -> None:
+    assert command.main(["limits", "friction=0.3:0.31", "--set", "belt_stiffness=10"]) == 0
+    err = capsys.readouterr().err
+    assert err.startswith(
+        "bristle-sim limits: warning: belt_stiffness = 10 N m/rad is 426 times the"
+    )
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize(

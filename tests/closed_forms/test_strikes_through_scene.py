@@ -138,6 +138,39 @@ def test_a_tangential_work_that_is_rounding_agrees() -> None:
     assert all(row.ok for row in report.quantities), report.quantities
 
 
+@pytest.mark.parametrize("degrees", [90.0, 89.9999, 89.998, 89.9])
+def test_a_slide_by_the_turn_in_a_contact_in_time_is_not_compared(degrees: float) -> None:
+    """Beside the surface the tip slides by the wire's turn in the contact alone, and back: theory has no turn."""
+    report = oblique_impact(
+        Hub(),
+        Bristle(),
+        Strike(impact_angle_deg=degrees),
+        Surface(),
+        Contact("compliant"),
+        Settings(),
+    )
+    judged = {row.name: row.ok for row in report.quantities}
+    compared = degrees < 89.99
+    assert judged.pop("tangential_compressive_impulse") is (True if compared else None)
+    assert judged.pop("tangential_compressive_work") is (True if compared else None)
+    assert all(judged.values()), report.quantities
+
+
+@pytest.mark.parametrize("degrees", [-89.99, -89.9998, -89.99982, -89.99983])
+def test_an_approach_that_two_rates_nearly_cancel_agrees(degrees: float) -> None:
+    """Both rods move their ends at 0.1 m/s, away and near; the difference has the rounding of either."""
+    pendulum = DoublePendulum(angle_1_deg=degrees)
+    report = double_pendulum(pendulum, Surface(0.5, 0.5), Contact(), Settings())
+    assert all(row.ok for row in report.quantities), report.quantities
+
+
+def test_a_rate_with_too_few_digits_is_refused() -> None:
+    with pytest.raises(
+        ValueError, match=r"rate before the impact = 4\.94e-324: must be 0 or at least 1e-300"
+    ):
+        single_pendulum(SinglePendulum(rate=-5e-324), Surface(), Contact(), Settings())
+
+
 def test_a_bristle_at_rest_on_a_turning_hub_has_no_rebound_ratio() -> None:
     """Its root moves, so its tip strikes; only a ratio to the rate 0 has no value."""
     report = oblique_impact(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from bristle_sim.cli.main import main as run
 from bristle_sim.cli.options import Parser
 from bristle_sim.cli.output import print_error, print_line
 from bristle_sim.cli.scripts import load_scenario, main_scenario, script_paths
+from bristle_sim.declared import UnusualValueWarning
 from bristle_sim.units import likely_key
 from bristle_sim.version import __version__, commit
 
@@ -93,7 +95,10 @@ def _command(name: str, given: Sequence[str]) -> int:
     program = f"{PROGRAM} {name}"
     parser = Parser(prog=program, description=f"{about.capitalize()}.", allow_abbrev=False)
     try:
-        return run_command(main_scenario(), parser, given)
+        with warnings.catch_warnings():
+            warnings.simplefilter("once", UnusualValueWarning)
+            warnings.showwarning = lambda text, *_: print_error(f"{program}: warning: {text}")
+            return run_command(main_scenario(), parser, given)
     except (ValueError, OSError) as error:
         print_error(f"{program}: error: {error}")
         return BAD_INPUT

@@ -102,8 +102,9 @@ def simulate(
 
     Raises:
         ValueError: if the start is out of range or overlaps an obstacle; if no event has the name
-            ``stop_after``; if rounding errors exceed the requested accuracy; or if the contact law
-            cannot resolve the run's first contact.
+            ``stop_after``; if rounding errors exceed the requested accuracy; if the wire's damping
+            needs more steps than there are; or if the contact law cannot resolve the run's first
+            contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     (run,) = run_in_si(tool, *prepare(tool, settings, begin, stop_after=stop_after))
@@ -239,6 +240,13 @@ def prepare(
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
     plan = _plan(scene, settings, stop_after)
+    damping = tool.bristle.bending_damping_ratio
+    least_steps = DAMPED_STEPS * plan.end / plan.damped_interval
+    if damping and stop_after is None and least_steps > settings.maximum_steps:
+        raise ValueError(
+            f"wire_damping_ratio = {damping:g}: must be below {damping * settings.maximum_steps / least_steps:.3g},"
+            f" or a run over this hub_turn takes more than {settings.maximum_steps} steps (dimensionless)"
+        )
     stepper = stepper_for(scene, settings, start, plan)
     law = contact_law(tool.contact, settings.accuracy, units.time)
     parameters = {

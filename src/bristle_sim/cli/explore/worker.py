@@ -24,6 +24,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, BinaryIO
@@ -214,6 +215,7 @@ def work() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
+    warnings.simplefilter("ignore")  # the page shows what the user has to know
     from bristle_sim.cli.explore import bench
     from bristle_sim.cli.scripts import main_scenario
 
