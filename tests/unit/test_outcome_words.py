@@ -42,6 +42,22 @@ def test_an_elastic_tip_that_sticks_at_once_has_no_slip_to_reverse():
     assert str(bs.ensemble(tool).outcome) == "sticks and rebounds"
 
 
+@pytest.mark.parametrize("tangential_compliance", [0.0, 0.03, 1.21])
+def test_a_smooth_tip_whose_slip_and_approach_end_together_reverses_its_slip(
+    tangential_compliance: float,
+):
+    """Without friction a tangential spring has no force, so the word does not depend on it."""
+    tool = bs.Tool(bar=None).replace(
+        friction=0.0, penetration="0.1 um", tangential_compliance=tangential_compliance
+    )
+    strike = bs.simulate(tool, bs.Settings(accuracy=1e-8), stop_after="strike").first_contact(
+        "workpart"
+    )
+    assert strike is not None
+    assert strike.outcome_in_words == "reverses its slip"
+    assert str(bs.ensemble(tool).outcome) == "reverses its slip"
+
+
 def test_every_word_has_a_colour_of_its_own():
     assert {*COLOURS} == {*OUTCOMES}
     assert len({*COLOURS.values()}) == len(OUTCOMES)

@@ -284,9 +284,11 @@ def _row(end: End, values: list[Number], squared: Number) -> Impact:
     """Resolve a one-dimensional array of impacts, rigid or with tangential springs.
 
     ``squared`` holds the tangential compliances eta^2. Where one is below ``LEAST_COMPLIANCE``, the
-    result is a mean of the rigid impact and the impact on springs.
+    result is a mean of the rigid impact and the impact on springs. Without friction the tangential
+    spring has no force, and the impact is rigid.
     """
     elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
+    elastic &= (values[5] > 0.0) | (values[7] > 0.0)
     if not elastic.any():
         return _rigid_row(end, values)
     # Imported only where a contact has this effect.
