@@ -163,16 +163,13 @@ class TestImpact:
 
     def test_impulse_that_misses_the_tip(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """A contact-space mass of a rod a thousandth shorter."""
-        true = contact_laws.contact_space
+        true = contact_laws._of_single_link
 
-        def off(body, point, *given, **named):
-            nearer = (
-                0.999 * point[0] + 0.001 * body.position.x,
-                0.999 * point[1] + 0.001 * body.position.y,
-            )
-            return true(body, nearer, *given, **named)
+        def off(scene, pose, touch):
+            nearer = (0.999 * touch.arm[0], 0.999 * touch.arm[1])
+            return true(scene, pose, touch._replace(arm=nearer))
 
-        monkeypatch.setattr(contact_laws, "contact_space", off)
+        monkeypatch.setattr(contact_laws, "_of_single_link", off)
         assert check_strike_ledger in failing()
 
 
