@@ -36,11 +36,7 @@ def crater_figure(study: CraterStudy) -> Figure:
     rows = _estimates(study)
     name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
     off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
-    words = (
-        "as measured"
-        if abs(off) < 0.5
-        else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
-    )
+    words = f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
     finding = f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
     figure.text(1.5 / 16.0, 1.0 - 0.6 / 14.1, finding, fontsize=9.0)
     words = "shaded: within 10 % of the measured depth"
@@ -121,36 +117,14 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     axes.plot(sides, (0.0, 0.0), color=GREY, linewidth=0.8)
     axes.plot(*cut[:2].T, color=BLACK, label="path")
     face = 3.2 * depth * upright
-    size = 3.2 * depth
-    heel = 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))  # clears the path
-    back = np.array([heel[0] + 0.1 * size, face[1]])
-    axes.fill(
-        *np.transpose([tip, tip + face, tip + back, tip + heel]),
-        color=GREY,
-        alpha=0.55,
-        linewidth=0.0,
-        zorder=2,
-    )
-    part = min(
-        0.6, 0.6 * (bottom + height - tip[1]) / face[1]
-    )  # fraction of the tip's drawing within the view
-    note(
-        axes,
-        "tip",
-        tuple(tip + 0.5 * part * (face + back)),
-        (0.0, 0.0),
-        color="white",
-        ha="center",
-        zorder=3,
-    )
+    heel = 2.6 * depth * _direction(math.pi - gamma - math.radians(12.0))  # clears the path
+    tool = np.array([tip, tip + face, tip + heel])
+    axes.fill(*tool.T, color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
+    note(axes, "tip", tuple(tool.mean(axis=0)), (0.0, 0.0), color="white", ha="center", zorder=3)
     for label, (color, along) in planes.items():
         axes.plot(*np.transpose([tip, tip + along]), color=color, label=label)
-    axes.set(
-        xlim=sides,
-        ylim=(bottom, bottom + height),
-        xlabel="along the workpart (µm)",
-        ylabel="height (µm)",
-    )
+    axes.set(xlim=sides, ylim=(bottom, bottom + height))
+    axes.set(xlabel="along the workpart (µm)", ylabel="height (µm)")
     axes.set_aspect("equal")
     axes.legend(loc="upper right", labelspacing=0.3)
 

@@ -179,18 +179,10 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
         names["bar"] = ((x, y), "center", BAR_COLOUR)
     if tool.workpart is not None:
         names["workpart"] = ((left + 0.025 * width, bottom + 0.03 * height), "left", "white")
+    look: dict[str, Any] = {"va": "center", "fontsize": letter_size, "zorder": 7, "clip_on": True}
     for name, (place, side, ground) in names.items():
         halo = [withStroke(linewidth=2.5, foreground=ground)]
-        axes.text(
-            *place,
-            name,
-            ha=side,
-            va="center",
-            fontsize=letter_size,
-            path_effects=halo,
-            zorder=7,
-            clip_on=True,
-        )
+        axes.text(*place, name, ha=side, path_effects=halo, **look)
 
 
 def toward(angle: ArrayLike) -> Array:
@@ -252,14 +244,10 @@ class WireDrawing:
         width = (
             axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
         )
-        look: dict[str, Any] = {
-            "color": color,
-            "alpha": alpha,
-            "solid_capstyle": "butt",
-            "solid_joinstyle": "miter",
-        }
         thickness = 0.5 + width * tool.bristle.wire_diameter * MILLIMETRES
-        (self.wire,) = axes.plot([], [], linewidth=thickness, zorder=4, **look)
+        look: dict[str, Any] = {"color": color, "alpha": alpha, "linewidth": thickness}
+        ends: dict[str, Any] = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}
+        (self.wire,) = axes.plot([], [], zorder=4, **look, **ends)
         (self.root,) = axes.plot(
             [], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5
         )

@@ -207,11 +207,10 @@ class Film(ABC):
         self.canvas.restore_region(self._still)
         for artist in self.moving:
             artist.draw(self.canvas.get_renderer())
-        picture, (width, height) = (
-            Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB"),
-            self.pixels,
-        )
-        pen, (caption, *texts) = ImageDraw.Draw(picture), self.texts
+        picture = Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+        width, height = self.pixels
+        pen = ImageDraw.Draw(picture)
+        caption, *texts = self.texts
         bold = _font("DejaVuSans-Bold", 1.39 * self.letters)
         mono = _font("DejaVuSansMono", self.letters)
         pen.text((LEFTS[0] * width, 0.33 * HEADER * height), caption, BLACK, bold, "lm")

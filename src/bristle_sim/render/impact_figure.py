@@ -49,14 +49,9 @@ def impact_figure(impacts: Impacts) -> Figure:
         if resolved.contact.outcome != "rebound":  # a tip in stiction stays in contact
             shown = recorded.impulse <= 1.01 * course.impulse[-1]
             recorded = ImpulseCourse(
-                *(
-                    each[shown]
-                    for each in (
-                        recorded.impulse,
-                        recorded.normal_velocity,
-                        recorded.tangential_velocity,
-                    )
-                )
+                recorded.impulse[shown],
+                recorded.normal_velocity[shown],
+                recorded.tangential_velocity[shown],
             )
         rigid, elastic = (": rigid along the surface", ", elastic") if impacts.elastic else ("", "")
         words += f"; lines{rigid or ': energetic law'}, crosses: resolved in time{elastic}"
@@ -91,30 +86,18 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
         # The name is on the side of the line away from zero.
         quarter = 0.25 * float(place[1])
         side = -1.0 if values[0] < 0.0 else 1.0
-        look: dict[str, Any] = {
-            "color": color,
-            "fontsize": 9.0,
-            "va": "top" if side < 0.0 else "bottom",
-        }
-        note(
-            axes,
-            name,
-            (quarter, float(np.interp(quarter, place, values))),
-            (3.0, 3.0 * side),
-            **look,
-        )
+        words_at = (quarter, float(np.interp(quarter, place, values)))
+        look: dict[str, Any] = {"color": color, "fontsize": 9.0}
+        note(axes, name, words_at, (3.0, 3.0 * side), va="top" if side < 0.0 else "bottom", **look)
         if recorded is not None:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
             look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
             axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
-    (bottom, top), last = (
-        axes.get_ylim(),
-        max(each.impulse[-1] for each in (course, recorded) if each is not None),
-    )
+    bottom, top = axes.get_ylim()
+    last = max(each.impulse[-1] for each in (course, recorded) if each is not None)
     axes.set_xlim(0.0, 1.03 * last * impulse.factor)
-    axes.set_ylim(
-        bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom)
-    )  # room for names above and below
+    # room for names above and below
+    axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
     _shade_phases(axes, course, impulse.factor)
     _mark_impulses(axes, course, impulse.factor)
 

@@ -132,7 +132,7 @@ def _rows(course: Motion, tool: Tool) -> dict[str, Lines]:
     speed = "relative\nspeed (rad/s)"
     if tool.bristle.links > 1:
         retraction = "retraction of\nthe first link (°)"
-        speed = "relative speed\nof it (rad/s)"
+        speed = "its relative\nspeed (rad/s)"
     rows: dict[str, Lines] = {
         retraction: {"retraction": (np.degrees(course.retraction), {})},
         speed: {"relative speed": (course.relative_rate, {})},

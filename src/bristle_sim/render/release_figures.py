@@ -89,15 +89,10 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
         ("bar, simulated", timing.simulated, BLUE, "-"),
         ("bar, formula", timing.formula, VERMILION, "--"),
     ):
-        look: dict[str, Any] = {
-            "edgecolor": color,
-            "linewidth": 1.3,
-            "zorder": 5,
-            "fill": False,
-            "linestyle": style,
-        }
         if cue is not None:
-            bars[name] = (-cue.bar_horizontal, -cue.bar_vertical), look  # on the incoming side, m
+            look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "linestyle": style}
+            centre = (-cue.bar_horizontal, -cue.bar_vertical)  # on the incoming side, m
+            bars[name] = (centre, look | {"fill": False, "zorder": 5})
     corners = given.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
     points = [*(np.array(centre) + corners for centre, _ in bars.values()), *wires, surface]
@@ -128,32 +123,19 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     retraction.
     """
     figure = blank_figure(16.0, 8.2)
-    turn = add_panel(
-        figure,
-        (1.5, 1.2, 6.2, 5.6),
-        "retraction",
-        xlabel="turn of the hub (°)",
-        ylabel="retraction (°)",
-    )
-    labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
-    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
+    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction")
+    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
+    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub")
+    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     contact = driven.pass_with_bar.first_contact("workpart")
     radial = driven.radial
-    end = (
-        "no strike"
-        if contact is None
-        else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
-    )
+    end = "no strike"
+    if contact is not None:
+        end = f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
     if radial is not None:
-        runs.append(
-            (
-                radial.trajectory,
-                VERMILION,
-                "thrown by its inertia",
-                f"{radial.tip_speed:.1f} m/s when radial",
-            )
-        )
+        end = f"{radial.tip_speed:.1f} m/s when radial"
+        runs.append((radial.trajectory, VERMILION, "thrown by its inertia", end))
     for run, color, name, words in runs:
         course = run.course()
         turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])
@@ -162,16 +144,9 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
             axes.plot(x, y, color=color, label=name)
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
             axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+        place = (retraction[-1], speed[-1])
         ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-        note(
-            phase,
-            words,
-            (retraction[-1], speed[-1]),
-            (6.0, 5.0),
-            ha="left",
-            color=color,
-            bbox=ground,
-        )
+        note(phase, words, place, (6.0, 5.0), color=color, bbox=ground)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)
     turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2)

@@ -152,15 +152,15 @@ def write_comparison(
     def plot(report: Report, target: Path) -> None:
         save_figure(pass_figure(report.subject.trajectory, report.subject.tool), target)
 
-    def plot_both(_: Report, folder: Path) -> None:
+    def plot_both(_: Report, target: Path) -> None:
         runs = [each.subject.trajectory for each in reports]
-        save_figure(pair_figure(names, runs), folder / "both passes over time.png")
+        save_figure(pair_figure(names, runs), target)
 
     passes = [
         (name, each.answer, *_embedded_figures(each, plot))
         for name, each in zip(names, reports, strict=True)
     ]
-    both = _embedded_figures(reports[0], plot_both, plot_is_folder=True)
+    both = _embedded_figures(reports[0], plot_both)
     content = {"names": names, "passes": passes, "changed": changed, "rows": rows}
     _write(path, "comparison.html.jinja", **content, verdict=verdict, both=both)
 

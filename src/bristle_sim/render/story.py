@@ -88,10 +88,8 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
         obstacle = event.name.removesuffix(" touch")
         later = events[number + 1 :]
         if event.name == "strike":
-            ends = [
-                event.time + strike_shown,
-                *(each.time for each in later if each.time > event.time),
-            ]
+            ends = [event.time + strike_shown]
+            ends += [each.time for each in later if each.time > event.time]
             outcome = (
                 "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
             )

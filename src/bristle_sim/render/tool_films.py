@@ -78,12 +78,8 @@ class ToolFilm(Film):
         (self.rings,) = axes.plot(
             [], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6
         )
-        self.moving = [
-            self.trail,
-            *(each for wire in self.wires for each in wire.artists),
-            self.star,
-            self.rings,
-        ]
+        artists = [each for wire in self.wires for each in wire.artists]
+        self.moving = [self.trail, *artists, self.star, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires, trail, star and rings to a time in the run, s."""
@@ -124,22 +120,18 @@ def pass_film(
     course = motion.course(story_end(run) if until is None else until)
     focus = () if (strike := run.event_time("strike")) is None else (strike,)
     warp = slow_motion(float(run.time[0]), float(course.time[-1]), duration, focus, slower=slower)
-    shown = (
-        0.0
-        if strike is None
-        else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
-    )
+    shown = 0.0
+    if strike is not None:
+        shown = float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
     place = None if strike is None else motion(strike).tip
     in_time = contact is not None and contact.history is not None
 
     def readings(now: Sequence[Motion]) -> tuple[str, str]:
-        speed = f"tip {now[0].tip_speed:5.1f} m/s"
-        force = (
-            f"{speed} {now[0].normal_force:5.1f} N"
-            if in_time
-            else f"tip speed {now[0].tip_speed:5.1f} m/s"
-        )
-        return _retraction(now[0]), force
+        speed = float(now[0].tip_speed)
+        read = f"tip speed {speed:5.1f} m/s"
+        if in_time:
+            read = f"tip {speed:5.1f} m/s {now[0].normal_force:5.1f} N"
+        return _retraction(now[0]), read
 
     size = (width, height)
     view = _view(tool, course.centre_line, size, 0.04)
