@@ -24,7 +24,7 @@ def film(report: Report, **size: int) -> Film:
 
 def series(report: Report) -> Columns:
     """Return the motion and forces of an impact over time, if its law resolves the impact in time."""
-    return dict(report.subject.strikes[report.subject.law].contact.columns())
+    return dict(report.subject.strikes[report.subject.contact.law].contact.columns())
 
 
 def contact_series(report: Report) -> Columns:

@@ -53,7 +53,11 @@ def impact_figure(impacts: Impacts) -> Figure:
                 recorded.normal_velocity[shown],
                 recorded.tangential_velocity[shown],
             )
-        rigid, elastic = (": rigid along the surface", ", elastic") if impacts.elastic else ("", "")
+        rigid, elastic = (
+            (": rigid along the surface", ", elastic")
+            if impacts.contact.tangential_compliance
+            else ("", "")
+        )
         words += f"; lines{rigid or ': energetic law'}, crosses: resolved in time{elastic}"
     _draw_impulse_plane(
         add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words),

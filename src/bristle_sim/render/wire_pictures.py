@@ -23,8 +23,9 @@ from bristle_sim.render.drawing import (
     point_arrow,
 )
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
+from bristle_sim.studies.flexible_wire import FlexibleWire, measures
 from bristle_sim.studies.timed_contact import cubics
+from bristle_sim.studies.wire_study import WireStudy
 from bristle_sim.theory.wire import hinge_stiffness
 
 LOOKS = {

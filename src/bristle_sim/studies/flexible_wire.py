@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import (
     Belt,
@@ -59,10 +58,6 @@ NO_REFERENCE = (
 
 # Longest contact that the reference follows, in durations of the rigid bristle's contact
 LONGEST_CONTACT = 10.0
-STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: errors far below the width of a line
-# Contact stiffnesses of the figure, as durations of the rigid bristle's contact over the requested
-# duration
-STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,25 +126,6 @@ class FlexibleStrike:
 
 
 @dataclass(frozen=True, slots=True)
-class WireStudy:
-    """Measures of the strike of a wire relative to the rigid bristle, over contact stiffness and
-    over number of links.
-
-    Attributes:
-        durations: contact stiffnesses, given as durations of the rigid bristle's contact, s.
-        by_duration: ratios to the rigid bristle at each of ``durations``, by number of links and
-            name of the measure.
-        links: numbers of links.
-        by_links: ratios to the rigid bristle at each of ``links``, by name of the measure.
-    """
-
-    durations: Array
-    by_duration: dict[int, dict[str, Array]]
-    links: Array
-    by_links: dict[str, Array]
-
-
-@dataclass(frozen=True, slots=True)
 class FlexibleWire:
     """The requested strike, and its simulations with the wire of links and with the rigid bristle."""
 
@@ -189,7 +165,7 @@ def flexible_wire(
     friction = max(surface.friction, surface.friction_in_restitution)
     if with_reference and friction <= REFERENCE_FRICTION:
         reference = _reference(struck, outcome)
-    simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
+    simulated = own | {RATIO: ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
     units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
     remarks = [
@@ -252,7 +228,7 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
         found = measures(strike, strike.reference())
         if rigid_outcome == "rebound":
             rigid = measures(strike, strike.of(1).reference())
-            found[RATIO] = _ratios(found, rigid)["normal_final_impulse"]
+            found[RATIO] = ratios(found, rigid)["normal_final_impulse"]
     except TooStiffError:
         return {}
     return found
@@ -276,42 +252,8 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
     return dict(zip(MEASURES, values, strict=True))
 
 
-def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
-    """Simulate the strikes for the figure of the study.
-
-    ``stiffnesses`` are contact stiffnesses, given as durations of the rigid bristle's contact over
-    the requested duration. On each of them wires of 2, 4 and 8 links strike. On the requested
-    stiffness wires of every number of links up to the tool's number strike.
-    """
-    most = strike.tool.bristle.links
-    durations = strike.contact.duration * np.array(stiffnesses)
-    numbers = range(1, max(2, most) + 1)
-    coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
-
-    def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures of strikes, each divided by the measure of the rigid bristle's
-        strike; NaN if a contact does not end.
-        """
-        found = []
-        for each in strikes:
-            try:
-                found.append(
-                    _ratios(*(measures(one, one.run().contact) for one in (each, each.of(1))))
-                )
-            except ValueError:
-                found.append(dict.fromkeys(MEASURES, math.nan))
-        return {name: np.array([each[name] for each in found]) for name in MEASURES}
-
-    contacts = [ContactStiffness(duration) for duration in durations.tolist()]
-    by_duration = {
-        links: compared(strike.of(links, contact=each, settings=coarse) for each in contacts)
-        for links in [links for links in (2, 4, 8) if links <= most] or [most]
-    }
-    by_links = compared(strike.of(links, settings=coarse) for links in numbers)
-    return WireStudy(durations, by_duration, np.array(numbers, dtype=float), by_links)
-
-
-def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
+def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
+    """Return each measure of a strike over the same measure of another one; NaN over 0."""
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 

@@ -47,23 +47,18 @@ class Impacts:
     Attributes:
         chain: the rods before the impact.
         surface: the surface.
-        law: the requested contact law.
+        contact: the requested contact.
         strikes: results by law.
         refusals: reasons why other laws have no result, by law.
-        contact_duration: requested duration of the contact, s, or None.
         timing: how the duration of the contact in a film was chosen.
-        elastic: whether the contact is elastic along the surface; the closed forms assume that it
-            is not.
     """
 
     chain: Chain
     surface: Surface
-    law: str
+    contact: Contact
     strikes: dict[str, ChainStrike]
     refusals: dict[str, str]
-    contact_duration: float | None = None
     timing: str = ""
-    elastic: bool = False
 
 
 AT_REST = 1e-13
@@ -138,7 +133,7 @@ def oblique_impact(
     impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
     geometry = (bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma)
     theory = monofilament_impact(*geometry, *_coefficients(surface))
-    found = _bristle_rows(impacts, contact, settings, theory, IMPACT)
+    found = _bristle_rows(impacts, settings, theory, IMPACT)
     return _report(impacts, found, lambda one: one.contact.rates_after[0], "bristle")
 
 
@@ -162,17 +157,18 @@ def single_pendulum(
     else:
         speed = (min(-rate, 1e6), max(-rate / 1e6, 1.0))
         theory = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
-    found = _bristle_rows(impacts, contact, settings, theory, ("rebound_ratio", *IMPULSES))
+    found = _bristle_rows(impacts, settings, theory, ("rebound_ratio", *IMPULSES))
     return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
 
 
 def _bristle_rows(
-    impacts: Impacts, contact: Contact, settings: Settings, theory: Any, names: Iterable[str]
+    impacts: Impacts, settings: Settings, theory: Any, names: Iterable[str]
 ) -> list[Quantity]:
     """Compare the named quantities of one rod's impact with the closed form's attributes of the
     same names.
     """
     chain = impacts.chain
+    contact = impacts.contact
     surface = impacts.surface
     gamma = -chain.angles[0]
     before = chain.rates[0]
@@ -296,7 +292,7 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
             )
     strikes = dict[str, ChainStrike]()
     refusals = dict[str, str]()
-    for law in dict.fromkeys((*LAWS, contact.law)):
+    for law in LAWS:
         try:
             other = Contact(
                 law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0
@@ -308,16 +304,14 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
             if law == contact.law:
                 raise
             refusals[law] = str(error)
-    elastic = bool(contact.tangential_compliance)
-    return Impacts(
-        chain, surface, contact.law, strikes, refusals, contact.duration, elastic=elastic
-    )
+    return Impacts(chain, surface, contact, strikes, refusals)
 
 
 def _report(
     impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str
 ) -> Report:
-    requested = impacts.strikes[impacts.law]
+    requested = impacts.strikes[impacts.contact.law]
+    elastic = bool(impacts.contact.tangential_compliance)
     one = requested.contact
     turned = rate(requested)
     head = (
@@ -339,13 +333,13 @@ def _report(
     impulse = f"a normal impulse of {amount(one.impulse[0], 'N s')}{impulse_caution(one)}"
     known = (
         "the formulas are for a contact that is rigid along the surface"
-        if impacts.elastic
+        if elastic
         else agreement(rows)
     )
     motion = f"the {turning} then turns at {amount(turned, 'rad/s')}"
     answer = f"The tip {one.outcome_in_words}, with {impulse}; {motion}, and {known}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
-    if impacts.elastic:
+    if elastic:
         remarks.append("theory: of a contact that is rigid along the surface")
     return Report(
         **record_fields(one, requested, strike=one.time),

@@ -288,7 +288,7 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
     practically at rest during it (the rigid-body limit). That contact is kept too if 50 us are too
     short or too long for these rods. ``timing`` of the result states how the duration was chosen.
     """
-    if impacts.contact_duration is not None and impacts.law == "compliant":
+    if impacts.contact.duration is not None:
         return dataclasses.replace(impacts, timing="contact_duration as requested")
     limit = dataclasses.replace(impacts, timing="rigid-body limit")
     found = impacts.strikes.get("compliant")
