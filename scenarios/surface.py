@@ -7,7 +7,7 @@ a profilometer does and compared with the measured one.
 
 import sys
 
-from bristle_sim.cli import Columns, Picture, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Blasting, Bristle, Crater, Hub
 from bristle_sim.settings import Settings
@@ -27,6 +27,13 @@ def plot(report: Report) -> Picture:
     from bristle_sim.render.surface_pictures import surface_figure
 
     return surface_figure(report.subject)
+
+
+def film(report: Report, **size: int) -> Film:
+    """Film the surface while it forms."""
+    from bristle_sim.render.surface_pictures import SurfaceFilm
+
+    return SurfaceFilm(report.subject, **size)
 
 
 def series(report: Report) -> Columns:
@@ -50,6 +57,7 @@ SCENARIO = Scenario(
     question="Which roughness does this tool make, and how many square metres an hour?",
     run=run,
     plot=plot,
+    film=film,
     series=series,
     formats={".xyz": points},
     without=(*SHAPE_KEYS, "hub_turn", "plies"),

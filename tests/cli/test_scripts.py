@@ -141,6 +141,7 @@ PROMISES = {
         " ground_width cell planes bristles feed_speed track_width passes seed wire_diameter hub_speed",
         quick="ground_length=2mm ground_width=1mm cutoff_wavelength=0.4mm cell=20um places=random",
         strikes=False,
+        film="bristle_sim.render.surface_pictures.SurfaceFilm",
     ),
     "measured_impacts": Promise(
         "restitution_error spin_error rebound_angle_error_deg rigid_restitution_error rigid_spin_error"

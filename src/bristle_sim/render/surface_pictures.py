@@ -1,7 +1,8 @@
-"""Picture of a blasted surface: its height map, a profile, and roughness over time."""
+"""Pictures of a blasted surface: its height map, a profile, roughness over time, and a film."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -10,17 +11,24 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLUE, GREY, SKY, VERMILION
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
     MILLIMETRES,
+    Scale,
     add_colour_bar,
     add_panel,
     add_right_scale,
     blank_figure,
     note,
+    signed,
     styled,
 )
+from bristle_sim.studies.ground import Ground
 from bristle_sim.studies.surface import MEASURED_RZ, BlastedSurface
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles
 
@@ -28,6 +36,8 @@ MICRO = 1e6  # micrometres in a metre
 DEEPEST = 1.0  # percentile of the heights at the lower end of the colour scale
 LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # from the left, against the slide
 MAP = "cividis"
+FILM_SECONDS = 6.0
+PIXELS = 1000  # largest number of pixels of the film's height map along the slide
 
 
 @styled()
@@ -56,18 +66,41 @@ def surface_figure(made: BlastedSurface) -> Figure:
     return figure
 
 
-def _draw_map(axes: Axes, made: BlastedSurface) -> None:
-    """Draw the height map, coloured by depth and lit from the left."""
-    shown = MICRO * made.heights
-    norm = Normalize(float(np.percentile(shown, DEEPEST)), float(shown.max()))
-    ground = made.ground()
-    steps = {"dx": MICRO * ground.step, "dy": MICRO * ground.cell}
-    picture = LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps)
+def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
+    """Return the time under the belt, s, at which a number of strikes has fallen on the simulated
+    area.
+    """
+    part = made.blasting.track_width / made.blasting.ground_width
+    return np.asarray(strikes) * (part / made.strike_rate)
+
+
+def _colours(heights: Array) -> Normalize:
+    return Normalize(MICRO * float(np.percentile(heights, DEEPEST)), MICRO * float(heights.max()))
+
+
+def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
+    """Return the height map as a picture, coloured by depth and lit from the left.
+
+    The picture has one in ``every`` cells along the slide.
+    """
+    shown = MICRO * ground.heights[:, ::every]
+    steps = {"dx": every * MICRO * ground.step, "dy": MICRO * ground.cell}
+    return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps))
+
+
+def _show_ground(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
     length = MILLIMETRES * made.blasting.ground_length
     width = MILLIMETRES * made.blasting.ground_width
-    axes.imshow(picture, extent=(0.0, length, 0.0, width), origin="lower", aspect="auto")
     axes.grid(visible=False)
     axes.set(xlabel="along the slide (mm)", ylabel="across (mm)")
+    return axes.imshow(picture, extent=(0.0, length, 0.0, width), origin="lower", aspect="auto")
+
+
+def _draw_map(axes: Axes, made: BlastedSurface) -> None:
+    norm = _colours(made.heights)
+    ground = made.ground()
+    ground.heights = made.heights
+    _show_ground(axes, made, _lit(ground, norm))
     scale = add_colour_bar(axes, ScalarMappable(norm, MAP), "min")
     scale.set_title("µm", fontsize=7.0, color=GREY)
 
@@ -96,10 +129,9 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
     axes.set(xlabel=words, ylabel="roughness (µm)")
 
 
-def _draw_course(axes: Axes, made: BlastedSurface) -> None:
-    """Draw roughness Rz and coverage over the time under the belt."""
-    simulated = made.blasting.track_width / made.blasting.ground_width
-    time = made.course["strikes"] * (simulated / made.strike_rate)
+def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
+    """Draw roughness Rz and coverage over the time under the belt; return the axes of the coverage."""
+    time = time_of(made, made.course["strikes"])
     axes.axhspan(
         MICRO * MEASURED_RZ[0], MICRO * MEASURED_RZ[1], color=GREY, alpha=0.2, linewidth=0.0
     )
@@ -112,3 +144,69 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> None:
     covered.plot(time, 100.0 * made.course["coverage"], color=VERMILION, marker=".")
     covered.set_ylim(0.0, 110.0)
     covered.set_ylabel("coverage (%)", color=VERMILION)
+    return covered
+
+
+class SurfaceFilm(Film):
+    """Film of a surface while the belt passes over it, with Rz and coverage over time below."""
+
+    size = (800, 500)
+
+    def __init__(
+        self,
+        made: BlastedSurface,
+        *,
+        width: int = 800,
+        height: int = 500,
+        duration: float = FILM_SECONDS,
+    ) -> None:
+        """Draw the surface before the strikes; ``duration`` is the duration of the film, s."""
+        self.made = made
+        self.times = time_of(made, 1.0 + np.arange(made.depths.size))
+        warp = slow_motion(0.0, float(self.times[-1]), duration)
+        super().__init__(warp, width, height, (BLUE, VERMILION), Scale(1.0, "s"))
+        self.ground = made.ground()
+        self.every = -(
+            -made.heights.shape[1] // PIXELS
+        )  # cells along the slide for one in the picture
+        self.norm = _colours(made.heights)
+        letters = 0.6 * self.letters
+        with styled():
+            axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.91 - HEADER - 0.4 + 0.06))
+            self.picture = _show_ground(axes, made, self._picture())
+            course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
+            covered = _draw_course(course, made)
+            for each in (axes, course, covered):
+                each.tick_params(labelsize=letters)
+                each.yaxis.label.set_fontsize(letters)
+                each.xaxis.label.set_fontsize(letters)
+        self.moving = [self.picture, *self.hands]
+
+    def _picture(self) -> Array:
+        return _lit(self.ground, self.norm, self.every)
+
+    def move(self, time: float) -> Sequence[str]:
+        """Apply all strikes up to a time, s.
+
+        If the time is earlier than the present time, begin again with the unblasted surface.
+        """
+        number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))
+        done = len(self.ground.taken)
+        if number < done:
+            self.ground = self.made.ground()
+            done = 0
+        for (x, y), depth in zip(
+            self.made.places[done:number].tolist(),
+            self.made.depths[done:number].tolist(),
+            strict=True,
+        ):
+            self.ground.strike(x, y, depth)
+        self.picture.set_data(self._picture())
+        course = self.made.course
+        rz = MICRO * float(np.interp(number, course["strikes"], course["rz"]))
+        caption = f"{number} strikes, {3600.0 * self.made.area_rate:.2f} m²/h"
+        return (
+            caption,
+            f"Rz {signed(rz, 0, 4)} µm",
+            f"covered {100.0 * self.ground.coverage:5.1f} %",
+        )
