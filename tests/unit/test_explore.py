@@ -128,7 +128,7 @@ def unpacked(found: dict[str, Any], name: str) -> np.ndarray:
 
 
 def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
-    """Interpolated points are off by a shade at most, but where a bend between two coarse points shows in neither."""
+    """Every point is computed; a shade is the value rounded to the scale."""
     on = {
         "x": ["hub_speed", "2000 rpm", "3000 rpm"],
         "y": ["bar_horizontal", "54 mm", "47 mm"],
@@ -136,9 +136,9 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     }
     query = {"on": json.dumps(on), "fine": "1", "friction": "0.35"}
     found = client.get("/map", query_string=query).json
-    x = np.linspace(2000.0, 3000.0, 201) * np.pi / 30.0
-    y = np.linspace(0.054, 0.047, 201)[:, np.newaxis]
-    rows = [0, 3, 77, 150, 200]
+    x = np.linspace(2000.0, 3000.0, 161) * np.pi / 30.0
+    y = np.linspace(0.054, 0.047, 161)[:, np.newaxis]
+    rows = [3, 40, 77, 120, 150]
     many = bs.ensemble(friction=0.35, accuracy=1e-6, hub_speed=x, bar_horizontal=y[rows])
     low, high = (float(found[each].split()[0]) for each in ("low", "high"))
     shades = unpacked(found, "shades")[rows].astype(float)
@@ -147,19 +147,21 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     # The ends of the scale are given to three digits, and a shade is rounded to a half.
     off = np.abs(shown - many.tip_speed_at_contact)[inside]
     assert inside.mean() > 0.9
-    assert np.quantile(off, 0.98) < 2.0 * (high - low) / 254.0 + 5e-3 * high
+    assert off.max() < 0.5 * (high - low) / 254.0 + 5e-3 * high
     words = np.array(found["names"])[unpacked(found, "outcomes")[rows]]
-    assert (words != many.outcome).mean() < 0.01
+    assert (words == many.outcome).all()
     coarse = client.get("/map", query_string=query | {"fine": "0"}).json
-    assert (unpacked(found, "shades")[::5, ::5] == unpacked(coarse, "shades")).mean() > 0.99
+    # The ends of the two scales are percentiles of different points, and differ by some shades.
+    apart = unpacked(found, "shades")[::4, ::4].astype(int) - unpacked(coarse, "shades")
+    assert np.median(np.abs(apart)) <= 3
 
 
-def test_a_map_without_a_change_has_nothing_to_compute_finely(client: Any) -> None:
+def test_a_map_of_the_outcome_names_those_that_occur(client: Any) -> None:
     """The outcome is the same everywhere; where no pass can be computed, the line says why."""
     on = {"x": ["hub_speed", "2490 rpm", "2500 rpm"], "y": ["friction", "0.3", "0.31"]}
     query = {"on": json.dumps(on | {"of": "outcome"}), "fine": "1"}
     found = client.get("/map", query_string=query).json
-    assert "1681 computed" in found["note"]
+    assert found["note"] == "outcome: 25921 points"
     assert {found["names"][each] for each in found["present"]} == {"reverses its slip"}
     refused = client.get("/map", query_string=query | {"wire_links": "2"}).json
     assert "wire_links" in refused["error"]
