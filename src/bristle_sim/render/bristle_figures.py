@@ -84,7 +84,9 @@ def bent_figure(bent: BentBristles) -> Figure:
 def _draw_strike(
     panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord
 ) -> None:
-    (wires, paths, slides), run, color = panels, bent.trajectories[shape], SHAPES[shape]
+    wires, paths, slides = panels
+    run = bent.trajectories[shape]
+    color = SHAPES[shape]
     slide = bent.slides[shape]
     history = contact.history
     end = contact.time + contact.duration

@@ -20,10 +20,9 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
     OURS,
     Point,
     by_method,
-    cheapest,
     package_of,
 )
-from bristle_sim.benchmarks.accuracy_cost.study import NOT_IN_TIME, AccuracyCost
+from bristle_sim.benchmarks.accuracy_cost.study import AccuracyCost, comparisons
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
@@ -41,9 +40,6 @@ PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
 HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 PEER = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 0.8, "zorder": 2}
 """Styles of this project's curves, and of the curves of other packages."""
-
-TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
-"""Target errors, smallest first. Packages are compared at the first target that a method reaches."""
 
 LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 
@@ -64,18 +60,16 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     for number, case in enumerate(measured.cases):
         row, column = divmod(number, 2)
         place = (1.45 + 8.2 * column, (rows - row) * ROW - PANEL[1] - HEAD)
-        _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
+        # Of the target errors that a method of ours reaches, the smallest is compared.
+        _, target, *compared = min(
+            (each for each in comparisons(measured) if each.case == case.name),
+            key=lambda each: (each.ours is None, each.target),
+        )
+        axes = axes_at(figure, *place, *PANEL)
+        note(axes, verdict(target, *compared), (0, 1), (0, 5), xycoords="axes fraction")
+        points = [each for each in measured.of(case.name) if math.isfinite(each.error)]
+        _panel(axes, case, points, [each for each in compared if each is not None])
     return figure
-
-
-def reached(points: Sequence[Point]) -> tuple[float, Point | None]:
-    """Return the smallest target error that any point reaches, and the cheapest point that reaches
-    it.
-
-    If no target is reached, the error is 1 and the point is None.
-    """
-    found = ((target, cheapest(points, target)) for target in TARGETS)
-    return next((each for each in found if each[1] is not None), (1.0, None))
 
 
 def verdict(target: float, own: Point | None, peer: Point | None) -> str:
@@ -85,7 +79,7 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     ``peer`` is the cheapest one of another package.
     """
     if own is None:
-        return "none of our methods is within 1"
+        return "none of our methods that integrate in time reaches the target errors"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
     return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}; no peer"
 
@@ -95,11 +89,14 @@ def _shown(point: Point) -> str:
     return f"{time:.0f} ms" if time >= 10.0 else f"{time:.2g} ms"
 
 
-def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw the panel of a test case, with its legend and the notes on the case below it."""
+def _panel(axes: Axes, case: Case, points: Sequence[Point], compared: Sequence[Point]) -> None:
+    """Draw the panel of a test case, with its legend and the notes on the case below it.
+
+    Rings mark the points ``compared``.
+    """
     colours = itertools.cycle(OWN)
     markers = itertools.cycle("osD^vPX*")
-    for own in by_method(each for each in points if math.isfinite(each.error)):
+    for own in by_method(points):
         method = own[0].method
         look = PEER | {"color": PEERS.get(package_of(method), GREY)}
         if package_of(method) == OURS:
@@ -111,21 +108,7 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
-    axes.axhline(TARGETS[0], color=GREY, linewidth=0.7, dashes=(4, 2), zorder=0)
-    in_time = [each for each in points if each.method not in NOT_IN_TIME]
-    target, ours = reached([each for each in in_time if package_of(each.method) == OURS])
-    peer = cheapest([each for each in in_time if package_of(each.method) != OURS], target)
-    note(
-        axes,
-        verdict(target, ours, peer),
-        (0, 1),
-        (0, 5),
-        xycoords="axes fraction",
-        color=BLACK,
-        fontsize=6.5,
-    )
     look = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
-    compared = [each for each in (ours, peer) if each is not None]
     times = [MILLISECONDS * each.cpu_s for each in compared]
     errors = [max(each.error, LEAST) for each in compared]
     axes.plot(times, errors, "o", label="compared above", **look)

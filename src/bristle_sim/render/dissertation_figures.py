@@ -167,7 +167,8 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         draw_level, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
         levels[level.label] = draw_level(factor * level.value, label=level.label, **dashed)
     for mark in panel.marks:
-        place, (offset, side) = (x * mark.x, y * mark.y), _SIDES[mark.side]
+        place = (x * mark.x, y * mark.y)
+        offset, side = _SIDES[mark.side]
         dot: dict[str, Any] = (
             {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
         )

@@ -110,7 +110,8 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
     """Shade the phases of an impact, with compression and restitution named above, slip and stick
     below.
     """
-    ends, (_, right) = (course.impulse * factor).tolist(), axes.get_xlim()
+    ends = (course.impulse * factor).tolist()
+    right = axes.get_xlim()[1]
     halves: dict[str, tuple[float, float]] = {}
     named = []
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):

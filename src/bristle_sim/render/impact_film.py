@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,15 +13,13 @@ from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
+from bristle_sim.render.contact_motion import ContactMotion, contact_motion
 from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
-from bristle_sim.render.story import OUTCOMES, Phase, phase_at
+from bristle_sim.render.story import phase_at
 from bristle_sim.render.style import scale_for, signed, styled
-from bristle_sim.studies.bent_bristles import slide_path
 from bristle_sim.studies.impacts import Impacts
-from bristle_sim.studies.timed_contact import pieces
-from bristle_sim.trajectory import ContactRecord
 
 NORMAL = BLUE
 TANGENTIAL = VERMILION
@@ -33,9 +30,6 @@ PANELS = (
 )
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
-# Free motion shown before and after the contact, as fractions of its duration.
-BEFORE = 0.10
-AFTER = 0.18
 STILL = 1e-6  # largest velocity that is drawn as zero, over the largest velocity
 ARROW = 0.13  # length of the arrow of the largest velocity, over the height of the drawing
 # length of the arrow of the largest force, as a fraction of the drawing's height
@@ -47,97 +41,6 @@ CRATER = 0.02
 # size.
 TIP_RADIUS = 9.0
 ROD_LENGTH = 300.0
-
-
-@dataclass(frozen=True, slots=True)
-class ContactMotion:
-    """Motion and forces of an impact over time, in SI units.
-
-    Values between two samples are interpolated linearly. Where a force jumps, two samples have the
-    same time.
-
-    Attributes:
-        time: times from the first touch, s; negative before it.
-        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces
-            on it (``normal_force``, ``tangential_force``, N), and its displacement since the first
-            touch, ``depth`` below the surface and ``along`` the surface, m.
-        phases: phases of the impact with their start times, for example ``compression slip``. The
-            first is the arrival, the last is the outcome.
-        touch_end: end of the contact, s.
-    """
-
-    time: Array
-    samples: dict[str, Array]
-    phases: tuple[Phase, ...]
-    touch_end: float
-
-    def largest(self, *names: str) -> float:
-        """Return the largest magnitude over time of a vector whose components are the named
-        samples.
-        """
-        return float(np.linalg.norm([self.samples[name] for name in names], axis=0).max())
-
-    @property
-    def compression_end(self) -> float:
-        """Time from the first touch to the deepest penetration, s."""
-        return float(self.time[int(np.argmax(self.samples["depth"]))])
-
-    def at(self, name: str, time: float) -> float:
-        """Return a quantity at a time, s, interpolated between its samples."""
-        return float(np.interp(time, self.time, self.samples[name]))
-
-
-def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return motion and forces of a recorded contact over time, with free motion before and after
-    it.
-
-    A tip that does not leave the surface remains at rest after the contact.
-
-    Raises:
-        ValueError: if the contact has no history: its law is instantaneous, or the tip did not
-            approach.
-    """
-    history = record.history
-    if history is None or history.time.size < 2:
-        raise ValueError(
-            f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show"
-        )
-    clock = history.time - history.time[0]
-    end = float(clock[-1])
-    leaves = record.outcome == "rebound"
-
-    def extended(values: Array, speed: Array) -> Array:
-        """Return samples of a coordinate, with free motion at its first and last speed around them."""
-        start = [values[0] - BEFORE * end * speed[0], values[0]]
-        return np.concatenate([start, values, [values[-1], values[-1] + AFTER * end * speed[-1]]])
-
-    def held(values: Array, before: float, after: float) -> Array:
-        """Return samples with two equal ones before and two after them, as fractions of the ends."""
-        return np.concatenate([2 * [before * values[0]], values, 2 * [after * values[-1]]])
-
-    normal = held(history.normal_velocity, 1.0, leaves)
-    tangential = held(history.tangential_velocity, 1.0, leaves)
-    samples = {
-        "normal_velocity": normal,
-        "tangential_velocity": tangential,
-        "normal_force": held(history.normal_force, 0.0, not leaves),
-        "tangential_force": held(history.tangential_force, 0.0, not leaves),
-        "depth": extended(history.penetration, -normal),
-        "along": extended(slide_path(history), tangential),
-    }
-    time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
-    # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
-    parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[
-        -len(record.phases) :
-    ]
-    named = [
-        Phase(float(clock[part[0]]), name)
-        for part, name in zip(sorted(parts), record.phases, strict=False)
-    ]
-    ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
-    outcome = Phase(end, ending.get(record.outcome, record.outcome))
-    phases = (Phase(-BEFORE * end, "the tip arrives"), *named, outcome)
-    return ContactMotion(time, samples, phases, end)
 
 
 class TipDrawing:
@@ -196,7 +99,8 @@ class TipDrawing:
         """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
         motion = self._motion
         factor = self.scale.factor
-        x, y = motion.at("along", time) * factor, -motion.at("depth", time) * factor
+        x = motion.at("along", time) * factor
+        y = -motion.at("depth", time) * factor
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
         self.trail.set_data(*np.vstack([past, [x, y]]).T)
         self.rod.set_data([x], [y])
@@ -256,14 +160,16 @@ class ImpactFilm(Film):
             *(each for each, *_ in self.markers),
         ]
         source = f" ({impacts.timing})" if impacts.timing else ""
-        instants = (motion.compression_end, motion.touch_end)
-        compressed, touched = (
-            f"{time * self.clock.factor:.4g} {self.clock.unit}" for time in instants
-        )
+        compressed = f"{motion.compression_end * self.clock.factor:.4g} {self.clock.unit}"
+        touched = f"{motion.touch_end * self.clock.factor:.4g} {self.clock.unit}"
         words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
-        self.figure.text(
-            0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY
-        )
+        look: dict[str, Any] = {
+            "ha": "right",
+            "va": "top",
+            "fontsize": 0.66 * self.letters,
+            "color": GREY,
+        }
+        self.figure.text(0.98, 0.985, words, **look)
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move drawings and markers to a time, s.
@@ -273,10 +179,8 @@ class ImpactFilm(Film):
         """
         motion = self.motion
         height = float(np.ptp(self.chain.get_ylim()))
-        tangential, normal = (
-            motion.at("tangential_velocity", time),
-            motion.at("normal_velocity", time),
-        )
+        tangential = motion.at("tangential_velocity", time)
+        normal = motion.at("normal_velocity", time)
         x, y = ARROW * height / self.fastest * np.array([tangential, normal])
         start, end = ((-x, -y), (0.0, 0.0)) if normal < 0.0 else ((0.0, 0.0), (x, y))
         point_arrow(self.arrow, start, end, shortest=0.006 * height)
@@ -342,7 +246,9 @@ def draw_chain(
     centre = -centre_line[-1]
     box = axes.get_window_extent()
     view = View.around([points], box.width / box.height, 0.35)
-    size, width, (x, y) = view.top - view.bottom, view.right - view.left, points[0]
+    size = view.top - view.bottom
+    width = view.right - view.left
+    x, y = points[0]
     View(view.left, view.right, -0.15 * size, 0.85 * size).apply(axes)
     axes.set_axis_off()
     axes.add_patch(Rectangle((view.left - width, -0.3 * size), 3.0 * width, 0.3 * size, **GROUND))

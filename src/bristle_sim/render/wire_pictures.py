@@ -143,8 +143,9 @@ class WireFilm(Film):
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and the arrow of the force to a time, s."""
-        (touch, force), runs = _force(self.struck.wire), (self.struck.wire, self.struck.rigid)
-        pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in runs)
+        touch, force = _force(self.struck.wire)
+        pushed = float(np.interp(time, touch, force, right=0.0))
+        rigid = float(np.interp(time, *_force(self.struck.rigid), right=0.0))
         self.rigid.place(_centre_line(self.struck.rigid, time))
         self.wire.place(line := _centre_line(self.struck.wire, time))
         x, y = (line[-1] * style.MILLIMETRES).tolist()

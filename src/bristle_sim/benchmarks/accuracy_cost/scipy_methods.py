@@ -60,7 +60,8 @@ def _flight(case: Case) -> Slope:
     The angle alpha is in units of the retraction at the start, the rate in units of the highest
     rate.
     """
-    tool, (retraction, highest) = case.tool, case.scale
+    tool = case.tool
+    retraction, highest = case.scale
     stiffening = centrifugal_stiffness(
         tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed
     )

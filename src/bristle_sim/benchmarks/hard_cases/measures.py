@@ -138,14 +138,13 @@ def _closed_form(
     mass = chain.masses[-1]
     length = chain.lengths[0]
     if len(chain.masses) == 1:
-        (rate,), (angle,) = chain.rates, chain.angles
-        one = monofilament_impact(mass, length, 0.0, rate, 1.0, -angle, friction, restitution)
+        radial = (0.0, chain.rates[0], 1.0, -chain.angles[0])
+        one = monofilament_impact(mass, length, *radial, friction, restitution)
         return (float(one.final_bristle_rate),), float(one.normal_final_impulse), one.outcome_name
-    (first, second), rates = chain.angles, (-chain.rates[0], -chain.rates[1])
+    angle_1, angle_2, rate_1, rate_2 = (-each for each in (*chain.angles, *chain.rates))
+    motion = (angle_1, angle_2, rate_1, rate_2)
     ratio = chain.masses[0] / mass
-    two = double_pendulum_impact(
-        mass, ratio, length, -first, -second, *rates, friction, restitution
-    )
+    two = double_pendulum_impact(mass, ratio, length, *motion, friction, restitution)
     return (
         (-float(two.final_rate_1), -float(two.final_rate_2)),
         float(two.normal_final_impulse),
