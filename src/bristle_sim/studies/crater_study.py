@@ -100,8 +100,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes
             cannot be simulated.
     """
-    speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
-    study = _study(hub, bristle, crater, settings, speed)
+    study = _study(hub, bristle, crater, settings)
     printed = dict[str, float]()
     if crater == Crater() and bristle == Bristle():  # 300 plies are called converged
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
@@ -118,7 +117,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     depths["energy_crater_depth"] = float(
         chapter_4.energy_crater_depth(int(crater.plies), **of_energy)
     )
-    simulated, theory = _contact_depths(study, bristle, speed)
+    simulated, theory = _contact_depths(study, bristle)
     words = "C for the measured depth"
     constant = _constant_deg(crater, bristle.wire_diameter)
     remarks = [
@@ -155,8 +154,7 @@ def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ValueError: if the tip does not approach, the parameters leave a formula's range, or the
             contact cannot be simulated.
     """
-    speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
-    study = _study(hub, bristle, crater, settings, speed)
+    study = _study(hub, bristle, crater, settings)
     if study.inclined is None:
         raise ValueError(study.no_contact)
     face = TipFace(short_axis=bristle.wire_diameter)
@@ -183,9 +181,7 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
     )
 
 
-def _study(
-    hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float
-) -> CraterStudy:
+def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> CraterStudy:
     """Simulate the contact and compute the craters that it cuts.
 
     Only compression is simulated, since the tip cuts until it is deepest.
@@ -207,7 +203,7 @@ def _study(
     try:
         contact = timed_contact(hub, bristle, surface, cut["impact_angle"], settings, **timed)
     except ValueError as error:
-        if speed > 0.0:
+        if tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio) > 0.0:
             raise
         return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, no_contact=str(error))
     columns = contact.history.columns().values()
@@ -218,7 +214,7 @@ def _study(
     return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, contact, "", *craters)
 
 
-def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
+def _contact_depths(study: CraterStudy, bristle: Bristle) -> tuple[Values, Values]:
     """Return the crater depths by the simulated contact, and the same depths by theory.
 
     In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. Along the
@@ -227,8 +223,9 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     crater = study.crater
     parallel = study.parallel
     inclined = study.inclined
-    if parallel is None or inclined is None:
+    if study.contact is None or parallel is None or inclined is None:
         return {}, {}
+    speed = study.contact.tip_speed
     gamma = study.impact_angle
     energy = bristle.mass * speed**2 / 6.0
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time

@@ -44,24 +44,11 @@ def contact_inverse_mass(chain: Chain) -> Array:
     """Return the inverse mass matrix K = J M^-1 J^T at the tip of a chain of hinged uniform rods,
     1/kg.
 
-    The order is (normal, tangential), the shape (2, 2).
-    """
-    jacobian, response = tip_response(chain)
-    return np.asarray(jacobian @ response)
-
-
-def tip_response(chain: Chain) -> tuple[Array, Array]:
-    """Return the Jacobian of the tip's velocity, and the response of a chain of hinged uniform rods
-    to an impulse at the tip.
-
     The generalised speeds are u_i = L_i theta_i'. The tip moves with the normal velocity sum of u_i
     sin theta_i and the tangential velocity sum of u_i cos theta_i, together J u. The kinetic energy
     is u^T M u/2. M_ii is m_i/3 plus the masses beyond rod i. For i < j, M_ij is cos(theta_i -
     theta_j) times the sum of m_j/2 and the masses beyond rod j, whatever the lengths. The hub turns
-    at constant speed and does not respond.
-
-    Returns:
-        The Jacobian J, shape (2, rods), and the response M^-1 J^T, shape (rods, 2), 1/kg.
+    at constant speed and does not respond. The order of K is (normal, tangential).
     """
     masses = np.array(chain.masses)
     angles = np.array(chain.angles)
@@ -72,7 +59,7 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
     )
     inertia[order, order] = masses / 3.0 + carried
     jacobian = np.stack([np.sin(angles), np.cos(angles)])
-    return jacobian, np.linalg.solve(inertia, jacobian.T)
+    return np.asarray(jacobian @ np.linalg.solve(inertia, jacobian.T))
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:

@@ -269,8 +269,9 @@ def _ellipse_values(ellipse: Ellipse, compliance: float) -> dict[str, float]:
         "compliant": (energetic_impact, {"tangential_compliance": compliance}),
     }
     values = {"impacts": float(len(ellipse.before))}
-    fits = {name: fitted(law, train, **elastic) for name, (law, elastic) in laws.items()}
+    fits = dict[str, tuple[float, float]]()
     for name, (law, elastic) in laws.items():
+        fits[name] = fitted(law, train, **elastic)
         impulse = test.predicted(law, *fits[name], **elastic)
         values[f"{name}_error"] = float(test.misfit(impulse).mean())
     values["best_impulse_error"] = float(test.misfit(test.best_impulse()).mean())
