@@ -160,12 +160,16 @@ def _engage(
                 gaps, contact.pair, system.state, system.slip_error(system.state)
             )
     closed = [ClosedPair(contact.pair, None, contact.slip) for contact in ordered]
-    motion.rigid = RigidContacts(system.scene, closed, paired=paired)
-    system.state = motion.rigid.set_back(gaps, system.state)
+    rigid = motion.rigid = RigidContacts(system.scene, closed, paired=paired)
+    system.state = rigid.set_back(gaps, system.state)
     if system.mechanism.single_link and paired:
         # From here on the geometry gives angle and rate, whatever their errors before.
         system.recording.error = system.recording.summed
-    if motion.rigid.engage(gaps, system.state) <= 0.0:
+    rigid.engage(system.state)
+    compliances = (
+        rigid.compliance_in_slip(gaps, system.state, index) for index in range(len(closed))
+    )
+    if min(compliances) <= 0.0:
         _locked(system, ordered)
 
 

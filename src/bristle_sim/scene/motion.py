@@ -5,7 +5,6 @@ The motion is integrated interval by interval. An interval is shortened to its f
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -98,9 +97,14 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     for _, spring in motion.springs:
         follow_bodies(system.scene, start, spring)
     length = _proposed(system, motion)
-    integrate_to = functools.cache(
-        functools.partial(system.stepper.advance, system.scene, start, load=motion.load)
-    )
+    known: dict[float, IntervalResult] = {}
+
+    def integrate_to(time: float) -> IntervalResult:
+        """Return the result at a time after the interval's start; each time is integrated once."""
+        if time not in known:
+            known[time] = system.stepper.advance(system.scene, start, time, motion.load)
+        return known[time]
+
     result = integrate_to(length)
     if motion.rigid is not None and (result.failed or first):
         forces = motion.rigid.normal(result.totals)
@@ -259,7 +263,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
                 guess = interval.at(part * interval.length)
                 force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
                 system.sample({contact: force}, state=motion.rigid.set_back(system.gaps, guess))
-        motion.rigid.engage(system.gaps, system.state)
+        motion.rigid.engage(system.state)
     system.sample(ends)
 
 

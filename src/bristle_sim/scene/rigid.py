@@ -55,16 +55,12 @@ class RigidContacts:
         self._paired = paired and self._solver.reversible
         self._step = 0.0
 
-    def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the contacts act from a state on; return the smallest of their relative compliances.
-
-        ``compliance_in_slip`` defines the relative compliance.
-        """
+    def engage(self, state: State) -> None:
+        """Let the contacts act from a state on."""
         self.closed = [
             each._replace(piece=self._next_piece(each.pair, state)) for each in self.closed
         ]
         self.scene.engine.keep_closed(self.closed)
-        return min(self.compliance_in_slip(gaps, state, index) for index in range(len(self.closed)))
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and the sticking contacts have
@@ -118,7 +114,7 @@ class RigidContacts:
         stuck = (index for index, each in enumerate(self.closed) if each.slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
-    def compliance_in_slip(self, gaps: Gaps, state: State, index: int = 0) -> float:
+    def compliance_in_slip(self, gaps: Gaps, state: State, index: int) -> float:
         """Return the relative compliance of a contact in slip.
 
         It is the change of the normal velocity per unit normal impulse, K_nn - mu sign(v_t) K_nt,
