@@ -9,6 +9,7 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.scene.extrapolation import CLOSE
 from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.simulate import simulate
@@ -102,6 +103,13 @@ class TestStarts:
         tool = replace(TOOL, hub=Hub(speed=0.0, radius=0.0), bar=bar, workpart=None)
         run = simulate(tool, Settings(hub_turn=1.0), start_hub_angle=0.0)
         assert "jam" not in [each.name for each in run.events]
+
+    def test_almost_end_on(self) -> None:
+        """A slow hub, 19 rpm, turns the wire almost to the bar's normal: its force is large there, and ends as in the passes computed in arrays."""
+        tool = replace(TOOL, hub=Hub(speed=2.0), belt=Belt(stiffness=0.1))
+        run = simulate(tool, Settings(accuracy=1e-4), stop_after="bar release")
+        assert run.stop_reason == "requested event"
+        assert run.time[-1] == pytest.approx(float(ensemble(tool).release_time), rel=1e-6)
 
 
 class TestLimits:

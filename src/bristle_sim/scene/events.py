@@ -30,7 +30,7 @@ from bristle_sim.scene.system import System
 
 # least compliance of a slipping contact, over the compliance of a free link: with less, the link
 # jams, because the force that keeps the contact closed grows without bound
-LEAST_COMPLIANCE_IN_SLIP = 1e-3
+LEAST_COMPLIANCE_IN_SLIP = 1e-6
 PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
 """Tolerance to which the events of a contact spring are located, over the permitted velocity error
