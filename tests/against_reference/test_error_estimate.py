@@ -77,3 +77,18 @@ def test_a_drag_ends_the_errors_of_the_taps_before_it() -> None:
     error = np.abs(run.rates[-1] - fine.rates[-1]).max() * tool_units(tool).time
     # Since the drag only the errors of intervals have added up, each within the requested accuracy.
     assert error <= run.cost.error_estimate <= 1e-6  # type: ignore[operator]
+
+
+def test_a_contact_in_the_rigid_limit_counts_its_difference_from_the_law() -> None:
+    """At 1e-9 this difference, not an interval's error, is the strike's error; a contact of 1 ms stands for no law."""
+    fine = Settings(accuracy=1e-9)
+    law, limit = (
+        simulate(tool, fine, stop_after="strike")
+        for tool in (Tool(), Tool().replace(contact="compliant"))
+    )
+    error = np.abs(law.rates[-1] - limit.rates[-1]).max() * tool_units(Tool()).time
+    assert law.cost.error_estimate < error <= limit.cost.error_estimate  # type: ignore[operator]
+    lasting = Tool().replace(contact="compliant", contact_duration=1e-3)
+    run = simulate(lasting, Settings(accuracy=1e-6), stop_after="strike")
+    # A dozen intervals, each within the requested accuracy.
+    assert run.cost.error_estimate <= 1.2e-5  # type: ignore[operator]

@@ -103,6 +103,7 @@ class TestStarts:
         tool = replace(TOOL, hub=Hub(speed=0.0, radius=0.0), bar=bar, workpart=None)
         run = simulate(tool, Settings(hub_turn=1.0), start_hub_angle=0.0)
         assert "jam" not in [each.name for each in run.events]
+        assert run.stop_reason is StopReason.NO_GRIP
 
     def test_almost_end_on(self) -> None:
         """A slow hub, 19 rpm, turns the wire almost to the bar's normal: its force is large there, and ends as in the passes computed in arrays."""
