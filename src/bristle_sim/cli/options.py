@@ -176,7 +176,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "json": ("FILE", "write the results as JSON; - for standard output", {}),
     "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
     "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {}),
-    "plot": ("FILE", "draw a figure (PNG, SVG, PDF)", {}),
+    "plot": ("FILE", "draw the figure (PNG, SVG, PDF); for several figures a folder or a PDF", {}),
     "video": ("FILE", "render a video (MP4, GIF)", {}),
     "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
     "fps": ("NUMBER", "frames per second of the video", {"type": _frame_rate}),
@@ -215,12 +215,8 @@ def parser_of(
         left_out |= {"csv", "interval"}
     if not (scenario.plot or scenario.plots or sweeping):
         left_out.add("plot")
-    for name, (metavar, words, how) in OPTIONS.items():
-        if name in left_out:
-            parser.set_defaults(**{name: None})
-        else:
-            place = "FOLDER|FILE.pdf" if name == "plot" and scenario.plots else metavar
-            parser.add_argument(flag(name), metavar=place, help=words, **how)
+    parser.set_defaults(**dict.fromkeys(left_out))
+    add_options(parser, *(name for name in OPTIONS if name not in left_out))
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
         setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}

@@ -57,27 +57,7 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     def typed() -> list[str]:
         return [f"{key}={value}" for key, value in request.args.items() if key not in OF_THE_PAGE]
 
-    policy = content_policy(page)
-
-    @app.before_request
-    def check_host() -> Response | None:
-        """Refuse a request whose Host header does not name this server."""
-        if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
-            return None
-        return Response(
-            "Host: must be the address that the command printed\n",
-            status=421,
-            mimetype="text/plain",
-        )
-
-    @app.after_request
-    def protect(response: Response) -> Response:
-        """Add the headers that restrict a browser to the page's own script and to this server."""
-        response.headers["Content-Security-Policy"] = policy
-        response.headers["X-Content-Type-Options"] = "nosniff"
-        response.headers["Referrer-Policy"] = "no-referrer"
-        response.headers["Cache-Control"] = "no-store"
-        return response
+    _guard(app, host, content_policy(page))
 
     def client() -> str:
         return request.headers.get("X-Client", "")
@@ -118,6 +98,32 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     return app
 
 
+def _guard(app: Flask, host: str, policy: str) -> None:
+    """Let an application refuse requests that are not meant for it, and send headers that protect
+    the page.
+    """
+
+    @app.before_request
+    def check_host() -> Response | None:
+        """Refuse a request whose Host header does not name this server."""
+        if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
+            return None
+        return Response(
+            "Host: must be the address that the command printed\n",
+            status=421,
+            mimetype="text/plain",
+        )
+
+    @app.after_request
+    def protect(response: Response) -> Response:
+        """Add the headers that restrict a browser to the page's own script and to this server."""
+        response.headers["Content-Security-Policy"] = policy
+        response.headers["X-Content-Type-Options"] = "nosniff"
+        response.headers["Referrer-Policy"] = "no-referrer"
+        response.headers["Cache-Control"] = "no-store"
+        return response
+
+
 def meant_for(header: str, host: str, port: str) -> bool:
     """Return whether the Host header of a request names this server.
 
@@ -125,23 +131,17 @@ def meant_for(header: str, host: str, port: str) -> bool:
     on every address of the machine, any numerical address is accepted, since no other site can
     redirect a numerical address to this server.
     """
-    try:
+    with contextlib.suppress(ValueError):
         named = urlsplit(f"//{header}")
         name = named.hostname or ""
-        same_port = str(named.port or 80) == port
-    except ValueError:
-        return False
-    return same_port and (
-        name in (*NAMES, host.lower()) or (host in ("0.0.0.0", "::") and _is_address(name))
-    )
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
+        if str(named.port or 80) != port:
+            return False
+        if name in (*NAMES, host.lower()):
+            return True
+        if host in ("0.0.0.0", "::"):
+            ipaddress.ip_address(name)  # raises ValueError for a name
+            return True
+    return False
 
 
 def content_policy(page: str) -> str:
