@@ -142,7 +142,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
             before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
             mean = 0.5 * np.add(each.velocity_before, each.velocity_after)
             work = float(np.dot(each.impulse, mean)) if each.work is None else sum(each.work)
-            moment = float(_arms_at(tool, run, each)[0] @ each.impulse)
+            moment = float(arms_at(tool, run, each)[0] @ each.impulse)
             found.append(abs(0.5 * inertia * (after**2 - before**2) - work + omega * moment))
     return max(found), max(uncertain)
 
@@ -156,7 +156,7 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 
 
-def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
+def arms_at(tool: Tool, run: Trajectory, contact: ContactRecord) -> tuple[Array, Array]:
     """Return the lever arms of the normal and the tangential force of a contact, m.
 
     Returns:
@@ -208,7 +208,7 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     errors = dict[str, float]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
-        arms = _arms_at(tool, run, strike)[1]
+        arms = arms_at(tool, run, strike)[1]
         gain = arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root
         change = np.subtract(strike.velocity_after, strike.velocity_before)
         errors["impulse_momentum_error"] = float(np.abs(change - gain).max()) / speed

@@ -21,7 +21,14 @@ from scipy.interpolate import CubicSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.pass_invariants import complex_points, levers, nearest, touched, wire_lines
+from bristle_sim.studies.pass_invariants import (
+    arms_at,
+    complex_points,
+    levers,
+    nearest,
+    touched,
+    wire_lines,
+)
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -120,9 +127,8 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
         if contact.law == "sustained":
             found += _sustained(tool, run, contact)
             continue
-        line = complex_points(run.centre_line[[int(abs(run.time - contact.time).argmin())]])
-        (arms,) = levers(*touched(tool, contact.obstacle, line))
-        integral = np.array([*contact.impulse, arms @ contact.impulse])
+        moment = arms_at(tool, run, contact)[0] @ contact.impulse
+        integral = np.array([*contact.impulse, moment])
         found.append(Force(contact.obstacle, contact.time, contact.time, integral))
     return tuple(found)
 
